@@ -1,0 +1,59 @@
+#pragma once
+
+#include <Eigen/SparseCore>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "engine/math.h"
+
+namespace lithe {
+
+using SparseMatrix = Eigen::SparseMatrix<double>;
+
+/// Surface of the mesh for pictures (VTU): element connectivity by node index (0-based), CalculiX/Abaqus node order.
+struct ElementBlock {
+  std::string type;                     // "C3D8", "C3D20", "C3D10", ...
+  std::vector<std::vector<int>> nodes;  // node indices of each element
+};
+
+/// What a finite-element code hands over at t = 0: nodes, M_A and K_A in the axes of the mesh (Vlasenko & Kasper, I-II).
+/// Degree of freedom 3 * node + axis; no support is applied: K has six zero eigenvalues.
+struct FiniteElementModel {
+  std::string name;                                  // where it came from, for messages
+  std::vector<int> node_ids;                         // labels of the FE code, by node index
+  Matrix3X nodes;                                    // 3 x n positions, metres
+  SparseMatrix stiffness;                            // 3n x 3n, N/m, both triangles
+  SparseMatrix mass;                                 // 3n x 3n, kg, both triangles, consistent or lumped
+  std::map<std::string, std::vector<int>> node_sets; // node labels by set name
+  std::vector<ElementBlock> elements;                // may be empty
+
+  int node_count() const { return static_cast<int>(nodes.cols()); }
+  /// Index of a node label; throws SceneError naming the model and the nearest labels.
+  int node_index(int id) const;
+  /// Node labels of a set; throws SceneError listing the known sets.
+  const std::vector<int>& node_set(const std::string& set) const;
+};
+
+/// What is wrong or right with a model, each figure on its natural scale (EQUATIONS.md section 2.1).
+struct ModelCheck {
+  double mass = 0;                     // kg, Phiᵀ M Phi
+  Vector3 center = Vector3::Zero();    // centre of mass, mesh axes
+  Matrix3 inertia = Matrix3::Zero();   // about the centre of mass, mesh axes
+  double stiffness_asymmetry = 0;      // max|K - Kᵀ| / max|K|
+  double mass_asymmetry = 0;
+  double rigid_residual[6] = {};       // |K r| / (|K| |r|) for the three translations and three rotations
+  double mass_isotropy = 0;            // max|S_ij - tr(S_ij)/3 E| / max|S|: scalar interpolation if <= 1e-10
+  double row_sum_deviation = 0;        // eqs. (19)-(20): max|sum_j S_ij - k_i E| / max|k_i|
+  bool mass_positive = false;          // Cholesky of M succeeds
+  int stiffness_negative = 0;          // negative eigenvalues of K + small shift M beyond round-off
+  std::string report() const;          // the sheet a user reads
+};
+
+/// Measures a model. Throws FileError/SceneError only for what cannot be measured (sizes that do not match, NaN).
+ModelCheck check(const FiniteElementModel& model);
+/// check(), then throws SceneError on what makes a model unusable: asymmetry, mass <= 0, a rigid motion with
+/// stiffness, indefinite M or K, M not a scalar interpolation. Names the figure, the bound and how to mend it.
+ModelCheck require_sound(const FiniteElementModel& model);
+
+}  // namespace lithe

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <source_location>
+#include <stdexcept>
+#include <string>
+
+namespace lithe {
+
+/// Text that remembers where it was written, so that an error raised far below can name the user's line.
+struct Located {
+  std::string text;
+  std::source_location where;
+  Located(const char* text, std::source_location where = std::source_location::current())  // NOLINT: implicit on purpose
+      : text(text), where(where) {}
+  Located(std::string text, std::source_location where = std::source_location::current())  // NOLINT
+      : text(std::move(text)), where(where) {}
+};
+
+/// A mistake in a scene, a file or an argument: what is wrong, where, and how to mend it.
+/// Thrown by the call that saw it; nothing that was computed before is lost.
+class Error : public std::runtime_error {
+ public:
+  Error(std::string what, std::string where, std::string mend);
+
+  const std::string& problem() const { return problem_; }  // what is wrong, one sentence
+  const std::string& where() const { return where_; }      // file:line, body, joint or coordinate
+  const std::string& mend() const { return mend_; }        // what the user can do
+
+ private:
+  std::string problem_, where_, mend_;
+};
+
+/// The scene cannot be built as drawn: parameters, markers, connectivity, initial conditions.
+class SceneError : public Error {
+ public:
+  using Error::Error;
+};
+/// A file is missing, truncated or means something else than it should.
+class FileError : public Error {
+ public:
+  using Error::Error;
+};
+/// Time integration could not go on; the state reached so far is kept.
+class SimulationError : public Error {
+ public:
+  using Error::Error;
+};
+
+/// "file.cpp:12", the last path component only, as errors print it.
+std::string to_string(const std::source_location& where);
+
+}  // namespace lithe

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cmath>
+
+/// What Eigen does not say already. SI units, right-handed axes, quaternions stored w, x, y, z.
+namespace lithe {
+
+using Vector3 = Eigen::Vector3d;
+using Vector4 = Eigen::Vector4d;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using VectorX = Eigen::VectorXd;
+using Matrix3 = Eigen::Matrix3d;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using MatrixX = Eigen::MatrixXd;
+using Matrix3X = Eigen::Matrix<double, 3, Eigen::Dynamic>;
+using Matrix6X = Eigen::Matrix<double, 6, Eigen::Dynamic>;
+using VectorRef = Eigen::Ref<VectorX>;
+using ConstVectorRef = const Eigen::Ref<const VectorX>&;
+using MatrixRef = Eigen::Ref<MatrixX>;
+using ConstMatrixRef = const Eigen::Ref<const MatrixX>&;
+
+/// Cross-product matrix: skew(a) b = a × b.
+inline Matrix3 skew(const Vector3& a) {
+  Matrix3 s;
+  s << 0, -a[2], a[1], a[2], 0, -a[0], -a[1], a[0], 0;
+  return s;
+}
+
+/// Rotation matrix of a unit quaternion (w, x, y, z): body components to world components.
+inline Matrix3 rotation_matrix(const Vector4& e) {
+  const double w = e[0], x = e[1], y = e[2], z = e[3];
+  Matrix3 A;
+  A << 1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y), 2 * (x * y + w * z),
+      1 - 2 * (x * x + z * z), 2 * (y * z - w * x), 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y);
+  return A;
+}
+
+/// Quaternion product a ∘ b.
+inline Vector4 quaternion_product(const Vector4& a, const Vector4& b) {
+  Vector4 c;
+  c[0] = a[0] * b[0] - a.tail<3>().dot(b.tail<3>());
+  c.tail<3>() = a[0] * b.tail<3>() + b[0] * a.tail<3>() + a.tail<3>().cross(b.tail<3>());
+  return c;
+}
+
+/// e ∘ exp(psi): turns by the rotation vector psi given in body axes. Renormalised, so the norm never drifts.
+inline Vector4 rotated(const Vector4& e, const Vector3& psi) {
+  const double t = psi.squaredNorm() / 4;  // (|psi|/2)²
+  double c, s;                             // cos(|psi|/2), sin(|psi|/2)/|psi|
+  if (t < 1e-2) {
+    c = 1 - t / 2 * (1 - t / 12 * (1 - t / 30 * (1 - t / 56)));
+    s = 0.5 * (1 - t / 6 * (1 - t / 20 * (1 - t / 42 * (1 - t / 72))));
+  } else {
+    const double half = std::sqrt(t);
+    c = std::cos(half);
+    s = std::sin(half) / (2 * half);
+  }
+  Vector4 turn;
+  turn[0] = c;
+  turn.tail<3>() = s * psi;
+  const Vector4 product = quaternion_product(e, turn);
+  return product * (1.5 - 0.5 * product.squaredNorm());  // one Newton step of 1/sqrt: exact to round-off here
+}
+
+/// Coefficients of the SO(3) series at t = |phi|²: a = (1 - cos)/t, b = (|phi| - sin)/(t |phi|) and their derivatives
+/// da, db with respect to |phi|, over |phi| (EQUATIONS.md section 1).
+struct RotationSeries {
+  double a, b, da, db;
+  explicit RotationSeries(const Vector3& phi);
+};
+
+/// exp(phi~), the rotation by the vector phi.
+Matrix3 rotation_exp(const Vector3& phi);
+/// Rotation vector of a rotation matrix, |phi| <= pi.
+Vector3 rotation_log(const Matrix3& R);
+/// Left Jacobian: d/dt exp(phi~) = (Jl phi_dot)~ exp(phi~). The right one is its transpose.
+Matrix3 left_jacobian(const Vector3& phi);
+/// (dJl/dt) phi_dot, the bias of the marker's angular acceleration.
+Vector3 left_jacobian_rate(const Vector3& phi, const Vector3& phi_dot);
+/// Inverse of the right Jacobian: psi_dot = Jr⁻¹(psi) omega for exp(psi~) turning at body rate omega. |psi| < 2 pi.
+Matrix3 right_jacobian_inverse(const Vector3& psi);
+
+/// Quaternion (w, x, y, z) of a rotation matrix.
+Vector4 quaternion_of(const Matrix3& R);
+/// Rotation by `angle` (radians) about `axis` (any length but zero).
+Matrix3 rotation_about(const Vector3& axis, double angle);
+
+}  // namespace lithe
