@@ -10,10 +10,10 @@ namespace lithe {
 struct Located {
   std::string text;
   std::source_location where;
-  Located(const char* text, std::source_location where = std::source_location::current())  // NOLINT: implicit on purpose
-      : text(text), where(where) {}
-  Located(std::string text, std::source_location where = std::source_location::current())  // NOLINT
-      : text(std::move(text)), where(where) {}
+  Located(const char* what, std::source_location here = std::source_location::current())  // NOLINT: implicit on purpose
+      : text(what), where(here) {}
+  Located(std::string what, std::source_location here = std::source_location::current())  // NOLINT
+      : text(std::move(what)), where(here) {}
 };
 
 /// A mistake in a scene, a file or an argument: what is wrong, where, and how to mend it.

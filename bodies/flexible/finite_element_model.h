@@ -37,12 +37,14 @@ struct FiniteElementModel {
 
 /// What is wrong or right with a model, each figure on its natural scale (EQUATIONS.md section 2.1).
 struct ModelCheck {
+  std::string name;                    // of the model
+  int nodes = 0;
   double mass = 0;                     // kg, Phiᵀ M Phi
   Vector3 center = Vector3::Zero();    // centre of mass, mesh axes
   Matrix3 inertia = Matrix3::Zero();   // about the centre of mass, mesh axes
   double stiffness_asymmetry = 0;      // max|K - Kᵀ| / max|K|
   double mass_asymmetry = 0;
-  double rigid_residual[6] = {};       // |K r| / (|K| |r|) for the three translations and three rotations
+  double rigid_residual[6] = {};       // |K r| / (|K| |r|), max norms: three translations, three rotations about the centre
   double mass_isotropy = 0;            // max|S_ij - tr(S_ij)/3 E| / max|S|: scalar interpolation if <= 1e-10
   double row_sum_deviation = 0;        // eqs. (19)-(20): max|sum_j S_ij - k_i E| / max|k_i|
   bool mass_positive = false;          // Cholesky of M succeeds
@@ -50,7 +52,17 @@ struct ModelCheck {
   std::string report() const;          // the sheet a user reads
 };
 
-/// Measures a model. Throws FileError/SceneError only for what cannot be measured (sizes that do not match, NaN).
+/// Index of a label, and a set by name, as FiniteElementModel and ModalBasis both look them up; `name` is for the error.
+int find_node_index(const std::string& name, const std::vector<int>& node_ids, int id);
+const std::vector<int>& find_node_set(const std::string& name, const std::map<std::string, std::vector<int>>& node_sets,
+                                      const std::string& set);
+
+/// Block sums m_ij = tr(S_ij)/3 of a nodal mass matrix, n x n: the scalar mass where S_ij = m_ij E.
+SparseMatrix scalar_mass(const SparseMatrix& mass);
+/// Rigid motions of nodes about a point, 3n x 6: three unit translations, three unit rotations, columns r -> e x (r - c).
+MatrixX rigid_motions(const Matrix3X& nodes, const Vector3& center);
+
+/// Measures a model. Throws SceneError only for what cannot be measured (sizes that do not match, NaN, unknown labels).
 ModelCheck check(const FiniteElementModel& model);
 /// check(), then throws SceneError on what makes a model unusable: asymmetry, mass <= 0, a rigid motion with
 /// stiffness, indefinite M or K, M not a scalar interpolation. Names the figure, the bound and how to mend it.

@@ -1,0 +1,280 @@
+#include "bodies/flexible/finite_element_model.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numeric>
+
+#include "bodies/flexible/sparse_cholesky.h"
+#include "engine/error.h"
+
+namespace lithe {
+namespace {
+
+// Bounds of require_sound(). CalculiX prints 14 digits, so its matrices are symmetric and rigid to some 1e-13.
+constexpr double kAsymmetryBound = 1e-10;
+constexpr double kRigidBound = 1e-8;
+constexpr double kIsotropyBound = 1e-10;  // EQUATIONS.md 2.1
+// K + shift M, shift = this times tr K / tr M: above the noise of printed matrices, far below the first eigenvalue.
+constexpr double kDefiniteShift = 1e-10;
+
+std::string figure(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+std::string where(const FiniteElementModel& model) { return "model '" + model.name + "'"; }
+
+double max_entry(const SparseMatrix& A) { return A.nonZeros() == 0 ? 0.0 : A.coeffs().abs().maxCoeff(); }
+
+double asymmetry(const SparseMatrix& A) {
+  const SparseMatrix difference = A - SparseMatrix(A.transpose());
+  const double scale = max_entry(A);
+  return scale > 0 ? max_entry(difference) / scale : 0.0;
+}
+
+void require_square(const FiniteElementModel& model, const SparseMatrix& A, const char* what) {
+  const int dofs = 3 * model.node_count();
+  if (A.rows() == dofs && A.cols() == dofs) return;
+  throw SceneError("the " + std::string(what) + " matrix is " + std::to_string(A.rows()) + " x " +
+                       std::to_string(A.cols()) + ", but " + std::to_string(model.node_count()) +
+                       " nodes have " + std::to_string(dofs) + " degrees of freedom.",
+                   where(model), "give the matrix of all nodes, three translations each, without supports.");
+}
+
+void require_finite(const FiniteElementModel& model, const SparseMatrix& A, const char* what) {
+  for (int column = 0; column < A.outerSize(); ++column)
+    for (SparseMatrix::InnerIterator entry(A, column); entry; ++entry)
+      if (!std::isfinite(entry.value()))
+        throw SceneError("the " + std::string(what) + " matrix has a NaN or infinite entry at row " +
+                             std::to_string(entry.row() + 1) + ", column " + std::to_string(column + 1) + ".",
+                         where(model), "export the matrices again; the finite-element run has failed.");
+}
+
+void require_labels(const FiniteElementModel& model) {
+  if (model.node_count() == 0) throw SceneError("the model has no nodes.", where(model), "give at least four nodes.");
+  if (static_cast<int>(model.node_ids.size()) != model.node_count())
+    throw SceneError(std::to_string(model.node_ids.size()) + " node labels for " +
+                         std::to_string(model.node_count()) + " nodes.",
+                     where(model), "give one label a node.");
+  std::vector<int> labels = model.node_ids;
+  std::sort(labels.begin(), labels.end());
+  const auto twice = std::adjacent_find(labels.begin(), labels.end());
+  if (twice != labels.end())
+    throw SceneError("two nodes have the label " + std::to_string(*twice) + ".", where(model), "number nodes once.");
+  if (!model.nodes.allFinite())
+    throw SceneError("a node coordinate is NaN or infinite.", where(model), "export the nodes again.");
+  for (const auto& [set, members] : model.node_sets)
+    for (int id : members)
+      if (!std::binary_search(labels.begin(), labels.end(), id))
+        throw SceneError("node set '" + set + "' names node " + std::to_string(id) + ", which the model does not have.",
+                         where(model), "remove it from the set or add the node.");
+  for (const ElementBlock& block : model.elements)
+    for (const auto& element : block.nodes)
+      for (int node : element)
+        if (node < 0 || node >= model.node_count())
+          throw SceneError("an element of type " + block.type + " uses node index " + std::to_string(node) +
+                               " of " + std::to_string(model.node_count()) + " nodes.",
+                           where(model), "element connectivity is by node index, counted from 0.");
+}
+
+/// m_ij E, three equal diagonals a block.
+SparseMatrix isotropic(const SparseMatrix& scalar) {
+  std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(3 * static_cast<size_t>(scalar.nonZeros()));
+  for (int j = 0; j < scalar.outerSize(); ++j)
+    for (SparseMatrix::InnerIterator m(scalar, j); m; ++m)
+      for (int axis = 0; axis < 3; ++axis)
+        entries.emplace_back(3 * static_cast<int>(m.row()) + axis, 3 * j + axis, m.value());
+  SparseMatrix S(3 * scalar.rows(), 3 * scalar.cols());
+  S.setFromTriplets(entries.begin(), entries.end());
+  return S;
+}
+
+/// max over nodes of |sum_j S_ij - k_i E|, relative to max|k_i| (eqs. 19-20).
+double row_sum_deviation(const SparseMatrix& mass) {
+  const Matrix3X unit = Matrix3::Identity().replicate(1, mass.cols() / 3);
+  const MatrixX sums = mass * unit.transpose();  // 3n x 3, block i = sum_j S_ij
+  double worst = 0, scale = 0;
+  for (Eigen::Index i = 0; i < sums.rows() / 3; ++i) {
+    const Matrix3 block = sums.middleRows<3>(3 * i);
+    const double k = block.trace() / 3;
+    worst = std::max(worst, (block - k * Matrix3::Identity()).cwiseAbs().maxCoeff());
+    scale = std::max(scale, std::abs(k));
+  }
+  return scale > 0 ? worst / scale : 0.0;
+}
+
+}  // namespace
+
+int find_node_index(const std::string& name, const std::vector<int>& node_ids, int id) {
+  // Labels mostly count 1, 2, 3 ... or at least upwards; anything else is searched through.
+  const int n = static_cast<int>(node_ids.size());
+  if (id >= 1 && id <= n && node_ids[static_cast<size_t>(id - 1)] == id) return id - 1;
+  auto found = std::lower_bound(node_ids.begin(), node_ids.end(), id);
+  if (found == node_ids.end() || *found != id) found = std::find(node_ids.begin(), node_ids.end(), id);
+  if (found != node_ids.end()) return static_cast<int>(found - node_ids.begin());
+
+  std::vector<int> nearest = node_ids;
+  const auto distance = [id](int a) { return std::abs(static_cast<long>(a) - id); };
+  std::sort(nearest.begin(), nearest.end(), [&](int a, int b) {
+    return distance(a) != distance(b) ? distance(a) < distance(b) : a < b;
+  });
+  std::string labels;
+  for (size_t k = 0; k < std::min<size_t>(3, nearest.size()); ++k)
+    labels += (k == 0 ? "" : ", ") + std::to_string(nearest[k]);
+  throw SceneError("no node " + std::to_string(id) + ".", "model '" + name + "'", "nearest labels are " + labels + ".");
+}
+
+const std::vector<int>& find_node_set(const std::string& name, const std::map<std::string, std::vector<int>>& node_sets,
+                                      const std::string& set) {
+  const auto found = node_sets.find(set);
+  if (found != node_sets.end()) return found->second;
+  std::string known;
+  for (const auto& [key, members] : node_sets) known += (known.empty() ? "" : ", ") + key;
+  throw SceneError("no node set '" + set + "'.", "model '" + name + "'",
+                   known.empty() ? "the model has no node sets; name the nodes by label." : "known are " + known + ".");
+}
+
+int FiniteElementModel::node_index(int id) const { return find_node_index(name, node_ids, id); }
+
+const std::vector<int>& FiniteElementModel::node_set(const std::string& set) const {
+  return find_node_set(name, node_sets, set);
+}
+
+SparseMatrix scalar_mass(const SparseMatrix& mass) {
+  std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(static_cast<size_t>(mass.nonZeros()));
+  for (int column = 0; column < mass.outerSize(); ++column)
+    for (SparseMatrix::InnerIterator entry(mass, column); entry; ++entry)
+      if (entry.row() % 3 == column % 3)
+        entries.emplace_back(static_cast<int>(entry.row()) / 3, column / 3, entry.value() / 3);
+  SparseMatrix m(mass.rows() / 3, mass.cols() / 3);
+  m.setFromTriplets(entries.begin(), entries.end());
+  return m;
+}
+
+MatrixX rigid_motions(const Matrix3X& nodes, const Vector3& center) {
+  MatrixX R(3 * nodes.cols(), 6);
+  for (Eigen::Index i = 0; i < nodes.cols(); ++i) {
+    R.block<3, 3>(3 * i, 0).setIdentity();
+    R.block<3, 3>(3 * i, 3) = -skew(nodes.col(i) - center);
+  }
+  return R;
+}
+
+ModelCheck check(const FiniteElementModel& model) {
+  require_labels(model);
+  require_square(model, model.stiffness, "stiffness");
+  require_square(model, model.mass, "mass");
+  require_finite(model, model.stiffness, "stiffness");
+  require_finite(model, model.mass, "mass");
+
+  const SparseMatrix &K = model.stiffness, &M = model.mass;
+  ModelCheck found;
+  found.name = model.name;
+  found.nodes = model.node_count();
+  found.stiffness_asymmetry = asymmetry(K);
+  found.mass_asymmetry = asymmetry(M);
+
+  // Rᵀ M R about the mesh origin: [m E, -m c~; m c~, J]. The centre comes from the antisymmetric part of Y0ᵀ M Phi.
+  const MatrixX R = rigid_motions(model.nodes, Vector3::Zero());
+  const Matrix6 rigid_mass = R.transpose() * (M * R);
+  found.mass = rigid_mass.topLeftCorner<3, 3>().trace() / 3;
+  if (found.mass > 0) {
+    const Matrix3 first = rigid_mass.bottomLeftCorner<3, 3>() / found.mass;
+    found.center = 0.5 * Vector3(first(2, 1) - first(1, 2), first(0, 2) - first(2, 0), first(1, 0) - first(0, 1));
+    const Matrix3 c = skew(found.center);
+    found.inertia = rigid_mass.bottomRightCorner<3, 3>() + found.mass * c * c;
+  }
+
+  // Six rigid motions about the centre must meet no force.
+  const double norm = (K.cwiseAbs() * VectorX::Ones(K.cols())).maxCoeff();
+  const MatrixX rigid = rigid_motions(model.nodes, found.center);
+  const MatrixX force = K * rigid;
+  for (int k = 0; k < 6; ++k) {
+    const double scale = norm * rigid.col(k).cwiseAbs().maxCoeff();
+    found.rigid_residual[k] = scale > 0 ? force.col(k).cwiseAbs().maxCoeff() / scale : 0.0;
+  }
+
+  // S_ij = m_ij E? If so, M is positive exactly if m is, at a ninth of the entries.
+  const SparseMatrix m = scalar_mass(M);
+  const SparseMatrix anisotropic = M - isotropic(m);
+  const double mass_scale = max_entry(M);
+  found.mass_isotropy = mass_scale > 0 ? max_entry(anisotropic) / mass_scale : 0.0;
+  found.row_sum_deviation = row_sum_deviation(M);
+  found.mass_positive = SparseCholesky(found.mass_isotropy <= kIsotropyBound ? m : M).positive_definite();
+
+  // K is only semidefinite; a shift above its rounding noise makes Cholesky decide, and Sylvester count if it fails.
+  const double shift = found.mass > 0 ? kDefiniteShift * K.diagonal().sum() / M.diagonal().sum() : 0.0;
+  const SparseMatrix shifted = K + shift * M;
+  if (!SparseCholesky(shifted).positive_definite()) found.stiffness_negative = count_negative_eigenvalues(shifted);
+  return found;
+}
+
+ModelCheck require_sound(const FiniteElementModel& model) {
+  const ModelCheck found = check(model);
+  const auto refuse = [&](const std::string& problem, const std::string& mend) {
+    throw SceneError(problem, where(model), mend);
+  };
+  const auto beyond = [](double value, double bound) {
+    return figure(value) + ", the bound is " + figure(bound) + ".";
+  };
+
+  if (found.stiffness_asymmetry > kAsymmetryBound)
+    refuse("K is not symmetric: max|K - K'| / max|K| is " + beyond(found.stiffness_asymmetry, kAsymmetryBound),
+           "export a linear static stiffness, without contact, follower loads or damping.");
+  if (found.mass_asymmetry > kAsymmetryBound)
+    refuse("M is not symmetric: max|M - M'| / max|M| is " + beyond(found.mass_asymmetry, kAsymmetryBound),
+           "export the mass matrix again.");
+  if (!(found.mass > 0))
+    refuse("the mass is " + figure(found.mass) + " kg, it must be positive.",
+           "give the material a density and check the units.");
+  if (found.mass_isotropy > kIsotropyBound)
+    refuse("the mass matrix is no scalar interpolation: max|S_ij - m_ij E| / max|S| is " +
+               beyond(found.mass_isotropy, kIsotropyBound),
+           "export the mass of the uncondensed solid mesh (no Guyan condensation, no rotations), or lump it.");
+  if (!found.mass_positive)
+    refuse("the mass matrix is not positive definite.",
+           "every node needs mass: use a consistent mass, or give all elements a density.");
+  for (int k = 0; k < 6; ++k)
+    if (found.rigid_residual[k] > kRigidBound)
+      refuse("a rigid " + std::string(k < 3 ? "translation along " : "rotation about ") + "xyz"[k % 3] +
+                 " meets stiffness: |K r| / (|K| |r|) is " + beyond(found.rigid_residual[k], kRigidBound),
+             "export the free body: no supports, no springs to ground, no preload, node positions in full precision.");
+  if (found.stiffness_negative > 0)
+    refuse("K is indefinite: it has " + std::to_string(found.stiffness_negative) +
+               " negative eigenvalue(s), the bound is 0.",
+           "export the unloaded, unbuckled body and check the material (0 <= nu < 0.5, E > 0).");
+  return found;
+}
+
+std::string ModelCheck::report() const {
+  char text[1600];
+  const double rigid = *std::max_element(std::begin(rigid_residual), std::end(rigid_residual));
+  const auto verdict = [](bool sound) { return sound ? "ok" : "REFUSED"; };
+  std::snprintf(
+      text, sizeof text,
+      "model '%s', %d nodes\n"
+      "  mass                      %.6g kg  %s\n"
+      "  centre of mass            %.6g %.6g %.6g m\n"
+      "  inertia about it          xx %.6g  yy %.6g  zz %.6g  xy %.6g  xz %.6g  yz %.6g kg m2\n"
+      "  M positive definite       %s  %s\n"
+      "  K negative eigenvalues    %d  %s\n"
+      "  K asymmetry               %.1e  (bound %.0e)  %s\n"
+      "  M asymmetry               %.1e  (bound %.0e)  %s\n"
+      "  rigid motion meets force  %.1e  (bound %.0e)  %s\n"
+      "  M off m_ij E              %.1e  (bound %.0e)  %s\n"
+      "  M row sums off k_i E      %.1e\n",
+      name.substr(0, 200).c_str(), nodes, mass, verdict(mass > 0), center[0], center[1], center[2], inertia(0, 0),
+      inertia(1, 1), inertia(2, 2), inertia(0, 1), inertia(0, 2), inertia(1, 2), mass_positive ? "yes" : "no",
+      verdict(mass_positive), stiffness_negative, verdict(stiffness_negative == 0), stiffness_asymmetry,
+      kAsymmetryBound, verdict(stiffness_asymmetry <= kAsymmetryBound), mass_asymmetry, kAsymmetryBound,
+      verdict(mass_asymmetry <= kAsymmetryBound), rigid, kRigidBound, verdict(rigid <= kRigidBound), mass_isotropy,
+      kIsotropyBound, verdict(mass_isotropy <= kIsotropyBound), row_sum_deviation);
+  return text;
+}
+
+}  // namespace lithe

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <vector>
+
+#include "engine/batch.h"
+#include "engine/body.h"
+
+namespace lithe {
+
+/// Inertia about the centre of mass in body axes, kg m²: principal moments, or the full symmetric matrix.
+struct Inertia {
+  Matrix3 matrix = Matrix3::Identity();
+  Inertia(double xx, double yy, double zz) : matrix(Vector3(xx, yy, zz).asDiagonal()) {}
+  Inertia(const Vector3& principal) : matrix(principal.asDiagonal()) {}  // NOLINT: implicit on purpose
+  Inertia(const Matrix3& full) : matrix(full) {}                         // NOLINT
+};
+
+/// Rigid body; its frame sits at the centre of mass.
+///   m (p̈ - g) = f,   J ω̇ + ω × (J ω) = t   (J, ω, t in body axes)
+class RigidBody final : public Body {
+ public:
+  struct Parameters {
+    double mass = 1;             // kg
+    Inertia inertia{1, 1, 1};    // kg m², about the centre of mass, body axes
+    Vector3 position{0, 0, 0};   // of the centre of mass, world axes, m
+    Matrix3 orientation = Matrix3::Identity();  // body axes to world axes
+    Vector3 velocity{0, 0, 0};                  // of the centre of mass, world axes, m/s
+    Vector3 angular_velocity{0, 0, 0};          // body axes, rad/s
+  };
+  struct Cache : BodyCache {
+    Vector3 omega_world = Vector3::Zero();
+    explicit Cache(const RigidBody&) {}
+  };
+
+  /// Throws SceneError for mass <= 0, an inertia of no real body, a matrix that is no rotation, NaN.
+  explicit RigidBody(Parameters parameters);
+
+  const Parameters& parameters() const { return parameters_; }
+  /// A frame at `position` from the centre of mass (body axes, m), with axes `orientation` (marker axes to body axes).
+  Marker marker(const Vector3& position = Vector3::Zero(), const Matrix3& orientation = Matrix3::Identity());
+
+  Coordinates coordinates() const override { return {.frame = true, .linear = 0}; }
+  std::unique_ptr<BodyCache> make_cache() const override { return std::make_unique<Cache>(*this); }
+  void initial_state(VectorRef q, VectorRef v) const override;
+  void evaluate(const BodyState&, Level) const override;
+  void add_residual(const BodyState&, const double* v_dot, const Vector3& gravity, double* r) const override;
+  void add_tangent(const BodyState&, const double* v_dot, const Vector3& gravity, const TangentWeights&,
+                   BodyTangent&) const override;
+  void marker_kinematics(const BodyState&, int marker, Level, MarkerKinematics&) const override;
+  BodyEnergy energy(const BodyState&, const Vector3& gravity) const override;
+  int marker_count() const override { return static_cast<int>(markers_.size()); }
+
+ private:
+  struct Pose {
+    Vector3 position;
+    Matrix3 orientation;
+    bool turned;  // orientation is not the identity
+  };
+  const Parameters parameters_;
+  std::vector<Pose> markers_;
+};
+
+extern template std::unique_ptr<BodyBatch> make_body_batch<RigidBody>();
+
+}  // namespace lithe

@@ -1,0 +1,243 @@
+#include "engine/assembler.h"
+
+#include "engine/error.h"
+
+namespace lithe {
+
+Assembler::Assembler(const System& system) : system_(system), factor_(system.blocks_) {
+  const auto& layout = system.layout();
+  const int rows = layout.row_count(), compliant = system.compliant_count_;
+  work_.q.setZero(layout.q_count());
+  work_.v.setZero(layout.v_count());
+  work_.gravity = system.gravity();
+  work_.markers.resize(system.marker_count_);
+  work_.values.assign(system.blocks_.value_count, 0.0);
+  for (VectorX* x : {&work_.residual, &work_.rate, &work_.bias}) x->setZero(rows);
+  for (VectorX* x : {&work_.tension, &work_.row_stiffness, &work_.row_damping}) x->setZero(compliant);
+  work_.load.setZero(layout.v_count());
+  work_.force_energy.setZero(static_cast<int>(system.graph().forces().size()));
+  for (const auto& batch : system.batches_.bodies) caches_.push_back(batch->make_caches());
+  unknowns_.setZero(layout.v_count() + rows + compliant);
+  zero_v_.setZero(layout.v_count());
+  zero_rows_.setZero(rows);
+  std::vector<int> dropped;
+  for (const RedundantRow& r : system.redundant_) dropped.push_back(r.row);
+  factor_.drop_rows(dropped);
+}
+
+void Assembler::evaluate(double time, ConstVectorRef q, ConstVectorRef v, Level level) {
+  work_.time = time;
+  work_.q = q;
+  work_.v = v;
+  for (std::size_t b = 0; b < caches_.size(); ++b) system_.batches_.bodies[b]->evaluate(work_, *caches_[b], level);
+  for (const auto& batch : system_.batches_.constraints) batch->evaluate(work_, system_.blocks_, level);
+  if (level == Level::position || system_.batches_.forces.empty()) return;
+  work_.load.setZero();
+  for (const auto& batch : system_.batches_.forces) batch->evaluate(work_, system_.blocks_);
+}
+
+void Assembler::residual(ConstVectorRef v_dot, ConstVectorRef lambda, VectorRef r) {
+  if (system_.batches_.forces.empty())
+    r.setZero();
+  else
+    r = -work_.load;
+  for (std::size_t b = 0; b < caches_.size(); ++b)
+    system_.batches_.bodies[b]->add_residual(work_, *caches_[b], v_dot.data(), r.data());
+  add_row_forces(lambda.data(), work_.tension.data(), r.data());
+}
+
+void Assembler::add_row_forces(const double* lambda, const double* tension, double* r) const {
+  const auto& blocks = system_.blocks_;
+  const int rows = static_cast<int>(work_.residual.size());
+  for (const auto& G : blocks.jacobians) {
+    const auto& row = blocks.rows[G.rows];
+    if (row.first >= rows && !tension) continue;
+    const double* y = row.first < rows ? lambda + row.first : tension + row.first - rows;
+    double* to = r + G.velocity;
+    const auto add = [&](const double* values, int columns) {
+      for (int c = 0; c < columns; ++c) {
+        double sum = 0;
+        for (int i = 0; i < row.count; ++i) sum += values[i + row.count * c] * y[i];
+        to[c] += sum;
+      }
+      to += columns;
+    };
+    if (G.frame >= 0) add(work_.values.data() + G.values, 6);
+    if (G.linear >= 0) add(work_.values.data() + G.linear_values, blocks.linears[G.linear].size);
+  }
+}
+
+void Assembler::constraint(Level which, VectorRef out) const {
+  if (which == Level::position) {
+    out = work_.residual;
+    return;
+  }
+  if (which == Level::acceleration) {
+    out = -work_.bias;
+    return;
+  }
+  out = work_.rate;
+  const auto& blocks = system_.blocks_;
+  for (const auto& G : blocks.jacobians) {
+    const auto& row = blocks.rows[G.rows];
+    if (row.first >= out.size()) continue;  // compliant
+    double* to = out.data() + row.first;
+    const double* v = work_.v.data() + G.velocity;
+    const auto add = [&](const double* values, int columns) {
+      for (int c = 0; c < columns; ++c)
+        for (int i = 0; i < row.count; ++i) to[i] += values[i + row.count * c] * v[c];
+      v += columns;
+    };
+    if (G.frame >= 0) add(work_.values.data() + G.values, 6);
+    if (G.linear >= 0) add(work_.values.data() + G.linear_values, blocks.linears[G.linear].size);
+  }
+}
+
+void Assembler::form(const TangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
+                     const VectorX* increment) {
+  const auto& blocks = system_.blocks_;
+  double* values = work_.values.data();
+  for (const auto& f : blocks.frames) std::fill_n(values + f.values, 36, 0.0);
+  for (const auto& l : blocks.linears) {
+    if (l.frame >= 0) std::fill_n(values + l.frame_linear, 12 * l.size, 0.0);
+    std::fill_n(values + l.values, l.pattern ? l.pattern->rows.size() : l.size, 0.0);
+  }
+  for (const auto& c : blocks.couplings) std::fill_n(values + c.ab, 36, 0.0), std::fill_n(values + c.ba, 36, 0.0);
+
+  for (std::size_t b = 0; b < caches_.size(); ++b)
+    system_.batches_.bodies[b]->add_tangent(work_, *caches_[b], blocks, v_dot.data(), weights);
+  if (increment) {  // d_dot = Jr⁻¹ omega: corrections of the increment turn the state by Jr(psi)
+    for (const auto& f : blocks.frames) {
+      const Matrix3 chart = right_jacobian_inverse(increment->segment<3>(f.v + 3));
+      Eigen::Map<Matrix6> S(values + f.values);
+      S.rightCols<3>() = S.rightCols<3>() * chart;
+    }
+    for (const auto& l : blocks.linears) {
+      if (l.frame < 0) continue;
+      const Matrix3 chart = right_jacobian_inverse(increment->segment<3>(blocks.frames[l.frame].v + 3));
+      auto columns = Eigen::Map<MatrixX>(values + l.linear_frame, l.size, 6).rightCols<3>();
+      for (int i = 0; i < l.size; ++i) columns.row(i) = (columns.row(i) * chart).eval();
+    }
+  }
+  if (weights.position != 0) {
+    for (const auto& batch : system_.batches_.constraints)
+      batch->add_stiffness(work_, blocks, weights.position, lambda.data());
+    for (const auto& batch : system_.batches_.forces) batch->add_stiffness(work_, blocks, weights.position);
+  }
+  const int rows = static_cast<int>(work_.residual.size());
+  for (const auto& row : blocks.rows) {
+    if (row.compliant < 0) continue;
+    for (int i = 0; i < row.count; ++i) {
+      const int k = row.first - rows + i;
+      const double stiffness = weights.position * work_.row_stiffness[k] + weights.velocity * work_.row_damping[k];
+      values[row.compliant + i] = stiffness == 0 ? -1e30 : -1 / stiffness;  // no stiffness: the row gives way
+    }
+  }
+}
+
+void Assembler::factorize(const TangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
+                          const VectorX* increment) {
+  form(weights, v_dot, lambda, increment);
+  factor_.factorize(work_.values);
+}
+
+void Assembler::solve(VectorRef rv, VectorRef rl) const {
+  unknowns_.head(rv.size()) = rv;
+  unknowns_.segment(rv.size(), rl.size()) = rl;
+  unknowns_.tail(unknowns_.size() - rv.size() - rl.size()).setZero();
+  factor_.solve(unknowns_.data());
+  rv = unknowns_.head(rv.size());
+  rl = unknowns_.segment(rv.size(), rl.size());
+}
+
+void Assembler::visit_blocks(const std::function<void(int, int, ConstMatrixRef)>& visit) const {
+  const auto& b = system_.blocks_;
+  const double* values = work_.values.data();
+  using View = Eigen::Map<const MatrixX>;
+  for (const auto& f : b.frames) visit(f.v, f.v, View(values + f.values, 6, 6));
+  for (const auto& l : b.linears) {
+    if (l.frame >= 0) {
+      visit(b.frames[l.frame].v, l.v, View(values + l.frame_linear, 6, l.size));
+      visit(l.v, b.frames[l.frame].v, View(values + l.linear_frame, l.size, 6));
+    }
+    if (!l.pattern) {
+      for (int i = 0; i < l.size; ++i) visit(l.v + i, l.v + i, View(values + l.values + i, 1, 1));
+    } else {
+      for (int k = 0; k < l.pattern->rows.size(); ++k) {
+        const int r = l.pattern->rows[k], c = l.pattern->columns[k];
+        visit(l.v + r, l.v + c, View(values + l.values + k, 1, 1));
+        if (r != c) visit(l.v + c, l.v + r, View(values + l.values + k, 1, 1));
+      }
+    }
+  }
+  for (const auto& c : b.couplings) {
+    visit(b.frames[c.a].v, b.frames[c.b].v, View(values + c.ab, 6, 6));
+    visit(b.frames[c.b].v, b.frames[c.a].v, View(values + c.ba, 6, 6));
+  }
+  for (const auto& G : b.jacobians) {
+    const auto& row = b.rows[G.rows];
+    const auto both = [&](int v, const MatrixX& block) {
+      visit(b.velocity_count + row.first, v, block);
+      visit(v, b.velocity_count + row.first, block.transpose());
+    };
+    if (G.frame >= 0) both(G.velocity, View(values + G.values, row.count, 6));
+    if (G.linear >= 0) both(b.linears[G.linear].v, View(values + G.linear_values, row.count, b.linears[G.linear].size));
+  }
+  for (const auto& row : b.rows)
+    for (int i = 0; row.compliant >= 0 && i < row.count; ++i)
+      visit(b.velocity_count + row.first + i, b.velocity_count + row.first + i, View(values + row.compliant + i, 1, 1));
+}
+
+BodyState Assembler::body_state(const Body& body) {
+  const auto& bodies = system_.graph().bodies();
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (bodies[i].body != &body) continue;
+    const auto place = system_.body_places_[i];
+    BodyCache* cache = &caches_[place.batch]->at(place.index);
+    if (i == 0) return {nullptr, nullptr, cache};
+    const auto& slice = system_.layout().bodies()[i - 1];
+    return {work_.q.data() + slice.q, work_.v.data() + slice.v, cache};
+  }
+  throw SceneError("body '" + body.name() + "' is not in this system", body.where(), "use a body of the assembled graph");
+}
+
+MarkerKinematics Assembler::marker(Marker m, Level level) {
+  MarkerKinematics k;
+  m.body->marker_kinematics(body_state(*m.body), m.index, level, k);
+  return k;
+}
+
+BodyEnergy Assembler::energy() {
+  BodyEnergy sum;
+  const auto& bodies = system_.graph().bodies();
+  for (std::size_t i = 1; i < bodies.size(); ++i) {
+    const BodyEnergy e = bodies[i].body->energy(body_state(*bodies[i].body), work_.gravity);
+    sum.kinetic += e.kinetic, sum.elastic += e.elastic, sum.gravity += e.gravity;
+  }
+  sum.elastic += work_.force_energy.sum();
+  return sum;
+}
+
+void Assembler::minimum_norm(VectorRef lambda) {
+  const auto& redundant = system_.redundant_;
+  if (redundant.empty()) return;
+  // z with Gᵀ z = 0, one for each redundant row d: M x + G_aᵀ y = g_d gives x = 0 and z = e_d - y.
+  factorize({0, 0, 1}, zero_v_, zero_rows_, nullptr);
+  MatrixX Z(lambda.size(), static_cast<int>(redundant.size()));
+  VectorX rv(layout().v_count()), rl(lambda.size());
+  for (int k = 0; k < Z.cols(); ++k) {
+    rl.setZero();
+    rl[redundant[k].row] = 1;
+    rv.setZero();
+    add_row_forces(rl.data(), nullptr, rv.data());
+    rl.setZero();
+    solve(rv, rl);
+    Z.col(k) = -rl;
+    Z(redundant[k].row, k) = 1;
+    for (int j = 0; j < k; ++j) Z.col(k) -= Z.col(j).dot(Z.col(k)) * Z.col(j);
+    Z.col(k).normalize();
+  }
+  lambda -= Z * (Z.transpose() * lambda);
+}
+
+}  // namespace lithe

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "engine/block_factor.h"
+#include "engine/equations_of_motion.h"
+#include "engine/system.h"
+#include "engine/workspace.h"
+
+namespace lithe {
+
+/// Evaluates one system: walks the batches and writes the blocks of M, f, g, G in place. One a thread.
+class Assembler final : public EquationsOfMotion {
+ public:
+  explicit Assembler(const System& system);
+
+  const Layout& layout() const override { return system_.layout(); }
+  void evaluate(double time, ConstVectorRef q, ConstVectorRef v, Level level) override;
+  void residual(ConstVectorRef v_dot, ConstVectorRef lambda, VectorRef r) override;
+  void constraint(Level which, VectorRef out) const override;
+  void factorize(const TangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
+                 const VectorX* increment) override;
+  void solve(VectorRef rv, VectorRef rl) const override;
+  void visit_blocks(const std::function<void(int, int, ConstMatrixRef)>& visit) const override;
+
+  // ---- what sensors ask of the state evaluated last ----
+  const System& system() const { return system_; }
+  BodyState body_state(const Body& body);
+  MarkerKinematics marker(Marker marker, Level level);
+  BodyEnergy energy();                     // of all bodies and force elements (theirs counts as elastic)
+  const Workspace& workspace() const { return work_; }
+
+  /// Adds Gᵀ lambda's null part out: the multipliers of least norm with the same Gᵀ lambda. Does nothing without
+  /// redundant rows. Factorises M at the state evaluated last.
+  void minimum_norm(VectorRef lambda);
+
+ private:
+  friend class SystemBuilder;
+  void add_row_forces(const double* lambda, const double* tension, double* r) const;  // Gᵀ (lambda, tension)
+  void form(const TangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda, const VectorX* increment);
+
+  const System& system_;
+  Workspace work_;
+  std::vector<std::unique_ptr<BodyBatch::Caches>> caches_;
+  BlockFactor factor_;
+  mutable VectorX unknowns_;  // velocities, constraint rows, compliant rows
+  VectorX zero_v_, zero_rows_;
+};
+
+}  // namespace lithe

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engine/body.h"
+#include "engine/constraint.h"
+#include "engine/force_element.h"
+#include "engine/workspace.h"
+
+namespace lithe {
+
+/// Where a body's blocks lie.
+struct BodyRecord {
+  int q, v, frame, linear;               // frame, linear: indices into BlockStructure, -1: none
+  std::vector<std::pair<int, int>> markers;  // (marker of the body, place in the table): those that connectors use
+};
+
+/// All bodies of one type; the loop knows the type, so its calls are inlined.
+class BodyBatch {
+ public:
+  virtual ~BodyBatch() = default;
+  /// Caches of all bodies of the batch, contiguous.
+  class Caches {
+   public:
+    virtual ~Caches() = default;
+    virtual BodyCache& at(int i) = 0;
+  };
+  virtual void add(const Body& body, BodyRecord record) = 0;
+  virtual std::unique_ptr<Caches> make_caches() const = 0;
+  virtual void evaluate(Workspace&, Caches&, Level) const = 0;
+  virtual void add_residual(Workspace&, Caches&, const double* v_dot, double* r) const = 0;
+  virtual void add_tangent(Workspace&, Caches&, const BlockStructure&, const double* v_dot, const TangentWeights&) const = 0;
+};
+
+struct ConnectorRecord {
+  int first_row, rows;             // rows vertex index in BlockStructure::rows
+  int energy = -1;                 // force elements: index into Workspace::force_energy
+  int slot_count = 0;
+  MarkerSlot slots[kMaxMarkers];
+};
+
+/// All constraints of one type.
+class ConstraintBatch {
+ public:
+  virtual ~ConstraintBatch() = default;
+  virtual void add(const Constraint& constraint, ConnectorRecord record) = 0;
+  virtual void evaluate(Workspace&, const BlockStructure&, Level) const = 0;
+  /// Adds weight · ∂(Gᵀ lambda)/∂q to the bodies' blocks: the stiffness of loaded joints.
+  virtual void add_stiffness(Workspace&, const BlockStructure&, double weight, const double* lambda) const = 0;
+};
+
+/// All force elements of one type.
+class ForceBatch {
+ public:
+  virtual ~ForceBatch() = default;
+  virtual void add(const ForceElement& force, ConnectorRecord record) = 0;
+  virtual void evaluate(Workspace&, const BlockStructure&) const = 0;
+  virtual void add_stiffness(Workspace&, const BlockStructure&, double weight) const = 0;
+};
+
+/// Made for a type where it is added to a graph (engine/batch_of.h); built-in types are instantiated in their own file.
+template <class T>
+std::unique_ptr<BodyBatch> make_body_batch();
+template <class T>
+std::unique_ptr<ConstraintBatch> make_constraint_batch();
+template <class T>
+std::unique_ptr<ForceBatch> make_force_batch();
+
+}  // namespace lithe

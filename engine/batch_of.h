@@ -1,0 +1,267 @@
+#pragma once
+
+#include <array>
+
+#include "engine/batch.h"
+#include "engine/connector_blocks.h"
+
+/// The loops over all elements of one type. Include this where a new type is first added to a graph.
+namespace lithe {
+
+template <class T>
+class BodyBatchOf final : public BodyBatch {
+ public:
+  using Cache = typename T::Cache;
+
+  void add(const Body& body, BodyRecord record) override {
+    bodies_.push_back(static_cast<const T*>(&body));
+    records_.push_back(std::move(record));
+  }
+
+  std::unique_ptr<Caches> make_caches() const override {
+    auto caches = std::make_unique<TypedCaches>();
+    caches->all.reserve(bodies_.size());
+    for (const T* body : bodies_) caches->all.emplace_back(*body);
+    return caches;
+  }
+
+  void evaluate(Workspace& work, Caches& caches, Level level) const override {
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      const BodyRecord& record = records_[i];
+      const BodyState state = state_of(work, caches, i);
+      bodies_[i]->T::evaluate(state, level);
+      for (const auto& [marker, place] : record.markers)
+        bodies_[i]->T::marker_kinematics(state, marker, level, work.markers[place]);
+    }
+  }
+
+  void add_residual(Workspace& work, Caches& caches, const double* v_dot, double* r) const override {
+    for (std::size_t i = 0; i < bodies_.size(); ++i)
+      bodies_[i]->T::add_residual(state_of(work, caches, i), v_dot + records_[i].v, work.gravity, r + records_[i].v);
+  }
+
+  void add_tangent(Workspace& work, Caches& caches, const BlockStructure& blocks, const double* v_dot,
+                   const TangentWeights& weights) const override {
+    double* values = work.values.data();
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      const BodyRecord& record = records_[i];
+      double *frame = nullptr, *frame_linear = nullptr, *linear_frame = nullptr, *linear = nullptr;
+      int size = 0, entries = 0;
+      if (record.frame >= 0) frame = values + blocks.frames[record.frame].values;
+      if (record.linear >= 0) {
+        const auto& L = blocks.linears[record.linear];
+        size = L.size;
+        entries = L.pattern ? static_cast<int>(L.pattern->rows.size()) : size;
+        frame_linear = values + L.frame_linear, linear_frame = values + L.linear_frame, linear = values + L.values;
+      }
+      BodyTangent S{Eigen::Map<Matrix6>(frame), Eigen::Map<Matrix6X>(frame_linear, 6, record.frame < 0 ? 0 : size),
+                    Eigen::Map<MatrixX>(linear_frame, record.frame < 0 ? 0 : size, 6), Eigen::Map<VectorX>(linear, entries)};
+      bodies_[i]->T::add_tangent(state_of(work, caches, i), v_dot + record.v, work.gravity, weights, S);
+    }
+  }
+
+ private:
+  struct TypedCaches final : Caches {
+    std::vector<Cache> all;
+    BodyCache& at(int i) override { return all[i]; }
+  };
+  BodyState state_of(const Workspace& work, Caches& caches, std::size_t i) const {
+    return {work.q.data() + records_[i].q, work.v.data() + records_[i].v, &static_cast<TypedCaches&>(caches).all[i]};
+  }
+
+  std::vector<const T*> bodies_;
+  std::vector<BodyRecord> records_;
+};
+
+namespace connector {
+
+template <class T>
+inline constexpr int kMarkersOf = [] {
+  if constexpr (requires { T::kMarkers; }) return T::kMarkers;
+  return 0;
+}();
+template <class T>
+inline constexpr int kRowsOf = [] {
+  if constexpr (requires { T::kRows; }) return T::kRows;
+  return 0;
+}();
+
+/// Views of the connector's markers, for a number of markers that the compiler may know.
+class Views {
+ public:
+  Views(const MarkerKinematics* table, const ConnectorRecord& record) : count_(record.slot_count) {
+    for (int m = 0; m < count_; ++m) new (at(m)) MarkerView(table[record.slots[m].marker], m);
+  }
+  Views(const MarkerKinematics* markers, int count) : count_(count) {
+    for (int m = 0; m < count_; ++m) new (at(m)) MarkerView(markers[m], m);
+  }
+  operator std::span<const MarkerView>() { return {at(0), static_cast<std::size_t>(count_)}; }
+
+ private:
+  MarkerView* at(int m) { return reinterpret_cast<MarkerView*>(storage_) + m; }
+  int count_;
+  alignas(MarkerView) unsigned char storage_[kMaxMarkers * sizeof(MarkerView)];
+};
+
+}  // namespace connector
+
+template <class T>
+class ConstraintBatchOf final : public ConstraintBatch {
+ public:
+  void add(const Constraint& constraint, ConnectorRecord record) override {
+    constraints_.push_back(static_cast<const T*>(&constraint));
+    records_.push_back(record);
+  }
+
+  void evaluate(Workspace& work, const BlockStructure& blocks, Level level) const override {
+    constexpr int kRows = connector::kRowsOf<T>;
+    for (std::size_t i = 0; i < constraints_.size(); ++i) {
+      const ConnectorRecord& record = records_[i];
+      ConstraintRows rows(record.slot_count);
+      connector::Views views(work.markers.data(), record);
+      constraints_[i]->T::evaluate(work.time, views, rows);
+      const int count = kRows > 0 ? kRows : rows.count();
+      for (int r = 0; r < count; ++r) {
+        work.residual[record.first_row + r] = rows.residual(r);
+        work.rate[record.first_row + r] = rows.rate(r);
+      }
+      if (level == Level::acceleration)
+        for (int r = 0; r < count; ++r) {
+          double bias = rows.bias(r);
+          for (int m = 0; m < record.slot_count; ++m) {
+            const MarkerKinematics& k = work.markers[record.slots[m].marker];
+            bias += rows.wrench(r, m).force.dot(k.bias_v) + rows.wrench(r, m).torque.dot(k.bias_w);
+          }
+          work.bias[record.first_row + r] = bias;
+        }
+      for (int m = 0; m < record.slot_count; ++m)
+        connector::write_jacobian<kRows>(work, blocks, record.slots[m], count,
+                                         [&](int r) -> const Wrench& { return rows.wrench(r, m); });
+    }
+  }
+
+  void add_stiffness(Workspace& work, const BlockStructure& blocks, double weight, const double* lambda) const override {
+    for (std::size_t i = 0; i < constraints_.size(); ++i) {
+      const ConnectorRecord& record = records_[i];
+      const double* multipliers = lambda + record.first_row;
+      ConstraintRows::Stiffness K = ConstraintRows::Stiffness::Zero(6 * record.slot_count, 6 * record.slot_count);
+      ConstraintRows rows(record.slot_count);
+      rows.collect_stiffness(multipliers, &K);
+      Wrench load[kMaxMarkers];
+      const auto evaluate = [&](const MarkerKinematics* markers, ConstraintRows& into, Wrench* out) {
+        connector::Views views(markers, record.slot_count);
+        constraints_[i]->T::evaluate(work.time, views, into);
+        for (int m = 0; m < record.slot_count; ++m) {
+          out[m] = {Vector3::Zero(), Vector3::Zero()};
+          for (int r = 0; r < into.count(); ++r) {
+            out[m].force += multipliers[r] * into.wrench(r, m).force;
+            out[m].torque += multipliers[r] * into.wrench(r, m).torque;
+          }
+        }
+      };
+      MarkerKinematics here[kMaxMarkers];
+      for (int m = 0; m < record.slot_count; ++m) here[m] = work.markers[record.slots[m].marker];
+      evaluate(here, rows, load);
+      if (rows.written()) {  // its wrenches are differenced over the markers' motions
+        K.setZero();
+        connector::difference_stiffness(
+            work, record,
+            [&](const MarkerKinematics* markers, Wrench* out) {
+              ConstraintRows moved(record.slot_count);
+              evaluate(markers, moved, out);
+            },
+            K);
+      }
+      for (int m = 0; m < record.slot_count; ++m)
+        connector::add_load_stiffness(work, blocks, record.slots[m], load[m], weight);
+      if (!K.isZero(0)) connector::add_marker_stiffness(work, blocks, record, K, weight);
+    }
+  }
+
+ private:
+  std::vector<const T*> constraints_;
+  std::vector<ConnectorRecord> records_;
+};
+
+template <class T>
+class ForceBatchOf final : public ForceBatch {
+ public:
+  void add(const ForceElement& force, ConnectorRecord record) override {
+    forces_.push_back(static_cast<const T*>(&force));
+    records_.push_back(record);
+  }
+
+  void evaluate(Workspace& work, const BlockStructure& blocks) const override {
+    constexpr int kRows = connector::kRowsOf<T>;
+    const int constraints = static_cast<int>(work.residual.size());
+    for (std::size_t i = 0; i < forces_.size(); ++i) {
+      const ConnectorRecord& record = records_[i];
+      ForceRows rows(record.slot_count);
+      connector::Views views(work.markers.data(), record);
+      forces_[i]->T::evaluate(work.time, views, rows);
+      for (int r = 0; r < rows.count(); ++r) {
+        const int at = record.first_row - constraints + r;
+        work.tension[at] = rows.tension(r);
+        work.row_stiffness[at] = rows.stiffness(r);
+        work.row_damping[at] = rows.damping(r);
+      }
+      work.force_energy[record.energy] = rows.energy();
+      for (int m = 0; m < record.slot_count; ++m) {
+        connector::add_wrench(work, record.slots[m], rows.load(m), work.load.data());
+        if (rows.count() > 0)
+          connector::write_jacobian<kRows>(work, blocks, record.slots[m], rows.count(),
+                                           [&](int r) -> const Wrench& { return rows.wrench(r, m); });
+      }
+    }
+  }
+
+  void add_stiffness(Workspace& work, const BlockStructure& blocks, double weight) const override {
+    for (std::size_t i = 0; i < forces_.size(); ++i) {
+      const ConnectorRecord& record = records_[i];
+      const int n = record.slot_count;
+      double tension[kMaxRows];
+      const int first = record.first_row - static_cast<int>(work.residual.size());
+      // Wrench on the left-hand side: tensions as they are now, loads with the opposite sign.
+      const auto evaluate = [&](const MarkerKinematics* markers, Wrench* out) {
+        ForceRows rows(n);
+        connector::Views views(markers, n);
+        forces_[i]->T::evaluate(work.time, views, rows);
+        for (int r = 0; r < rows.count(); ++r) tension[r] = work.tension[first + r];
+        for (int m = 0; m < n; ++m) {
+          out[m] = {-rows.load(m).force, -rows.load(m).torque};
+          for (int r = 0; r < rows.count(); ++r) {
+            out[m].force += tension[r] * rows.wrench(r, m).force;
+            out[m].torque += tension[r] * rows.wrench(r, m).torque;
+          }
+        }
+      };
+      MarkerKinematics here[kMaxMarkers];
+      for (int m = 0; m < n; ++m) here[m] = work.markers[record.slots[m].marker];
+      Wrench load[kMaxMarkers];
+      evaluate(here, load);
+      ConstraintRows::Stiffness K = ConstraintRows::Stiffness::Zero(6 * n, 6 * n);
+      connector::difference_stiffness(work, record, evaluate, K);
+      for (int m = 0; m < n; ++m) connector::add_load_stiffness(work, blocks, record.slots[m], load[m], weight);
+      connector::add_marker_stiffness(work, blocks, record, K, weight);
+    }
+  }
+
+ private:
+  std::vector<const T*> forces_;
+  std::vector<ConnectorRecord> records_;
+};
+
+template <class T>
+std::unique_ptr<BodyBatch> make_body_batch() {
+  return std::make_unique<BodyBatchOf<T>>();
+}
+template <class T>
+std::unique_ptr<ConstraintBatch> make_constraint_batch() {
+  return std::make_unique<ConstraintBatchOf<T>>();
+}
+template <class T>
+std::unique_ptr<ForceBatch> make_force_batch() {
+  return std::make_unique<ForceBatchOf<T>>();
+}
+
+}  // namespace lithe

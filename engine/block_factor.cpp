@@ -1,0 +1,247 @@
+#include "engine/block_factor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "engine/block_kernels.h"
+#include "engine/graph_topology.h"
+
+namespace lithe {
+
+BlockFactor::BlockFactor(const BlockStructure& structure) : structure_(structure) {
+  for (std::size_t l = 0; l < structure.linears.size(); ++l) linear_.emplace_back(structure, static_cast<int>(l));
+  plan();
+}
+
+void BlockFactor::plan() {
+  const auto& s = structure_;
+  const int frames = static_cast<int>(s.frames.size()), rows = static_cast<int>(s.rows.size()), n = frames + rows;
+  std::vector<int> dimension(n), x(n);
+  for (int f = 0; f < frames; ++f) dimension[f] = 6, x[f] = s.frames[f].v;
+  for (int r = 0; r < rows; ++r) dimension[frames + r] = s.rows[r].count, x[frames + r] = s.velocity_count + s.rows[r].first;
+
+  // The graph: who has a block with whom before elimination.
+  Topology topology{frames, std::vector<std::vector<int>>(rows)};
+  std::vector<std::pair<int, int>> couplings;
+  for (const auto& G : s.jacobians)
+    if (G.frame >= 0) topology.ties[G.rows].push_back(G.frame);
+  for (auto& tie : topology.ties)
+    if (tie.size() < 2) tie.push_back(-1);  // what else it holds is ground, or a body without frame: as good as ground
+  for (const auto& c : s.couplings) couplings.emplace_back(c.a, c.b);
+  for (const LinearBlock& block : linear_)
+    for (int a : block.rows())
+      for (int b : block.rows())
+        if (a < b) couplings.emplace_back(frames + a, frames + b);
+  const std::vector<int> order = elimination_order(topology, dimension, couplings);
+
+  // Factor storage, found by (row vertex, column vertex) while planning only.
+  std::vector<std::map<int, int>> at(n);
+  int size = 0;
+  const auto block = [&](int i, int k) {
+    const auto [place, added] = at[i].try_emplace(k, size);
+    if (added) size += dimension[i] * dimension[k];
+    return place->second;
+  };
+  diagonal_.resize(n);
+  for (int v : order) diagonal_[v] = block(v, v);
+  for (int f = 0; f < frames; ++f) copies_.push_back({s.frames[f].values, diagonal_[f], 6, 6, false});
+  row_copies_.resize(rows);
+  for (const auto& G : s.jacobians) {
+    if (G.frame < 0) continue;
+    const int r = s.rows[G.rows].count;
+    copies_.push_back({G.values, block(frames + G.rows, G.frame), r, 6, false});
+    row_copies_[G.rows].push_back(copies_.back());
+    copies_.push_back({G.values, block(G.frame, frames + G.rows), r, 6, true});
+    row_copies_[G.rows].push_back(copies_.back());
+  }
+  for (const auto& c : s.couplings) {
+    copies_.push_back({c.ab, block(c.a, c.b), 6, 6, false});
+    copies_.push_back({c.ba, block(c.b, c.a), 6, 6, false});
+  }
+  for (auto [a, b] : couplings) block(a, b), block(b, a);
+  for (int r = 0; r < rows; ++r)
+    if (s.rows[r].compliant >= 0)
+      compliant_.insert(compliant_.end(), {diagonal_[frames + r], s.rows[r].compliant, s.rows[r].count});
+
+  // Elimination, symbolically: the neighbours of each vertex that are still there.
+  std::vector<int> position(n);
+  for (int i = 0; i < n; ++i) position[order[i]] = i;
+  for (int v : order) {
+    std::vector<int> rest;
+    for (const auto& [w, unused] : at[v])
+      if (position[w] > position[v]) rest.push_back(w);
+    const int d = dimension[v];
+    Step step{d, diagonal_[v], x[v], static_cast<int>(neighbours_.size()), 0, static_cast<int>(updates_.size()), 0,
+              v < frames ? -1 : s.rows[v - frames].first, kernels::choose_invert(d), kernels::choose_apply_vector(d)};
+    for (int i : rest)
+      neighbours_.push_back({block(i, v), block(v, i), x[i], dimension[i], kernels::choose_apply(d, dimension[i]),
+                             kernels::choose_multiply_vector(dimension[i], d),
+                             kernels::choose_multiply_vector(d, dimension[i])});
+    for (int k : rest)
+      for (int i : rest)
+        updates_.push_back({kernels::choose_product(dimension[i], d, dimension[k]), block(i, k), block(i, v), block(v, k),
+                            dimension[i], dimension[k]});
+    step.last_neighbour = static_cast<int>(neighbours_.size());
+    step.last_update = static_cast<int>(updates_.size());
+    steps_.push_back(step);
+  }
+  blocks_.resize(size);
+  // Where each body's Schur complement is subtracted.
+  for (const LinearBlock& linear : linear_) {
+    std::vector<int> vertices;
+    const auto& l = s.linears[&linear - linear_.data()];
+    if (l.frame >= 0) vertices.push_back(l.frame);
+    for (int r : linear.rows()) vertices.push_back(frames + r);
+    schur_targets_.emplace_back();
+    for (std::size_t k = 0; k < vertices.size(); ++k)
+      for (std::size_t i = 0; i < vertices.size(); ++i) schur_targets_.back().push_back(block(vertices[i], vertices[k]));
+  }
+  if (static_cast<int>(blocks_.size()) < size) blocks_.resize(size);
+  is_dropped_.assign(s.row_count, 0);
+}
+
+void BlockFactor::drop_rows(const std::vector<int>& rows) {
+  dropped_ = rows;
+  std::fill(is_dropped_.begin(), is_dropped_.end(), 0);
+  for (int r : rows) is_dropped_[r] = 1;
+}
+
+void BlockFactor::load(const std::vector<double>& values) {
+  std::fill(blocks_.begin(), blocks_.end(), 0.0);
+  for (const Copy& c : copies_) {
+    const double* from = values.data() + c.from;
+    double* to = blocks_.data() + c.to;
+    if (!c.transposed) {
+      std::copy_n(from, c.rows * c.columns, to);
+    } else {
+      for (int r = 0; r < c.rows; ++r)
+        for (int k = 0; k < c.columns; ++k) to[k + c.columns * r] = from[r + c.rows * k];
+    }
+  }
+  for (std::size_t i = 0; i < compliant_.size(); i += 3)
+    for (int r = 0, n = compliant_[i + 2]; r < n; ++r)
+      blocks_[compliant_[i] + r * (n + 1)] = values[compliant_[i + 1] + r];
+  if (!dropped_.empty()) clear_dropped();
+  for (std::size_t l = 0; l < linear_.size(); ++l) {
+    LinearBlock& linear = linear_[l];
+    linear.factorize(values, is_dropped_);
+    const auto& parts = linear.parts();
+    const MatrixX& schur = linear.schur();
+    std::size_t target = 0;
+    for (const auto& k : parts)
+      for (const auto& i : parts) {
+        double* to = blocks_.data() + schur_targets_[l][target++];
+        for (int b = 0; b < k.size; ++b)
+          for (int a = 0; a < i.size; ++a) to[a + i.size * b] -= schur(i.column + a, k.column + b);
+      }
+  }
+}
+
+/// A dropped row becomes  -1 · y = 0.
+void BlockFactor::clear_dropped() {
+  const int frames = static_cast<int>(structure_.frames.size());
+  for (std::size_t v = 0; v < structure_.rows.size(); ++v) {
+    const auto& rows = structure_.rows[v];
+    for (int r = 0; r < rows.count; ++r) {
+      if (!is_dropped_[rows.first + r]) continue;
+      for (const Copy& c : row_copies_[v])
+        for (int k = 0; k < 6; ++k) blocks_[c.to + (c.transposed ? k + 6 * r : r + rows.count * k)] = 0;
+      blocks_[diagonal_[frames + v] + r * (rows.count + 1)] = -1;
+    }
+  }
+}
+
+void BlockFactor::eliminate(const Step& s) {
+  double* b = blocks_.data();
+  const double* P = b + s.diagonal;
+  for (int i = s.first_neighbour; i < s.last_neighbour; ++i) {
+    const Neighbour& n = neighbours_[i];
+    n.apply(P, b + n.column_block, s.dimension, n.dimension);
+  }
+  for (int i = s.first_update; i < s.last_update; ++i) {
+    const Update& u = updates_[i];
+    u.product(b + u.target, b + u.row_block, b + u.column_block, u.m, s.dimension, u.n);
+  }
+}
+
+void BlockFactor::factorize(const std::vector<double>& values) {
+  load(values);
+  for (const Step& s : steps_) {
+    s.invert(blocks_.data() + s.diagonal, s.dimension);
+    eliminate(s);
+  }
+}
+
+std::vector<int> BlockFactor::factorize_revealing(const std::vector<double>& values, const VectorX& reference,
+                                                  double tolerance) {
+  load(values);
+  std::vector<int> dependent;
+  for (const Step& s : steps_) {
+    Eigen::Map<MatrixX> P(blocks_.data() + s.diagonal, s.dimension, s.dimension);
+    if (s.first_row >= 0) {
+      // Gaussian elimination on a copy, largest relative pivot first; what is left below tolerance is dependent.
+      MatrixX A = -P;
+      std::vector<int> open(s.dimension);
+      for (int r = 0; r < s.dimension; ++r) open[r] = r;
+      std::vector<int> bad;
+      while (!open.empty()) {
+        const auto ratio = [&](int r) { return A(r, r) / reference[s.first_row + r]; };
+        const auto best = std::max_element(open.begin(), open.end(), [&](int a, int b) { return ratio(a) < ratio(b) * (1 - 1e-6); });
+        const int p = *best;
+        if (!(ratio(p) > tolerance)) {
+          bad = open;
+          break;
+        }
+        open.erase(best);
+        for (int i : open) {
+          const double f = A(i, p) / A(p, p);
+          for (int k : open) A(i, k) -= f * A(p, k);
+        }
+      }
+      for (int r : bad) {
+        if (is_dropped_[s.first_row + r]) continue;
+        dependent.push_back(s.first_row + r);
+        P.row(r).setZero();
+        P.col(r).setZero();
+        P(r, r) = -1;
+        for (int i = s.first_neighbour; i < s.last_neighbour; ++i) {
+          const Neighbour& n = neighbours_[i];
+          Eigen::Map<MatrixX>(blocks_.data() + n.row_block, n.dimension, s.dimension).col(r).setZero();
+          Eigen::Map<MatrixX>(blocks_.data() + n.column_block, s.dimension, n.dimension).row(r).setZero();
+        }
+      }
+    }
+    s.invert(P.data(), s.dimension);
+    eliminate(s);
+  }
+  std::vector<int> all = dropped_;
+  all.insert(all.end(), dependent.begin(), dependent.end());
+  std::sort(all.begin(), all.end());
+  drop_rows(all);
+  std::sort(dependent.begin(), dependent.end());
+  return dependent;
+}
+
+void BlockFactor::solve(double* x) const {
+  const double* b = blocks_.data();
+  for (int r : dropped_) x[structure_.velocity_count + r] = 0;
+  for (const LinearBlock& linear : linear_) linear.forward(x);
+  for (int r : dropped_) x[structure_.velocity_count + r] = 0;
+  for (const Step& s : steps_) {
+    double* y = x + s.x;
+    s.apply(b + s.diagonal, y, s.dimension);
+    for (int i = s.first_neighbour; i < s.last_neighbour; ++i) {
+      const Neighbour& n = neighbours_[i];
+      n.forward(x + n.x, b + n.row_block, y, n.dimension, s.dimension);
+    }
+  }
+  for (auto s = steps_.rbegin(); s != steps_.rend(); ++s)
+    for (int i = s->first_neighbour; i < s->last_neighbour; ++i) {
+      const Neighbour& n = neighbours_[i];
+      n.backward(x + s->x, b + n.column_block, x + n.x, s->dimension, n.dimension);
+    }
+  for (const LinearBlock& linear : linear_) linear.backward(x);
+}
+
+}  // namespace lithe

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <vector>
+
+#include "engine/block_structure.h"
+#include "engine/linear_block.h"
+#include "engine/math.h"
+
+namespace lithe {
+
+/// Block LU of [S Gᵀ; G -C] in an order taken from the graph. First every body's linear coordinates (LinearBlock), then
+/// frames and rows by a flat list of small fixed-size operations: linear cost for trees, no dense matrix of the system's
+/// size, no allocation after construction.
+class BlockFactor {
+ public:
+  explicit BlockFactor(const BlockStructure& structure);
+
+  /// Leaves rows (by number) out from the next factorisation on: their solution is zero.
+  void drop_rows(const std::vector<int>& rows);
+  void factorize(const std::vector<double>& values);
+  /// In place; x holds velocities, then rows.
+  void solve(double* x) const;
+
+  /// Factorises with the rows tested one by one: a row whose pivot falls below `tolerance` times its compliance
+  /// `reference[row]` depends on rows eliminated before it. Drops those rows and returns them, sorted.
+  std::vector<int> factorize_revealing(const std::vector<double>& values, const VectorX& reference, double tolerance);
+
+ private:
+  struct Neighbour {
+    int row_block, column_block;  // A_ip and A_pi; the latter becomes P⁻¹ A_pi
+    int x, dimension;
+    void (*apply)(const double*, double*, int, int);
+    void (*forward)(double*, const double*, const double*, int, int);
+    void (*backward)(double*, const double*, const double*, int, int);
+  };
+  struct Update {
+    void (*product)(double*, const double*, const double*, int, int, int);
+    int target, row_block, column_block, m, n;
+  };
+  struct Step {
+    int dimension, diagonal, x;
+    int first_neighbour, last_neighbour, first_update, last_update;
+    int first_row;  // number of the first row if this is a constraint, else -1
+    void (*invert)(double*, int);
+    void (*apply)(const double*, double*, int);
+  };
+  struct Copy {
+    int from, to, rows, columns;
+    bool transposed;
+  };
+
+  void plan();
+  void load(const std::vector<double>& values);
+  void clear_dropped();
+  void eliminate(const Step& step);
+
+  const BlockStructure& structure_;
+  std::vector<LinearBlock> linear_;
+  std::vector<Step> steps_;
+  std::vector<Neighbour> neighbours_;
+  std::vector<Update> updates_;
+  std::vector<Copy> copies_;
+  std::vector<int> compliant_;                   // factor diagonal, values index, count: triples
+  std::vector<std::vector<int>> schur_targets_;  // of each linear block, by pairs of its parts
+  std::vector<double> blocks_;
+  std::vector<int> dropped_;
+  std::vector<char> is_dropped_;
+  std::vector<int> diagonal_;                    // of each vertex
+  std::vector<std::vector<Copy>> row_copies_;    // of each rows vertex, to drop rows
+};
+
+}  // namespace lithe

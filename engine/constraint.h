@@ -1,0 +1,105 @@
+#pragma once
+
+#include <cassert>
+#include <initializer_list>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "engine/element.h"
+#include "engine/marker.h"
+
+namespace lithe {
+
+inline constexpr int kMaxMarkers = 8;  // of one joint or force
+inline constexpr int kMaxRows = 12;
+
+/// The rows of one joint at one state: residual g, the wrench W of a unit multiplier on each marker, the rate ∂g/∂t and
+/// the velocity terms of the second derivative:  g_dot = Σ W·V + rate,  g_dotdot = Σ W·V_dot + bias,  V = (v, w) of the
+/// markers, summed over them. What the markers' own accelerations owe to velocities is the engine's business.
+class ConstraintRows {
+ public:
+  explicit ConstraintRows(int markers) : markers_(markers) {}
+
+  /// A written row. `wrenches`: one per marker, in the order of the joint's marker list.
+  void add(double residual, std::initializer_list<Wrench> wrenches, double bias, double rate = 0) {
+    assert(static_cast<int>(wrenches.size()) == markers_);
+    written_ = true;
+    int m = 0;
+    for (const Wrench& w : wrenches) set(m++, w);
+    finish(residual, bias, rate);
+  }
+
+  /// Opens a row with no wrench anywhere; for the composed rows below.
+  Wrench* open() {
+    for (int m = 0; m < markers_; ++m) set(m, {Vector3::Zero(), Vector3::Zero()});
+    return wrench_[count_];
+  }
+  void finish(double residual, double bias, double rate = 0) {
+    residual_[count_] = residual;
+    bias_[count_] = bias;
+    rate_[count_] = rate;
+    ++count_;
+  }
+
+  /// Multiplier of the row being written, while the stiffness of loaded joints is collected; else null stiffness().
+  double multiplier() const { return multipliers_[count_]; }
+  /// ∂(Σ_rows W λ)/∂(marker motions), 6 rows and columns a marker (translation, rotation; world axes).
+  using Stiffness = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6 * kMaxMarkers, 6 * kMaxMarkers>;
+  Stiffness* stiffness() const { return stiffness_; }
+
+  // The engine's side.
+  void clear() { count_ = 0, written_ = false; }
+  void collect_stiffness(const double* multipliers, Stiffness* into) { multipliers_ = multipliers, stiffness_ = into; }
+  int count() const { return count_; }
+  bool written() const { return written_; }
+  const Wrench& wrench(int row, int marker) const { return wrench_[row][marker]; }
+  double residual(int row) const { return residual_[row]; }
+  double bias(int row) const { return bias_[row]; }
+  double rate(int row) const { return rate_[row]; }
+
+ private:
+  void set(int marker, const Wrench& w) { wrench_[count_][marker] = w; }
+
+  int markers_, count_ = 0;
+  bool written_ = false;
+  const double* multipliers_ = nullptr;
+  Stiffness* stiffness_ = nullptr;
+  Wrench wrench_[kMaxRows][kMaxMarkers];
+  double residual_[kMaxRows], bias_[kMaxRows], rate_[kMaxRows];
+};
+
+/// Rows that tie bodies, holonomic: g(q, t) = 0. Knows markers, never bodies.
+class Constraint : public Element {
+ public:
+  virtual int marker_count() const = 0;
+  virtual int row_count() const = 0;
+  /// Writes the rows of one state. Constant size, no allocation.
+  virtual void evaluate(double time, std::span<const MarkerView> markers, ConstraintRows& rows) const = 0;
+  /// Called once by assemble() with the markers as drawn: for what the drawing fixes (a distance, an offset).
+  virtual void initialize(std::span<const MarkerView> /*markers*/) {}
+};
+
+/// A constraint with its numbers of markers and rows known to the compiler.
+template <int Markers, int Rows>
+class Joint : public Constraint {
+ public:
+  static constexpr int kMarkers = Markers, kRows = Rows;
+  int marker_count() const final { return Markers; }
+  int row_count() const final { return Rows; }
+};
+
+// ---- the rows joints are composed of (EQUATIONS.md 7.2); each brings its own stiffness under load ----
+
+/// Three rows p_B - p_A = 0.
+void coincident(const MarkerView& A, const MarkerView& B, ConstraintRows& rows);
+/// One row a · b = 0, a fixed in A, b fixed in B, both in world axes now.
+void perpendicular(const MarkerView& A, const Vector3& a, const MarkerView& B, const Vector3& b, ConstraintRows& rows);
+/// One row a · (p_B - p_A) = 0, a fixed in A: B stays in the plane through A normal to a.
+void in_plane(const MarkerView& A, const Vector3& a, const MarkerView& B, ConstraintRows& rows);
+/// One row ½ (|p_B - p_A|² - L²) = 0.
+void at_distance(const MarkerView& A, const MarkerView& B, double length, ConstraintRows& rows);
+/// Three rows p_B - (p_A + R_A c) = 0: point B stays at c in the axes of A.
+void at_point(const MarkerView& A, const Vector3& c, const MarkerView& B, ConstraintRows& rows);
+
+}  // namespace lithe

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+#include <utility>
+
+namespace lithe {
+
+/// A named thing of a system graph. Made by SystemGraph::add alone; its address lasts as long as the graph.
+class Element {
+ public:
+  Element() = default;
+  Element(const Element&) = delete;
+  Element& operator=(const Element&) = delete;
+  virtual ~Element() = default;
+
+  const std::string& name() const { return name_; }
+  /// "file.cpp:12" of the add() call, for messages.
+  const std::string& where() const { return where_; }
+
+ private:
+  friend class SystemGraph;
+  std::string name_, where_;
+};
+
+}  // namespace lithe

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <functional>
+
+#include "engine/body.h"
+#include "engine/layout.h"
+#include "engine/math.h"
+
+namespace lithe {
+
+/// M(q) v_dot + G(q, t)ᵀ lambda = f(q, v, t),  g(q, t) = 0: all that an integrator sees of a scene. One object a thread:
+/// it holds the scratch of the state evaluated last, to which everything after evaluate() refers.
+class EquationsOfMotion {
+ public:
+  virtual ~EquationsOfMotion() = default;
+
+  virtual const Layout& layout() const = 0;
+  virtual void evaluate(double time, ConstVectorRef q, ConstVectorRef v, Level level) = 0;
+  /// r = M v_dot + Gᵀ lambda - f. Needs Level::velocity.
+  virtual void residual(ConstVectorRef v_dot, ConstVectorRef lambda, VectorRef r) = 0;
+  /// g (Level::position), g_dot = G v + ∂g/∂t (velocity), or gamma with G v_dot = gamma (acceleration).
+  virtual void constraint(Level which, VectorRef out) const = 0;
+
+  /// Forms and factorises [S Gᵀ; G 0], S = weighted derivative of r. `increment`: the step's increment d = q_n -> q in
+  /// the chart of q_n if S is to act on corrections of d' = v (null: corrections are turns of the present state).
+  virtual void factorize(const TangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
+                         const VectorX* increment) = 0;
+  /// Solves [S Gᵀ; G 0] (x, y) = (rv, rl) in place with the last factor. Redundant rows get y = 0.
+  virtual void solve(VectorRef rv, VectorRef rl) const = 0;
+  /// Every block of the last [S Gᵀ; G 0] as assembled: row, column (constraint rows follow the velocities), values. The
+  /// sparse codes of others (KLU) need it.
+  virtual void visit_blocks(const std::function<void(int row, int column, ConstMatrixRef block)>& visit) const = 0;
+};
+
+}  // namespace lithe

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cassert>
+#include <span>
+
+#include "engine/constraint.h"
+#include "engine/element.h"
+#include "engine/marker.h"
+
+namespace lithe {
+
+/// What a force element does to its markers at one state: loads (wrenches given outright) and compliant rows, which act
+/// like the rows of a joint with a multiplier that is a law of the row's own length and speed:
+///   length' = Σ W·V,   generalized force = -Σ Jᵀ W σ(length, length').
+/// Rows keep stiff springs out of the bodies' blocks: Newton solves them as constraints with compliance.
+class ForceRows {
+ public:
+  explicit ForceRows(int markers) : markers_(markers) { clear(); }
+
+  void add_load(const MarkerView& marker, const Wrench& w) {
+    load_[marker.index].force += w.force;
+    load_[marker.index].torque += w.torque;
+  }
+  /// Row with tension σ and its derivatives ∂σ/∂length, ∂σ/∂length'; energy: stored potential, joules.
+  void add(std::initializer_list<Wrench> wrenches, double tension, double stiffness, double damping, double energy) {
+    assert(static_cast<int>(wrenches.size()) == markers_ && count_ < kMaxRows);
+    int m = 0;
+    for (const Wrench& w : wrenches) wrench_[count_][m++] = w;
+    tension_[count_] = tension, stiffness_[count_] = stiffness, damping_[count_] = damping;
+    energy_ += energy;
+    ++count_;
+  }
+  void add_energy(double energy) { energy_ += energy; }
+
+  // The engine's side.
+  void clear() {
+    count_ = 0, energy_ = 0;
+    for (int m = 0; m < markers_; ++m) load_[m] = {Vector3::Zero(), Vector3::Zero()};
+  }
+  int count() const { return count_; }
+  const Wrench& load(int marker) const { return load_[marker]; }
+  const Wrench& wrench(int row, int marker) const { return wrench_[row][marker]; }
+  double tension(int row) const { return tension_[row]; }
+  double stiffness(int row) const { return stiffness_[row]; }
+  double damping(int row) const { return damping_[row]; }
+  double energy() const { return energy_; }
+
+ private:
+  int markers_, count_ = 0;
+  double energy_ = 0;
+  Wrench load_[kMaxMarkers];
+  Wrench wrench_[kMaxRows][kMaxMarkers];
+  double tension_[kMaxRows], stiffness_[kMaxRows], damping_[kMaxRows];
+};
+
+/// Wrenches at markers, and their potential where they have one.
+class ForceElement : public Element {
+ public:
+  virtual int marker_count() const = 0;
+  virtual int row_count() const = 0;  // compliant rows
+  virtual void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const = 0;
+};
+
+/// A force element with its numbers of markers and compliant rows known to the compiler.
+template <int Markers, int Rows>
+class Force : public ForceElement {
+ public:
+  static constexpr int kMarkers = Markers, kRows = Rows;
+  int marker_count() const final { return Markers; }
+  int row_count() const final { return Rows; }
+};
+
+}  // namespace lithe

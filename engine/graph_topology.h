@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace lithe {
+
+/// A graph of bodies and the constraints that tie them; the one home of Boost.Graph.
+/// Bodies are 0 .. body_count-1, -1 is ground.
+struct Topology {
+  int body_count = 0;
+  std::vector<std::vector<int>> ties;  // bodies of each constraint, ground as -1, no body twice
+};
+
+/// Island number of each body: bodies that no chain of constraints connects (ground does not connect) differ.
+std::vector<int> islands(const Topology& topology);
+
+/// An order in which Gaussian elimination of [S Gᵀ; G 0] fills in little and never meets a zero block.
+/// Vertices: bodies, then constraints (body_count + c). Trees fill in nothing. `couplings`: pairs of bodies with a block
+/// of their own. A constraint is eliminated after all its bodies, or, where it alone holds a part of the graph that does
+/// not touch ground, after that part: in both cases its pivot block is minus a compliance, definite if its rows are
+/// independent. Among the eligible, the one with the smallest remaining neighbourhood goes first.
+std::vector<int> elimination_order(const Topology& topology, const std::vector<int>& dimensions,
+                                   const std::vector<std::pair<int, int>>& couplings);
+
+/// Graphviz text: bodies are boxes, connectors ellipses, edges carry marker names.
+struct GraphDrawing {
+  struct Node {
+    std::string name, type;
+    bool body;
+  };
+  struct Edge {
+    int from, to;
+  };
+  std::vector<Node> nodes;
+  std::vector<Edge> edges;
+};
+std::string graphviz(const GraphDrawing& drawing);
+
+}  // namespace lithe

@@ -1,0 +1,25 @@
+#include "engine/ground.h"
+
+#include "engine/batch_of.h"
+#include "engine/checks.h"
+
+namespace lithe {
+
+Marker Ground::marker(const Vector3& position, const Matrix3& orientation) {
+  require::finite(position, "ground marker position");
+  require::rotation(orientation, "ground marker orientation");
+  markers_.push_back({position, orientation});
+  return {this, marker_count() - 1};
+}
+
+void Ground::marker_kinematics(const BodyState& state, int marker, Level, MarkerKinematics& k) const {
+  k.p = k.r = markers_[marker].position;
+  k.R = markers_[marker].orientation;
+  k.v = k.w = k.bias_v = k.bias_w = Vector3::Zero();
+  k.A = &state.cache->A;
+  k.elastic = nullptr;
+}
+
+template std::unique_ptr<BodyBatch> make_body_batch<Ground>();
+
+}  // namespace lithe

@@ -1,0 +1,117 @@
+#include "engine/linear_block.h"
+
+#include <algorithm>
+
+namespace lithe {
+
+LinearBlock::LinearBlock(const BlockStructure& structure, int linear)
+    : structure_(structure), linear_(structure.linears[linear]) {
+  int m = 0;
+  if (linear_.frame >= 0) {
+    parts_.push_back({structure.frames[linear_.frame].v, 6, 0});
+    m = 6;
+  }
+  for (std::size_t j = 0; j < structure.jacobians.size(); ++j) {
+    const auto& G = structure.jacobians[j];
+    if (G.linear != linear) continue;
+    const auto& rows = structure.rows[G.rows];
+    parts_.push_back({structure.velocity_count + rows.first, rows.count, m});
+    rows_.push_back(G.rows);
+    jacobians_.push_back(static_cast<int>(j));
+    m += rows.count;
+  }
+  const int n = linear_.size;
+  X_.setZero(m, n);
+  T_.setZero(n, m);
+  schur_.setZero(m, m);
+  inverse_diagonal_.setOnes(n);
+  if (!linear_.pattern) return;
+
+  sparse_ = std::make_unique<Sparse>();
+  const auto& p = *linear_.pattern;
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int k = 0; k < p.rows.size(); ++k) entries.emplace_back(p.rows[k], p.columns[k], 1.0);
+  sparse_->matrix.resize(n, n);
+  sparse_->matrix.setFromTriplets(entries.begin(), entries.end());
+  for (int k = 0; k < p.rows.size(); ++k)
+    sparse_->place.push_back(static_cast<int>(&sparse_->matrix.coeffRef(p.rows[k], p.columns[k]) - sparse_->matrix.valuePtr()));
+  sparse_->factor.analyzePattern(sparse_->matrix);
+  permuted_.resize(n, std::max(m, 1));
+}
+
+void LinearBlock::load(const std::vector<double>& values, const std::vector<char>& dropped) {
+  using RowMajorView = Eigen::Map<const MatrixX>;
+  const int n = linear_.size;
+  if (linear_.frame >= 0) {
+    X_.topRows<6>() = RowMajorView(values.data() + linear_.frame_linear, 6, n);
+    T_.leftCols<6>() = RowMajorView(values.data() + linear_.linear_frame, n, 6);
+  }
+  const std::size_t offset = linear_.frame >= 0 ? 1 : 0;
+  for (std::size_t j = 0; j < jacobians_.size(); ++j) {
+    const auto& G = structure_.jacobians[jacobians_[j]];
+    const auto& rows = structure_.rows[G.rows];
+    const Part& part = parts_[j + offset];
+    X_.middleRows(part.column, rows.count) = RowMajorView(values.data() + G.linear_values, rows.count, n);
+    for (int r = 0; r < rows.count; ++r)
+      if (dropped[rows.first + r]) X_.row(part.column + r).setZero();
+    T_.middleCols(part.column, rows.count) = X_.middleRows(part.column, rows.count).transpose();
+  }
+}
+
+void LinearBlock::factorize(const std::vector<double>& values, const std::vector<char>& dropped) {
+  load(values, dropped);
+  const int n = linear_.size, m = neighbour_size();
+  const double* D = values.data() + linear_.values;
+  if (!sparse_) {
+    for (int i = 0; i < n; ++i) inverse_diagonal_[i] = 1 / D[i];
+    T_ = inverse_diagonal_.asDiagonal() * T_;
+  } else {
+    const std::size_t count = sparse_->place.size();
+    if (sparse_->last.size() != count || !std::equal(D, D + count, sparse_->last.begin())) {
+      sparse_->last.assign(D, D + count);
+      for (std::size_t k = 0; k < count; ++k) sparse_->matrix.valuePtr()[sparse_->place[k]] = D[k];
+      sparse_->factor.factorize(sparse_->matrix);
+    }
+    solve_linear(T_);
+  }
+  // schur = X T by columns, rank one at a time: short contiguous vectors.
+  for (int b = 0; b < m; ++b) {
+    double* s = schur_.data() + b * m;
+    std::fill(s, s + m, 0.0);
+    for (int k = 0; k < n; ++k) {
+      const double t = T_(k, b), *x = X_.data() + k * m;
+      for (int a = 0; a < m; ++a) s[a] += x[a] * t;
+    }
+  }
+}
+
+void LinearBlock::solve_linear(Eigen::Ref<MatrixX> columns) const {
+  auto y = permuted_.leftCols(columns.cols());
+  const auto& P = sparse_->factor.permutationP().indices();
+  for (int i = 0; i < columns.rows(); ++i) y.row(P[i]) = columns.row(i);
+  sparse_->factor.matrixL().solveInPlace(y);
+  sparse_->factor.matrixU().solveInPlace(y);
+  for (int i = 0; i < columns.rows(); ++i) columns.row(i) = y.row(P[i]);
+}
+
+void LinearBlock::forward(double* x) const {
+  Eigen::Map<VectorX> own(x + linear_.v, linear_.size);
+  if (!sparse_)
+    own.array() *= inverse_diagonal_.array();
+  else
+    solve_linear(own);
+  const int m = neighbour_size();
+  for (const Part& part : parts_)
+    for (int k = 0; k < linear_.size; ++k) {
+      const double t = own[k], *column = X_.data() + k * m + part.column;
+      for (int a = 0; a < part.size; ++a) x[part.x + a] -= column[a] * t;
+    }
+}
+
+void LinearBlock::backward(double* x) const {
+  Eigen::Map<VectorX> own(x + linear_.v, linear_.size);
+  for (const Part& part : parts_)
+    for (int a = 0; a < part.size; ++a) own -= x[part.x + a] * T_.col(part.column + a);
+}
+
+}  // namespace lithe

@@ -1,0 +1,54 @@
+#pragma once
+
+#include "engine/math.h"
+
+namespace lithe {
+
+class Body;
+
+/// How much of a state an evaluation needs: each level contains the ones before.
+enum class Level { position, velocity, acceleration };
+
+/// A frame on a body: a point, a node, the mean of some nodes. A handle, passed by value; made by its body.
+struct Marker {
+  const Body* body = nullptr;
+  int index = -1;
+  bool operator==(const Marker&) const = default;
+};
+
+/// Motion of a marker in world axes, and what its body's velocities do to it.
+///   (v, w) = J v_body,   (v_dot, w_dot) = J v_body_dot + (bias_v, bias_w)
+/// J is never stored: for a body with a frame (rotation A, marker at r in body axes) and linear coordinates eta
+///   J = [E, -A r~, A B; 0, A, A T],   elastic = [B; T] (6 x n, body axes, column-major; null if eta does not move it).
+/// A body without frame has A = E and only the elastic columns.
+struct MarkerKinematics {
+  Vector3 p;             // position
+  Matrix3 R;             // marker axes to world axes
+  Vector3 v, w;          // velocity of the point, angular velocity
+  Vector3 bias_v, bias_w;
+  Vector3 r;             // position in body axes
+  const Matrix3* A = nullptr;
+  const double* elastic = nullptr;
+};
+
+/// What a joint or force sees of one of its markers; `index` is its place in the element's marker list.
+struct MarkerView {
+  const Vector3& p;
+  const Matrix3& R;
+  const Vector3 &v, &w;
+  int index;
+
+  MarkerView(const MarkerKinematics& k, int place) : p(k.p), R(k.R), v(k.v), w(k.w), index(place) {}
+  auto x() const { return R.col(0); }
+  auto y() const { return R.col(1); }
+  auto z() const { return R.col(2); }
+};
+
+/// Force and torque at a marker, world axes.
+struct Wrench {
+  Vector3 force, torque;
+};
+inline Wrench force(const Vector3& f) { return {f, Vector3::Zero()}; }
+inline Wrench torque(const Vector3& t) { return {Vector3::Zero(), t}; }
+
+}  // namespace lithe

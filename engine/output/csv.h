@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+
+#include "engine/output/table.h"
+
+namespace lithe {
+
+/// Comma-separated values: a header line of column names (quoted where they hold a comma or a quote), then one line a
+/// row. Numbers are the shortest text that reads back as the same double. Parent folders are created; the file appears
+/// under its name only when complete. Throws FileError if it cannot be written, SceneError for a table without columns
+/// or a column name with a line break.
+void write_csv(const Table& table, const std::string& path);
+
+/// Reads what write_csv() writes, and kindred files: blanks around names and numbers, Windows line ends and empty lines
+/// are borne. Throws FileError with file:line for a row of the wrong length or a text that is no number.
+Table read_csv(const std::string& path);
+
+}  // namespace lithe

@@ -1,0 +1,55 @@
+#include "engine/projection.h"
+
+namespace lithe {
+
+Projector::Projector(EquationsOfMotion& equations)
+    : equations_(equations),
+      zero_v_(VectorX::Zero(equations.layout().v_count())),
+      zero_rows_(VectorX::Zero(equations.layout().row_count())),
+      dv_(zero_v_),
+      dl_(zero_rows_) {}
+
+Projector::Result Projector::position(double time, VectorRef q, double tolerance, int max_iterations, bool reuse) {
+  Result result;
+  if (dl_.size() == 0) return {true, 0, 0.0};
+  double moved = 0;
+  for (;; ++result.iterations) {
+    equations_.evaluate(time, q, zero_v_, Level::position);
+    equations_.constraint(Level::position, dl_);
+    const double before = result.residual;
+    result.residual = dl_.cwiseAbs().maxCoeff();
+    // Done at the tolerance, or where round-off ends progress.
+    result.converged = result.residual <= tolerance ||
+                       (result.iterations > 0 && moved < 1e-14 * (1 + q.cwiseAbs().maxCoeff()) && result.residual >= 0.5 * before);
+    if (result.converged || result.iterations == max_iterations || !std::isfinite(result.residual)) return result;
+    if (result.iterations == 0 || !reuse) equations_.factorize({0, 0, 1}, zero_v_, zero_rows_, nullptr);
+    dv_.setZero();
+    dl_ = -dl_;
+    equations_.solve(dv_, dl_);
+    moved = dv_.cwiseAbs().maxCoeff();
+    if (moved > 1) dv_ *= 1 / moved;  // a metre or a radian at a time
+    equations_.layout().retract(q, dv_, q);
+  }
+}
+
+void Projector::velocity(double time, ConstVectorRef q, VectorRef v) {
+  if (dl_.size() == 0) return;
+  equations_.evaluate(time, q, v, Level::velocity);
+  equations_.constraint(Level::velocity, dl_);
+  equations_.factorize({0, 0, 1}, zero_v_, zero_rows_, nullptr);
+  dv_.setZero();
+  dl_ = -dl_;
+  equations_.solve(dv_, dl_);
+  v += dv_;
+}
+
+void Projector::accelerations(double time, ConstVectorRef q, ConstVectorRef v, VectorRef v_dot, VectorRef lambda) {
+  equations_.evaluate(time, q, v, Level::acceleration);
+  equations_.factorize({0, 0, 1}, zero_v_, zero_rows_, nullptr);
+  equations_.residual(zero_v_, zero_rows_, v_dot);  // -f
+  v_dot = -v_dot;
+  equations_.constraint(Level::acceleration, lambda);
+  equations_.solve(v_dot, lambda);
+}
+
+}  // namespace lithe

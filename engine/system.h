@@ -1,0 +1,71 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/batch.h"
+#include "engine/block_structure.h"
+#include "engine/layout.h"
+#include "engine/state.h"
+#include "engine/system_graph.h"
+
+namespace lithe {
+
+/// A row that repeats others: named, left out of the factor, and borne.
+struct RedundantRow {
+  int row;             // number in lambda
+  std::string name;    // "'guide' row 2"
+  std::string repeats; // "'pin' row 5"
+};
+
+/// The assembled, unchanging system: layout, batches, sparsity. const, so threads share it; borrows the graph.
+class System {
+ public:
+  const Layout& layout() const { return layout_; }
+  const Vector3& gravity() const { return graph_->gravity(); }
+  const SystemGraph& graph() const { return *graph_; }
+  int rank() const { return layout_.row_count() - static_cast<int>(redundant_.size()); }
+  int degrees_of_freedom() const { return layout_.v_count() - rank(); }
+  const std::vector<RedundantRow>& redundant_rows() const { return redundant_; }
+
+  /// The state as drawn, projected onto the constraints: consistent positions and velocities at t = 0.
+  const State& initial_state() const { return initial_; }
+
+  /// First row and number of rows of a constraint in lambda. Throws SceneError for one of another graph.
+  const Layout::RowSlice& rows(const Constraint& constraint) const;
+
+ private:
+  friend class Assembler;
+  friend class SystemBuilder;
+  System() = default;
+
+  struct Batches {
+    std::vector<std::unique_ptr<BodyBatch>> bodies;
+    std::vector<std::unique_ptr<ConstraintBatch>> constraints;
+    std::vector<std::unique_ptr<ForceBatch>> forces;
+  };
+  const SystemGraph* graph_ = nullptr;
+  Layout layout_;
+  BlockStructure blocks_;
+  Batches batches_;
+  struct Place {
+    int batch, index;
+  };
+  std::vector<Place> body_places_;  // of graph bodies, ground first
+  int marker_count_ = 0, compliant_count_ = 0;
+  std::vector<RedundantRow> redundant_;
+  State initial_;
+};
+
+struct AssembleOptions {
+  double position_tolerance = 1e-12;  // of consistent positions, in the units of the rows
+  bool assemble_positions = true;     // move bodies onto the constraints; false: refuse a start that is not on them
+};
+
+/// Freezes the topology; finds redundant rows (named in a warning), consistent initial positions and velocities; logs one
+/// line. Throws SceneError: no body, a joint between ground and ground, positions that cannot be assembled.
+System assemble(SystemGraph& graph, const AssembleOptions& options = {});
+
+}  // namespace lithe

@@ -1,0 +1,82 @@
+#include "engine/system_graph.h"
+
+#include <map>
+
+#include "engine/checks.h"
+#include "engine/graph_topology.h"
+
+namespace lithe {
+
+SystemGraph::SystemGraph() : SystemGraph(Parameters{}) {}
+
+SystemGraph::SystemGraph(Parameters parameters) : parameters_(std::move(parameters)) {
+  try {
+    require::finite(parameters_.gravity, "gravity");
+  } catch (const SceneError& error) {
+    throw SceneError(error.problem(), "SystemGraph", error.mend());
+  }
+  auto ground = std::make_unique<Ground>();
+  ground_ = ground.get();
+  adopt(std::move(ground), Located("ground"));
+  bodies_.push_back({ground_, typeid(Ground), make_body_batch<Ground>});
+  body_set_.insert(ground_);
+}
+
+void SystemGraph::check_name(const Located& name) const {
+  if (name.text.empty())
+    throw SceneError("an element has no name", to_string(name.where), "give a name: messages and outputs use it");
+  if (const Element* other = find(name.text))
+    throw SceneError("the name '" + name.text + "' is in use since " + other->where(), to_string(name.where),
+                     "give every body, joint and force a name of its own");
+}
+
+void SystemGraph::adopt(std::unique_ptr<Element> element, const Located& name) {
+  element->name_ = name.text;
+  element->where_ = to_string(name.where);
+  by_name_[name.text] = element.get();
+  elements_.push_back(std::move(element));
+}
+
+void SystemGraph::check_markers(const Element& element, const std::vector<Marker>& markers, int expected) {
+  const auto refuse = [&](const std::string& what, const std::string& mend) {
+    const std::string name = element.name(), where = element.where();
+    by_name_.erase(name);
+    elements_.pop_back();  // the element was never part of the scene
+    throw SceneError("'" + name + "': " + what, where, mend);
+  };
+  if (static_cast<int>(markers.size()) != expected)
+    refuse("needs " + std::to_string(expected) + " markers and got " + std::to_string(markers.size()),
+           "list its markers in braces, one on each body it ties");
+  for (std::size_t i = 0; i < markers.size(); ++i) {
+    const Marker& m = markers[i];
+    const std::string which = "marker " + std::to_string(i + 1);
+    if (!m.body) refuse(which + " belongs to no body (the joint is disconnected)", "make markers with body.marker(...)");
+    if (!body_set_.contains(m.body)) refuse(which + " belongs to a body of another graph", "tie bodies of one graph only");
+    if (m.index < 0 || m.index >= m.body->marker_count())
+      refuse(which + " does not exist on body '" + m.body->name() + "'", "make markers with body.marker(...)");
+  }
+}
+
+const Element* SystemGraph::find(const std::string& name) const {
+  const auto at = by_name_.find(name);
+  return at == by_name_.end() ? nullptr : at->second;
+}
+
+std::string SystemGraph::graphviz() const {
+  GraphDrawing drawing;
+  std::map<const Body*, int> number;
+  for (const BodyEntry& b : bodies_) {
+    number[b.body] = static_cast<int>(drawing.nodes.size());
+    drawing.nodes.push_back({b.body->name(), std::to_string(b.body->coordinates().v_count()) + " velocities", true});
+  }
+  const auto connect = [&](const Element& e, const std::string& type, const std::vector<Marker>& markers) {
+    const int node = static_cast<int>(drawing.nodes.size());
+    drawing.nodes.push_back({e.name(), type, false});
+    for (const Marker& m : markers) drawing.edges.push_back({number[m.body], node});
+  };
+  for (const auto& c : constraints_) connect(*c.constraint, std::to_string(c.constraint->row_count()) + " rows", c.markers);
+  for (const auto& f : forces_) connect(*f.force, "force", f.markers);
+  return ::lithe::graphviz(drawing);
+}
+
+}  // namespace lithe

@@ -1,0 +1,118 @@
+#pragma once
+
+#include <concepts>
+#include <memory>
+#include <string>
+#include <typeindex>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
+
+#include "engine/batch.h"
+#include "engine/error.h"
+#include "engine/ground.h"
+
+namespace lithe {
+
+/// What the user draws: bodies tied by constraints and force elements at markers. Owns every element; addresses last as
+/// long as the graph. Calls give name, markers, parameters, in that order.
+class SystemGraph {
+ public:
+  struct Parameters {
+    Vector3 gravity{0, 0, -9.81};  // m/s², world axes
+  };
+
+  SystemGraph();
+  explicit SystemGraph(Parameters parameters);
+
+  /// The inertial frame; its markers tie things to the world.
+  Ground& ground() { return *ground_; }
+  const Vector3& gravity() const { return parameters_.gravity; }
+
+  /// Adds a body. Throws SceneError (name in use, bad parameter), naming the line of the call.
+  template <class T>
+    requires std::derived_from<T, Body>
+  T& add(Located name, typename T::Parameters parameters = {}) {
+    T& body = keep(name, [&] { return std::make_unique<T>(std::move(parameters)); });
+    bodies_.push_back({&body, typeid(T), make_body_batch<T>});
+    body_set_.insert(&body);
+    return body;
+  }
+
+  /// Adds a constraint or a force element between markers. Throws SceneError likewise, and for markers of another graph.
+  template <class T>
+    requires(!std::derived_from<T, Body>) && requires { typename T::Parameters; }
+  T& add(Located name, std::vector<Marker> markers, typename T::Parameters parameters = {}) {
+    return connect(keep(name, [&] { return std::make_unique<T>(std::move(parameters)); }), std::move(markers));
+  }
+  template <class T>
+    requires(!std::derived_from<T, Body>) && (!requires { typename T::Parameters; })
+  T& add(Located name, std::vector<Marker> markers) {
+    return connect(keep(name, [] { return std::make_unique<T>(); }), std::move(markers));
+  }
+
+  struct BodyEntry {
+    Body* body;
+    std::type_index type;
+    std::unique_ptr<BodyBatch> (*make_batch)();
+  };
+  struct ConstraintEntry {
+    Constraint* constraint;
+    std::vector<Marker> markers;
+    std::type_index type;
+    std::unique_ptr<ConstraintBatch> (*make_batch)();
+  };
+  struct ForceEntry {
+    ForceElement* force;
+    std::vector<Marker> markers;
+    std::type_index type;
+    std::unique_ptr<ForceBatch> (*make_batch)();
+  };
+  const std::vector<BodyEntry>& bodies() const { return bodies_; }  // ground first
+  const std::vector<ConstraintEntry>& constraints() const { return constraints_; }
+  const std::vector<ForceEntry>& forces() const { return forces_; }
+
+  /// Body, constraint or force of that name; null if there is none.
+  const Element* find(const std::string& name) const;
+  /// The graph as Graphviz text: bodies are boxes, connectors ellipses.
+  std::string graphviz() const;
+
+ private:
+  template <class Make>
+  auto& keep(const Located& name, Make&& make) {
+    check_name(name);
+    try {
+      auto element = make();
+      auto& reference = *element;
+      adopt(std::move(element), name);
+      return reference;
+    } catch (const SceneError& error) {
+      throw SceneError("'" + name.text + "': " + error.problem(), to_string(name.where), error.mend());
+    }
+  }
+  template <class T>
+  T& connect(T& element, std::vector<Marker> markers) {
+    check_markers(element, markers, element.marker_count());
+    if constexpr (std::derived_from<T, Constraint>)
+      constraints_.push_back({&element, std::move(markers), typeid(T), make_constraint_batch<T>});
+    else
+      forces_.push_back({&element, std::move(markers), typeid(T), make_force_batch<T>});
+    return element;
+  }
+  void check_name(const Located& name) const;
+  void adopt(std::unique_ptr<Element> element, const Located& name);
+  void check_markers(const Element& element, const std::vector<Marker>& markers, int expected);
+
+  Parameters parameters_;
+  Ground* ground_;
+  std::vector<std::unique_ptr<Element>> elements_;
+  std::unordered_map<std::string, const Element*> by_name_;
+  std::unordered_set<const Body*> body_set_;
+  std::vector<BodyEntry> bodies_;
+  std::vector<ConstraintEntry> constraints_;
+  std::vector<ForceEntry> forces_;
+};
+
+extern template std::unique_ptr<BodyBatch> make_body_batch<Ground>();
+
+}  // namespace lithe

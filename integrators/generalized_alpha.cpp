@@ -1,0 +1,250 @@
+#include "integrators/generalized_alpha.h"
+
+#include <algorithm>
+
+#include "engine/checks.h"
+#include "engine/error.h"
+
+namespace lithe {
+namespace {
+
+constexpr int kMaxNewton = 10;
+constexpr int kMaxSplits = 12;  // a step that will not converge is halved that often
+
+}  // namespace
+
+GeneralizedAlpha::GeneralizedAlpha(Parameters parameters) : parameters_(parameters) {
+  const double rho = parameters.spectral_radius;
+  if (!(rho >= 0 && rho < 1))
+    throw SceneError("spectral_radius is " + std::to_string(rho), "GeneralizedAlpha",
+                     "give 0 <= rho < 1; 0.8 to 0.9 keeps energy well, 1 leaves algebraic modes undamped");
+  require::not_negative(parameters.step, "step");
+  require::not_negative(parameters.max_step, "max_step");
+  require::positive(parameters.tolerance.relative + parameters.tolerance.absolute, "tolerance");
+  am_ = (2 * rho - 1) / (rho + 1);
+  af_ = rho / (rho + 1);
+  gamma_ = 0.5 + af_ - am_;
+  beta_ = 0.25 * (gamma_ + 0.5) * (gamma_ + 0.5);
+}
+
+std::string GeneralizedAlpha::name() const {
+  return parameters_.form == Form::index3 ? "generalized-alpha, index 3" : "generalized-alpha, stabilized index 2";
+}
+
+void GeneralizedAlpha::start(EquationsOfMotion& equations, State& state) {
+  const int nv = equations.layout().v_count(), rows = equations.layout().row_count();
+  statistics_ = {};
+  for (VectorX* x : {&a_, &v_, &v_dot_, &d_, &v_dot_last_, &jerk_, &delta_, &change_, &rv_, &magnitudes_}) x->setZero(nv);
+  for (VectorX* x : {&lambda_, &rl_, &rl2_}) x->setZero(rows);
+  q_ = state.q;
+  if (state.v_dot.size() != nv) state.v_dot.setZero(nv);
+  if (state.lambda.size() != rows) state.lambda.setZero(rows);
+  Projector projector(equations);
+  projector.accelerations(state.time, state.q, state.v, state.v_dot, state.lambda);
+  a_ = state.v_dot;
+  has_last_ = false;
+  h_ = parameters_.step > 0 ? parameters_.step : first_step(state);
+  h_last_ = 0;
+
+  if (parameters_.form == Form::index3 && parameters_.correct_start && rows > 0) {
+    // The jerk by one difference along the motion, then a₀ = v̇₀ + (am - af) h v̈₀ and the shift of v₀ that spares the
+    // multipliers their first-order transient (EQUATIONS.md 8.1).
+    change_ = h_ * state.v + 0.5 * h_ * h_ * state.v_dot;
+    equations.layout().retract(state.q, change_, q_);
+    v_ = state.v + h_ * state.v_dot;
+    projector.accelerations(state.time + h_, q_, v_, v_dot_, lambda_);
+    jerk_ = (v_dot_ - state.v_dot) / h_;
+    a_ += (am_ - af_) * h_ * jerk_;
+    shift_velocity(equations, state, h_ * h_);
+  }
+}
+
+double GeneralizedAlpha::first_step(const State& state) const {
+  if (parameters_.first_step > 0) return parameters_.first_step;
+  // A step that moves every coordinate by less than a thousandth of its magnitude.
+  const double speed = state.v.cwiseAbs().maxCoeff(), pull = state.v_dot.cwiseAbs().maxCoeff();
+  double h = 1e-3;
+  if (speed > 0) h = std::min(h, 1e-2 / speed);
+  if (pull > 0) h = std::min(h, std::sqrt(1e-3 / pull));
+  return parameters_.max_step > 0 ? std::min(h, parameters_.max_step) : h;
+}
+
+/// v += h² M⁻¹Gᵀ(G M⁻¹Gᵀ)⁻¹ G ((1 - 6β - 3(am - af))/6 v̈ + 1/12 (0, ω × ω̇, 0))
+void GeneralizedAlpha::shift_velocity(EquationsOfMotion& equations, State& state, double h_squared) {
+  change_ = (1 - 6 * beta_ - 3 * (am_ - af_)) / 6 * jerk_;
+  for (const auto& b : equations.layout().bodies())
+    if (b.frame)
+      change_.segment<3>(b.v + 3) += state.v.segment<3>(b.v + 3).cross(state.v_dot.segment<3>(b.v + 3)) / 12;
+  rv_.setZero();
+  equations.evaluate(state.time, state.q, rv_, Level::velocity);
+  equations.constraint(Level::velocity, rl2_);
+  equations.evaluate(state.time, state.q, change_, Level::velocity);
+  equations.constraint(Level::velocity, rl_);
+  rl_ -= rl2_;
+  equations.factorize({0, 0, 1}, state.v_dot, state.lambda, nullptr);
+  equations.solve(rv_, rl_);
+  state.v += h_squared * rv_;
+}
+
+/// A new step size: the acceleration-like state sits (am - af) h beside v̇ and moves with h; in index 3 so does the
+/// velocity's offset. Without this the multipliers fall to first order (stability laboratory S30).
+void GeneralizedAlpha::change_step(EquationsOfMotion& equations, State& state, double h) {
+  if (h_last_ == 0 || std::abs(h / h_last_ - 1) < 1e-9) return;
+  a_ = state.v_dot + (a_ - state.v_dot) * (h / h_last_);
+  if (parameters_.form == Form::index3 && has_last_ && rl_.size() > 0) {
+    jerk_ = (state.v_dot - v_dot_last_) / h_last_;
+    shift_velocity(equations, state, h * h - h_last_ * h_last_);
+  }
+}
+
+double GeneralizedAlpha::natural_step(const State& state, double t_stop) const {
+  const double left = t_stop - state.time;
+  const double count = std::ceil(left / h_ - 1e-9);
+  return count <= 1 ? left : (parameters_.step > 0 && std::abs(count * h_ - left) > 1e-9 * left ? left / count : h_);
+}
+
+void GeneralizedAlpha::predict(EquationsOfMotion& equations, const State& state, double h) {
+  // The old acceleration goes on; with it two Newton iterations are enough on smooth motion.
+  v_dot_ = state.v_dot;
+  lambda_ = state.lambda;
+  change_ = ((af_ * state.v_dot - am_ * a_) + (1 - af_) * v_dot_) / (1 - am_);  // a'
+  d_ = h * state.v + h * h * ((0.5 - beta_) * a_ + beta_ * change_);
+  v_ = state.v + h * ((1 - gamma_) * a_ + gamma_ * change_);
+  equations.layout().retract(state.q, d_, q_);
+}
+
+GeneralizedAlpha::Newton GeneralizedAlpha::solve(EquationsOfMotion& equations, const State& start, double time,
+                                                 double h) {
+  const double b1 = (1 - am_) / (h * h * beta_ * (1 - af_)), g1 = gamma_ / (h * beta_);
+  const bool stabilized = parameters_.form == Form::stabilized_index2;
+  double tolerance = parameters_.newton_tolerance;
+  if (tolerance == 0) {
+    const auto& t = parameters_.tolerance;
+    tolerance = parameters_.step > 0 ? 1e-9 : 1e-2 * (t.absolute + t.relative * 1e-2);
+  }
+  double last = 0;
+  bool slow = true;  // the factor is to be made anew: at the start, and where corrections shrink too slowly
+  for (int k = 0; k < kMaxNewton; ++k) {
+    equations.evaluate(time, q_, v_, Level::velocity);
+    ++statistics_.evaluations;
+    equations.residual(v_dot_, lambda_, rv_);
+    const bool fresh = slow;
+    if (fresh) {
+      equations.factorize({1, g1, b1}, v_dot_, lambda_, &d_);
+      ++statistics_.factorizations;
+    }
+    rv_ = -rv_;
+    equations.constraint(Level::position, rl_);
+    double size;
+    if (!stabilized) {
+      rl_ = -rl_;
+      equations.solve(rv_, rl_);
+      lambda_ += rl_;
+      equations.layout().chart_rates(d_, rv_, delta_);
+      d_ += delta_;
+      v_ += g1 * delta_;
+      v_dot_ += b1 * delta_;
+      size = delta_.cwiseAbs().maxCoeff();
+    } else {
+      // Velocities first: G v' + ∂g/∂t = 0; then positions alone, along the same factor: g(q') = 0.
+      equations.constraint(Level::velocity, rl2_);
+      rl2_ /= -g1;
+      rl_ = -rl_ - rl2_;
+      equations.solve(rv_, rl2_);
+      lambda_ += rl2_;
+      equations.layout().chart_rates(d_, rv_, delta_);
+      v_ += g1 * delta_;
+      v_dot_ += b1 * delta_;
+      size = delta_.cwiseAbs().maxCoeff();
+      change_.setZero();
+      equations.solve(change_, rl_);
+      rv_ += change_;
+      equations.layout().chart_rates(d_, rv_, delta_);
+      d_ += delta_;
+      size = std::max(size, delta_.cwiseAbs().maxCoeff());
+    }
+    ++statistics_.newton_iterations;
+    if (!std::isfinite(size)) return Newton::failed;
+    equations.layout().retract(start.q, d_, q_);
+    if (size <= tolerance) return Newton::converged;
+    const double rate = k > 0 ? size / last : 0;
+    if (rate > 2 && fresh) return Newton::failed;
+    slow = rate > 0.3;
+    // Round-off: corrections no longer shrink and are tiny beside the coordinates.
+    if (slow && size <= 1e-13 * (1 + q_.cwiseAbs().maxCoeff())) return Newton::converged;
+    last = size;
+  }
+  return Newton::slow;
+}
+
+double GeneralizedAlpha::error(const Layout& layout, const State& state, double h) {
+  const double delta = am_ - af_;
+  const double cq = (1 - 6 * beta_ - 3 * delta) / 6, cv = -1.0 / 12 + delta * (0.5 - am_ + delta);
+  change_ = cq * h * h * (v_dot_ - state.v_dot);
+  // for rotations also 1/12 h³ ω × ω̇
+  for (const auto& b : layout.bodies())
+    if (b.frame)
+      change_.segment<3>(b.v + 3) +=
+          h * h * h / 12 * v_.segment<3>(b.v + 3).cross(v_dot_.segment<3>(b.v + 3));
+  layout.magnitudes(q_, magnitudes_);
+  double ratio = error_ratio(change_, magnitudes_, parameters_.tolerance);
+  if (has_last_) {
+    change_ = cv * h * h * (v_dot_ - state.v_dot - (h / h_last_) * (state.v_dot - v_dot_last_));
+    magnitudes_ = h * v_.cwiseAbs();
+    ratio = std::max(ratio, error_ratio(change_, magnitudes_, parameters_.tolerance));
+  }
+  return ratio;
+}
+
+StepResult GeneralizedAlpha::step(EquationsOfMotion& equations, State& state, double t_stop) {
+  const bool automatic = parameters_.step == 0;
+  double h = natural_step(state, t_stop);
+  for (int attempt = 0;; ++attempt) {
+    change_step(equations, state, h);
+    const double a_step = h;
+    predict(equations, state, h);
+    const bool last = std::abs(state.time + h - t_stop) < 1e-9 * h;
+    const double time = last ? t_stop : state.time + h;
+    const Newton newton = solve(equations, state, time, h);
+    double ratio = 0;
+    if (newton == Newton::converged && automatic) ratio = error(equations.layout(), state, h);
+    if (newton == Newton::converged && !(ratio > 1)) {
+      // a' from v̇' by the method's own relation.
+      a_ = ((1 - af_) * v_dot_ + af_ * state.v_dot - am_ * a_) / (1 - am_);
+      v_dot_last_ = state.v_dot;
+      has_last_ = true;
+      h_last_ = h;
+      state.time = time;
+      state.q = q_;
+      state.v = v_;
+      state.v_dot = v_dot_;
+      state.lambda = lambda_;
+      ++statistics_.steps;
+      if (automatic) {
+        const double grow = std::clamp(0.9 / std::cbrt(std::max(ratio, 1e-6)), 0.5, 2.0);
+        // Small changes are not worth a new acceleration-like state.
+        if (!last || h >= 0.999 * h_) h_ = grow > 1.2 || grow < 0.95 ? h * grow : h;
+        if (parameters_.max_step > 0) h_ = std::min(h_, parameters_.max_step);
+      } else if (attempt == 0) {
+        h_ = parameters_.step;
+      }
+      return {};
+    }
+    ++statistics_.rejected;
+    h_last_ = a_step;  // the acceleration-like state now belongs to this step size
+    if (attempt >= kMaxSplits) {
+      Eigen::Index worst = 0;
+      delta_.cwiseAbs().maxCoeff(&worst);
+      StepResult failed;
+      failed.outcome = StepResult::Outcome::failed;
+      failed.why = (newton == Newton::converged ? "the local error stays above the tolerance at steps of "
+                                                : "Newton does not converge at steps of ") +
+                   std::to_string(h) + " s; largest correction in " + equations.layout().velocity_name(static_cast<int>(worst));
+      return failed;
+    }
+    h *= newton == Newton::converged ? std::clamp(0.9 / std::cbrt(ratio), 0.2, 0.7) : 0.5;
+    if (automatic) h_ = h;
+  }
+}
+
+}  // namespace lithe

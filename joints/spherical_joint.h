@@ -1,0 +1,18 @@
+#pragma once
+
+#include "engine/batch.h"
+#include "engine/constraint.h"
+
+namespace lithe {
+
+/// Ball joint: the two markers share their position. g = p_B - p_A, three rows. (EQUATIONS.md 7.3)
+class SphericalJoint final : public Joint</*markers=*/2, /*rows=*/3> {
+ public:
+  void evaluate(double, std::span<const MarkerView> markers, ConstraintRows& rows) const override {
+    coincident(markers[0], markers[1], rows);
+  }
+};
+
+extern template std::unique_ptr<ConstraintBatch> make_constraint_batch<SphericalJoint>();
+
+}  // namespace lithe

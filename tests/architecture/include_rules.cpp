@@ -1,0 +1,199 @@
+#include "tests/architecture/include_rules.h"
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <optional>
+#include <regex>
+#include <set>
+
+namespace lithe::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Who may include whom, by first folder. Plugins are not here: they may include two files only.
+const std::map<std::string, std::set<std::string>> kArrows = {
+    {"engine", {"engine"}},
+    {"bodies", {"engine", "bodies"}},
+    {"joints", {"engine", "joints"}},
+    {"integrators", {"engine", "integrators"}},
+    {"examples", {"lithe", "engine", "bodies", "joints", "integrators"}},  // lithe/lithe.h: the generated umbrella
+};
+const std::set<std::string> kPluginIncludes = {"engine/plugin.h", "engine/plugin_abi.h"};
+const std::set<std::string> kLibraries = {"engine", "bodies", "joints", "integrators"};
+
+/// A third-party package: its headers, the files that may include them, and whether only one of those files may.
+struct Package {
+  std::string name;
+  std::regex headers;
+  std::regex home;
+  std::string home_in_words;
+  bool one_file = false;
+};
+
+const std::vector<Package>& packages() {
+  const std::string ida = R"(integrators/(.*/)?ida\w*\.cpp)";
+  const std::string kinsol = R"(engine/(.*/)?(equilibrium|initial_conditions)\.cpp)";
+  static const std::vector<Package> all = {
+      {"Boost", std::regex(R"(boost/.*)"), std::regex(R"(engine/(system_graph\w*|topology\w*|graph_topology)\.cpp)"),
+       "one of engine/system_graph*.cpp, engine/topology*.cpp, engine/graph_topology.cpp", true},
+      {"spdlog, fmt", std::regex(R"((spdlog|fmt)/.*)"), std::regex(R"(engine/log\.cpp)"), "engine/log.cpp"},
+      {"IDA", std::regex(R"(idas?/.*|klu\.h|Eigen/KLUSupport)"), std::regex(ida), "integrators/ida*.cpp"},
+      {"KINSOL", std::regex(R"(kinsol/.*)"), std::regex(kinsol), "engine/.../equilibrium.cpp, initial_conditions.cpp"},
+      {"SUNDIALS", std::regex(R"((sundials|nvector|sunmatrix|sunlinsol|sunnonlinsol|cvodes?|arkode)/.*)"),
+       std::regex(ida + "|" + kinsol), "integrators/ida*.cpp, engine/.../equilibrium.cpp, initial_conditions.cpp"},
+      {"Bullet", std::regex(R"(bt[A-Z]\w*\.h|(BulletCollision|BulletDynamics|BulletSoftBody|LinearMath|bullet)/.*)"),
+       std::regex(R"(bodies/shapes\.cpp|joints/contact/.*)"), "bodies/shapes.cpp, joints/contact/"},
+      {"Spectra", std::regex(R"(Spectra/.*)"), std::regex(R"(bodies/flexible/.*\.cpp)"), "bodies/flexible/*.cpp"},
+      {"CHOLMOD", std::regex(R"((suitesparse/)?(cholmod|SuiteSparse)\w*\.h|Eigen/CholmodSupport)"),
+       std::regex(R"(bodies/flexible/.*\.cpp)"), "bodies/flexible/*.cpp"},
+      {"gnuplot", std::regex(R"(spawn\.h)"), std::regex(R"(engine/output/chart\.cpp)"), "engine/output/chart.cpp"},
+      {"nlohmann_json", std::regex(R"(nlohmann/.*)"), std::regex(R"(.*\.cpp)"), "any .cpp"},
+  };
+  return all;
+}
+
+// Eigen is the shared vocabulary; its adapters to other packages are not, see packages().
+const std::regex kEigen(R"((unsupported/)?Eigen/.*)");
+// The standard library's headers bear neither folder nor suffix; C's own are listed.
+const std::regex kStandard(
+    R"([a-z_0-9]+|(assert|errno|float|inttypes|limits|math|stddef|stdint|stdio|stdlib|string)\.h)");
+// What the operating system or the compiler brings. Not for public headers.
+const std::regex kSystem(R"(sys/\w+\.h|(dlfcn|fcntl|unistd|signal|poll|pthread|link|fenv|\w*intrin)\.h)");
+
+const std::regex kInclude(R"re(^\s*#\s*include\s*(?:<([^>]+)>|"([^"]+)"|(\S+)).*)re");
+// gnuplot is a program: what starts one, and its name at the head of a command.
+const std::regex kStartsProgram(R"(\b(popen|posix_spawnp?|execl[pe]?|execv[pe]?|execvpe|std::system)\s*\()");
+const std::regex kGnuplotCommand(R"("\s*(/usr/bin/)?gnuplot\b)");
+const std::regex kChart(R"(engine/output/chart\.cpp)");
+
+struct Source {
+  std::string path;    // from the root
+  std::string folder;  // its first component
+
+  bool is_header() const { return path.ends_with(".h") || path.ends_with(".hpp"); }
+  // A private header is included by .cpp files of its own library alone.
+  bool is_private() const { return path.ends_with("_internal.h"); }
+  bool is_public_header() const { return is_header() && kLibraries.contains(folder) && !is_private(); }
+};
+
+std::vector<Source> find_sources(const fs::path& root) {
+  static const std::set<std::string> suffixes = {".h", ".hpp", ".c", ".cc", ".cpp", ".inl", ".ipp"};
+  std::vector<Source> sources;
+  for (const std::string folder : {"engine", "bodies", "joints", "integrators", "plugins", "examples"}) {
+    if (!fs::exists(root / folder)) continue;
+    for (const auto& entry : fs::recursive_directory_iterator(root / folder))
+      if (entry.is_regular_file() && suffixes.contains(entry.path().extension().string()))
+        sources.push_back({fs::relative(entry.path(), root).generic_string(), folder});
+  }
+  std::sort(sources.begin(), sources.end(), [](const Source& a, const Source& b) { return a.path < b.path; });
+  return sources;
+}
+
+/// The code of a line: without comments, which may span lines. Good enough for includes and short commands: it takes
+/// "//" within a string for a comment.
+std::string without_comments(const std::string& line, bool& in_comment) {
+  std::string code;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    if (in_comment) {
+      if (line.compare(i, 2, "*/") == 0) in_comment = false, ++i;
+    } else if (line.compare(i, 2, "/*") == 0) {
+      in_comment = true, ++i;
+    } else if (line.compare(i, 2, "//") == 0) {
+      break;
+    } else {
+      code += line[i];
+    }
+  }
+  return code;
+}
+
+/// Includes written from the root, "engine/body.h": the arrows between folders.
+std::optional<std::string> broken_arrow(const Source& source, const std::string& included) {
+  const std::size_t slash = included.find('/');
+  if (slash == std::string::npos || included.starts_with('.'))
+    return "includes are written from the root, as in \"engine/body.h\"";
+  const std::string target = included.substr(0, slash);
+
+  if (target == "plugins" || target == "examples") return "nothing includes " + target + "/";
+  if (source.folder == "plugins") {
+    if (kPluginIncludes.contains(included)) return std::nullopt;
+    return "a plugin includes engine/plugin.h, engine/plugin_abi.h and the standard library only";
+  }
+  if (!kArrows.at(source.folder).contains(target)) return source.folder + "/ must not include " + target + "/";
+  if (source.is_public_header() && included.ends_with("_internal.h")) return "a public header includes no private one";
+  return std::nullopt;
+}
+
+/// Includes of packages, <boost/graph/adjacency_list.hpp>: homes, and what users of a header get to see.
+std::optional<std::string> wrong_home(const Source& source, const std::string& included) {
+  if (std::regex_match(included, kStandard)) return std::nullopt;
+  if (source.folder == "plugins")
+    return "a plugin includes engine/plugin.h, engine/plugin_abi.h and the standard library only";
+  if (std::regex_match(included, kSystem)) {
+    if (!source.is_public_header()) return std::nullopt;
+    return "public headers include Eigen and the standard library only";
+  }
+
+  for (const Package& package : packages()) {
+    if (!std::regex_match(included, package.headers)) continue;
+    if (source.is_public_header()) return package.name + " in a public header: only Eigen and the standard library may";
+    if (!std::regex_match(source.path, package.home)) return package.name + " lives in " + package.home_in_words;
+    return std::nullopt;
+  }
+  if (std::regex_match(included, kEigen)) return std::nullopt;
+  return "<" + included + "> has no home yet: give it one in tests/architecture/include_rules.cpp";
+}
+
+}  // namespace
+
+std::string to_string(const Violation& violation) {
+  return violation.file + ":" + std::to_string(violation.line) + ": " + violation.text + "\n    " + violation.reason;
+}
+
+int count_sources(const fs::path& root) { return static_cast<int>(find_sources(root).size()); }
+
+std::vector<Violation> find_violations(const fs::path& root) {
+  std::vector<Violation> violations;
+  std::map<std::string, std::string> first_home;  // package -> the file that has it
+
+  for (const Source& source : find_sources(root)) {
+    std::ifstream stream(root / source.path);
+    bool in_comment = false, has_pragma_once = false;
+    int number = 0;
+    for (std::string line; std::getline(stream, line);) {
+      ++number;
+      const std::string code = without_comments(line, in_comment);
+      const auto report = [&](const std::string& reason) { violations.push_back({source.path, number, line, reason}); };
+      if (code.starts_with("#pragma once")) has_pragma_once = true;
+
+      // gnuplot is a program, not a header: one file may start it.
+      if (!std::regex_match(source.path, kChart)) {
+        if (std::regex_search(code, kStartsProgram)) report("only engine/output/chart.cpp starts another program");
+        if (std::regex_search(code, kGnuplotCommand)) report("gnuplot lives in engine/output/chart.cpp");
+      }
+
+      std::smatch match;
+      if (!std::regex_match(code, match, kInclude)) continue;
+      const std::string package_header = match[1], own_header = match[2];
+      if (match[3].matched) {
+        report("an include names its file, not a macro");
+      } else if (own_header.empty()) {
+        if (const auto reason = wrong_home(source, package_header)) report(*reason);
+        for (const Package& package : packages()) {
+          if (!package.one_file || !std::regex_match(package_header, package.headers)) continue;
+          const auto home = first_home.try_emplace(package.name, source.path).first->second;
+          if (home != source.path) report(package.name + " has one home, which is " + home);
+        }
+      } else if (const auto reason = broken_arrow(source, own_header)) {
+        report(*reason);
+      }
+    }
+    if (source.is_header() && !has_pragma_once)
+      violations.push_back({source.path, 1, "", "a header begins with #pragma once"});
+  }
+  return violations;
+}
+
+}  // namespace lithe::test

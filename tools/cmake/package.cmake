@@ -1,0 +1,39 @@
+# The package: `cmake --install <build> --prefix P`, then find_package(lithe CONFIG), target_link_libraries(app
+# lithe::lithe) and #include "lithe/lithe.h" elsewhere. tests/package/ is such a project.
+include(CMakePackageConfigHelpers)
+set(LITHE_LIBRARIES integrators joints bodies engine)  # users first: the order static libraries want
+
+# lithe/lithe.h includes every public header. It is generated, since no folder below examples/ may include all others.
+set(header_globs ${LITHE_LIBRARIES})
+list(TRANSFORM header_globs REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/\\1/*.h")
+file(GLOB_RECURSE public_headers CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} ${header_globs})
+list(FILTER public_headers EXCLUDE REGEX "_internal\\.h$|(^|/)detail/|^bodies/flexible/readers/text_file\\.h$")
+list(SORT public_headers)
+list(TRANSFORM public_headers REPLACE "(.+)" "#include \"\\1\"" OUTPUT_VARIABLE include_lines)
+list(JOIN include_lines "\n" LITHE_INCLUDES)
+configure_file(${CMAKE_CURRENT_LIST_DIR}/lithe.h.in ${PROJECT_BINARY_DIR}/include/lithe/lithe.h @ONLY)
+
+add_library(lithe INTERFACE)
+add_library(lithe::lithe ALIAS lithe)
+target_include_directories(lithe INTERFACE $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include>
+                           $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+target_link_libraries(lithe INTERFACE ${LITHE_LIBRARIES})
+
+# Headers keep their folders, so "engine/body.h" means the same installed as here. The private ones come along: a public
+# template may lean on one.
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/lithe)
+install(TARGETS lithe ${LITHE_LIBRARIES} EXPORT lithe_targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(EXPORT lithe_targets NAMESPACE lithe:: FILE lithe-targets.cmake DESTINATION ${package_dir})
+install(FILES ${PROJECT_BINARY_DIR}/include/lithe/lithe.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lithe)
+foreach(library ${LITHE_LIBRARIES})
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/${library} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lithe_headers
+          FILES_MATCHING PATTERN "*.h")
+endforeach()
+
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/lithe-config.cmake.in
+                              ${PROJECT_BINARY_DIR}/package/lithe-config.cmake INSTALL_DESTINATION ${package_dir})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/package/lithe-config-version.cmake
+                                 COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/package/lithe-config.cmake ${PROJECT_BINARY_DIR}/package/lithe-config-version.cmake
+        ${CMAKE_CURRENT_LIST_DIR}/FindCHOLMOD.cmake ${CMAKE_CURRENT_LIST_DIR}/FindBulletDouble.cmake
+        DESTINATION ${package_dir})

@@ -1,0 +1,49 @@
+#!/usr/bin/env bash
+# Installs those of tools/packages.txt that are missing, and nothing else. Does nothing, at once, when all are there.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+mapfile -t wanted < <(sed 's/#.*//' tools/packages.txt | xargs -n1)
+
+if ! command -v dpkg-query > /dev/null || ! command -v apt-get > /dev/null; then
+  echo "packages: this is not Debian; please see to these yourself: ${wanted[*]}" >&2
+  exit 0
+fi
+
+missing=()
+for package in "${wanted[@]}"; do
+  status=$(dpkg-query -W -f='${db:Status-Status}' "$package" 2> /dev/null || true)
+  [[ $status == installed ]] || missing+=("$package")
+done
+if [[ ${#missing[@]} -eq 0 ]]; then
+  echo "packages: all ${#wanted[@]} are installed"
+  exit 0
+fi
+
+echo "packages: installing ${missing[*]}"
+as_root=()
+if [[ $(id -u) -ne 0 ]]; then
+  if ! command -v sudo > /dev/null; then
+    echo "error: not root, and there is no sudo." >&2
+    echo "  mend: as root, apt-get install --no-install-recommends ${missing[*]}" >&2
+    exit 1
+  fi
+  as_root=(sudo)
+fi
+
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+install() {
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
+    apt-get install -y -qq --no-install-recommends "${missing[@]}" > "$log" 2>&1
+}
+# The package lists at hand often suffice; fetch new ones only when they do not.
+if ! install; then
+  "${as_root[@]}" apt-get update -qq > "$log" 2>&1 || true  # the next line tells whether that helped
+  if ! install; then
+    tail -n 20 "$log" >&2
+    echo "error: could not install ${missing[*]}." >&2
+    echo "  mend: offline? Connect once, or install them from a mirror: apt-get install --no-install-recommends ..." >&2
+    exit 1
+  fi
+fi

@@ -1,0 +1,19 @@
+#!/usr/bin/env bash
+# Installs what is missing, builds the release preset, runs every test. A second call rebuilds only what changed.
+#   LITHE_JOBS=2       jobs at once; all processors by default
+#   LITHE_SANITIZE=1   afterwards the same under AddressSanitizer and UndefinedBehaviorSanitizer
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+jobs=${LITHE_JOBS:-$(nproc)}
+presets=(release)
+[[ ${LITHE_SANITIZE:-0} == 1 ]] && presets+=(asan)
+stage_count=$((1 + 3 * ${#presets[@]}))
+source tools/stages.sh
+
+stage_shown "packages" tools/install_packages.sh
+for preset in "${presets[@]}"; do
+  stage "configure $preset" cmake --preset "$preset"
+  build "build $preset" cmake --build --preset "$preset" --parallel "$jobs"
+  stage_shown "tests $preset" ctest --preset "$preset" --parallel "$jobs" --no-tests=error
+done
