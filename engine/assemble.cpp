@@ -30,9 +30,13 @@ class SystemBuilder {
       throw SceneError("the scene has no body", "assemble", "add one: graph.add<RigidBody>(\"name\", {...})");
     lay_out();
     gather_markers();
-    initialize_joints();
+    initialize_connectors();
     plan_blocks();
     fill_batches();
+    if (options_.start == AssembleOptions::Start::as_drawn) {
+      system_.initial_ = {0, q_, v_, VectorX::Zero(v_.size()), VectorX::Zero(system_.layout_.row_count())};
+      return std::move(system_);
+    }
     find_redundant_rows();
     make_initial_state();
     report();
@@ -107,17 +111,24 @@ class SystemBuilder {
     return out;
   }
 
-  void initialize_joints() {
+  void initialize_connectors() {
     for (const auto& c : graph_.constraints()) {
-      const auto markers = drawn(c.markers);
       if (std::all_of(c.markers.begin(), c.markers.end(), [&](const Marker& m) { return m.body == &graph_.ground(); }))
         throw SceneError("'" + c.constraint->name() + "' ties ground to ground", c.constraint->where(),
                          "give at least one marker of a body");
-      try {
-        c.constraint->initialize(connector::Views(markers.data(), static_cast<int>(markers.size())));
-      } catch (const SceneError& error) {
-        throw SceneError("'" + c.constraint->name() + "': " + error.problem(), c.constraint->where(), error.mend());
-      }
+      initialize(*c.constraint, c.markers);
+    }
+    for (const auto& f : graph_.forces()) initialize(*f.force, f.markers);
+  }
+
+  template <class Connector>
+  void initialize(Connector& element, const std::vector<Marker>& markers) const {
+    if (options_.start == AssembleOptions::Start::as_drawn) return;
+    const auto poses = drawn(markers);
+    try {
+      element.initialize(connector::Views(poses.data(), static_cast<int>(poses.size())));
+    } catch (const SceneError& error) {
+      throw SceneError("'" + element.name() + "': " + error.problem(), element.where(), error.mend());
     }
   }
 
@@ -352,7 +363,7 @@ class SystemBuilder {
       const VectorX q_drawn = q_;
       const int drawn_row = worst_row();
       const double drawn_gap = std::abs(g[drawn_row]);
-      if (!options_.assemble_positions && drawn_gap > 1e-9)
+      if (options_.start == AssembleOptions::Start::refuse && drawn_gap > 1e-9)
         throw SceneError("the start is not consistent: " + layout.row_name(drawn_row) + " is off by " + std::to_string(drawn_gap),
                          "assemble", "place the bodies so that the joint closes, or let assemble() move them");
       const auto result = projector.position(0, q_, options_.position_tolerance, 60);

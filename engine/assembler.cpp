@@ -20,9 +20,8 @@ Assembler::Assembler(const System& system) : system_(system), factor_(system.blo
   unknowns_.setZero(layout.v_count() + rows + compliant);
   zero_v_.setZero(layout.v_count());
   zero_rows_.setZero(rows);
-  std::vector<int> dropped;
-  for (const RedundantRow& r : system.redundant_) dropped.push_back(r.row);
-  factor_.drop_rows(dropped);
+  for (const RedundantRow& r : system.redundant_) redundant_rows_.push_back(r.row);
+  factor_.drop_rows(redundant_rows_);
 }
 
 void Assembler::evaluate(double time, ConstVectorRef q, ConstVectorRef v, Level level) {

@@ -16,6 +16,7 @@ class Assembler final : public EquationsOfMotion {
   explicit Assembler(const System& system);
 
   const Layout& layout() const override { return system_.layout(); }
+  const std::vector<int>& redundant_rows() const override { return redundant_rows_; }
   void evaluate(double time, ConstVectorRef q, ConstVectorRef v, Level level) override;
   void residual(ConstVectorRef v_dot, ConstVectorRef lambda, VectorRef r) override;
   void constraint(Level which, VectorRef out) const override;
@@ -44,6 +45,7 @@ class Assembler final : public EquationsOfMotion {
   Workspace work_;
   std::vector<std::unique_ptr<BodyBatch::Caches>> caches_;
   BlockFactor factor_;
+  std::vector<int> redundant_rows_;
   mutable VectorX unknowns_;  // velocities, constraint rows, compliant rows
   VectorX zero_v_, zero_rows_;
 };

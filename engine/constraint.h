@@ -42,6 +42,13 @@ class ConstraintRows {
     ++count_;
   }
 
+  /// Turns the last row g into g - f(t), with the rate and acceleration of f.
+  void drive_last(double value, double rate, double acceleration) {
+    residual_[count_ - 1] -= value;
+    rate_[count_ - 1] -= rate;
+    bias_[count_ - 1] -= acceleration;
+  }
+
   /// Multiplier of the row being written, while the stiffness of loaded joints is collected; else null stiffness().
   double multiplier() const { return multipliers_[count_]; }
   /// ∂(Σ_rows W λ)/∂(marker motions), 6 rows and columns a marker (translation, rotation; world axes).

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <vector>
 
 #include "engine/body.h"
 #include "engine/layout.h"
@@ -15,6 +16,8 @@ class EquationsOfMotion {
   virtual ~EquationsOfMotion() = default;
 
   virtual const Layout& layout() const = 0;
+  /// Rows that repeat others, sorted: borne by solve(), to be left out by codes that factorise for themselves.
+  virtual const std::vector<int>& redundant_rows() const = 0;
   virtual void evaluate(double time, ConstVectorRef q, ConstVectorRef v, Level level) = 0;
   /// r = M v_dot + Gᵀ lambda - f. Needs Level::velocity.
   virtual void residual(ConstVectorRef v_dot, ConstVectorRef lambda, VectorRef r) = 0;

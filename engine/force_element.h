@@ -59,6 +59,8 @@ class ForceElement : public Element {
   virtual int marker_count() const = 0;
   virtual int row_count() const = 0;  // compliant rows
   virtual void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const = 0;
+  /// Called once by assemble() with the markers as drawn: for what the drawing fixes (a natural length).
+  virtual void initialize(std::span<const MarkerView> /*markers*/) {}
 };
 
 /// A force element with its numbers of markers and compliant rows known to the compiler.

@@ -9,7 +9,7 @@ Projector::Projector(EquationsOfMotion& equations)
       dv_(zero_v_),
       dl_(zero_rows_) {}
 
-Projector::Result Projector::position(double time, VectorRef q, double tolerance, int max_iterations, bool reuse) {
+Projector::Result Projector::position(double time, VectorRef q, double tolerance, int max_iterations, Factor factor) {
   Result result;
   if (dl_.size() == 0) return {true, 0, 0.0};
   double moved = 0;
@@ -22,7 +22,8 @@ Projector::Result Projector::position(double time, VectorRef q, double tolerance
     result.converged = result.residual <= tolerance ||
                        (result.iterations > 0 && moved < 1e-14 * (1 + q.cwiseAbs().maxCoeff()) && result.residual >= 0.5 * before);
     if (result.converged || result.iterations == max_iterations || !std::isfinite(result.residual)) return result;
-    if (result.iterations == 0 || !reuse) equations_.factorize({0, 0, 1}, zero_v_, zero_rows_, nullptr);
+    if (factor == Factor::fresh || (factor == Factor::first && result.iterations == 0))
+      equations_.factorize({0, 0, 1}, zero_v_, zero_rows_, nullptr);
     dv_.setZero();
     dl_ = -dl_;
     equations_.solve(dv_, dl_);
@@ -43,9 +44,10 @@ void Projector::velocity(double time, ConstVectorRef q, VectorRef v) {
   v += dv_;
 }
 
-void Projector::accelerations(double time, ConstVectorRef q, ConstVectorRef v, VectorRef v_dot, VectorRef lambda) {
+void Projector::accelerations(double time, ConstVectorRef q, ConstVectorRef v, VectorRef v_dot, VectorRef lambda,
+                              Factor factor) {
   equations_.evaluate(time, q, v, Level::acceleration);
-  equations_.factorize({0, 0, 1}, zero_v_, zero_rows_, nullptr);
+  if (factor != Factor::last) equations_.factorize({0, 0, 1}, zero_v_, zero_rows_, nullptr);
   equations_.residual(zero_v_, zero_rows_, v_dot);  // -f
   v_dot = -v_dot;
   equations_.constraint(Level::acceleration, lambda);

@@ -16,12 +16,15 @@ class Projector {
     int iterations = 0;
     double residual = 0;  // largest |g| at the end
   };
-  /// Moves q onto g(q, t) = 0. `reuse`: keep the mass factor of the first iteration (for small corrections).
-  Result position(double time, VectorRef q, double tolerance, int max_iterations, bool reuse = false);
+  /// The factor of [M Gᵀ; G 0] to work with: a new one whenever q moved, one made first, or the last one made.
+  enum class Factor { fresh, first, last };
+  /// Moves q onto g(q, t) = 0. For small corrections the first or the last factor will do.
+  Result position(double time, VectorRef q, double tolerance, int max_iterations, Factor factor = Factor::fresh);
   /// Moves v onto G v + ∂g/∂t = 0; the state (time, q) is evaluated and its mass factorised.
   void velocity(double time, ConstVectorRef q, VectorRef v);
-  /// [M Gᵀ; G 0] (v_dot, lambda) = (f, gamma) at (time, q, v).
-  void accelerations(double time, ConstVectorRef q, ConstVectorRef v, VectorRef v_dot, VectorRef lambda);
+  /// [M Gᵀ; G 0] (v_dot, lambda) = (f, gamma) at (time, q, v). Factor::last: right after velocity() at the same (time, q).
+  void accelerations(double time, ConstVectorRef q, ConstVectorRef v, VectorRef v_dot, VectorRef lambda,
+                     Factor factor = Factor::fresh);
 
  private:
   EquationsOfMotion& equations_;

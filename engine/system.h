@@ -60,8 +60,12 @@ class System {
 };
 
 struct AssembleOptions {
+  enum class Start {
+    assemble,  // move bodies onto the constraints
+    refuse,    // throw if a row is off by more than 1e-9 as drawn
+    as_drawn,  // take whatever is drawn: joints are not initialized, nothing is projected (to look at rows anywhere)
+  } start = Start::assemble;
   double position_tolerance = 1e-12;  // of consistent positions, in the units of the rows
-  bool assemble_positions = true;     // move bodies onto the constraints; false: refuse a start that is not on them
 };
 
 /// Freezes the topology; finds redundant rows (named in a warning), consistent initial positions and velocities; logs one

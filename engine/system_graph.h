@@ -29,11 +29,11 @@ class SystemGraph {
   Ground& ground() { return *ground_; }
   const Vector3& gravity() const { return parameters_.gravity; }
 
-  /// Adds a body. Throws SceneError (name in use, bad parameter), naming the line of the call.
-  template <class T>
+  /// Adds a body; `more` goes to its constructor. Throws SceneError (name in use, bad parameter), naming the line.
+  template <class T, class... More>
     requires std::derived_from<T, Body>
-  T& add(Located name, typename T::Parameters parameters = {}) {
-    T& body = keep(name, [&] { return std::make_unique<T>(std::move(parameters)); });
+  T& add(Located name, typename T::Parameters parameters = {}, More... more) {
+    T& body = keep(name, [&] { return std::make_unique<T>(std::move(parameters), std::move(more)...); });
     bodies_.push_back({&body, typeid(T), make_body_batch<T>});
     body_set_.insert(&body);
     return body;

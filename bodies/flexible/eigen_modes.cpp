@@ -1,9 +1,9 @@
 #include "bodies/flexible/eigen_modes.h"
 
+#include <Spectra/SymGEigsShiftSolver.h>
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
-#include <Spectra/SymGEigsShiftSolver.h>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -14,9 +14,9 @@
 namespace lithe {
 namespace {
 
-constexpr double kShift = 1e-10;      // of tr K / tr M: makes a free body's K positive definite, deflation does the rest
-constexpr int kDenseBelow = 120;      // degrees of freedom
-constexpr double kTolerance = 1e-13;  // of a Ritz pair
+constexpr double kShift = 1e-10;  // of tr K / tr M: makes a free body's K positive definite, deflation does the rest
+constexpr int kDenseBelow = 120;  // degrees of freedom
+constexpr double kTolerance = 1e-11;  // of a Ritz pair; one inverse iteration follows
 
 /// What is projected out of the search: D with Dᵀ M D = E, and M D.
 struct Deflation {
@@ -148,7 +148,7 @@ MatrixX dense_modes(const SparseMatrix& K, const SparseMatrix& M, const Deflatio
   const MatrixX Q = qr.householderQ();
   const MatrixX Z = Q.rightCols(M.rows() - rigid.D.cols());
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixX> all{MatrixX(Z.transpose() * (K * Z)),
-                                                               MatrixX(Z.transpose() * (M * Z))};
+                                                              MatrixX(Z.transpose() * (M * Z))};
   return Z * all.eigenvectors().leftCols(count);
 }
 
@@ -174,8 +174,7 @@ EigenModes lowest_modes(const SparseMatrix& K, const SparseMatrix& M, const Matr
   if (count <= 0) return {VectorX(0), MatrixX(n, 0)};
   const Deflation deflation = deflate(M, rigid);
   const bool most = 3 * count > n;
-  if (method == EigenMethod::automatic)
-    method = n <= kDenseBelow || most ? EigenMethod::dense : EigenMethod::lanczos;
+  if (method == EigenMethod::automatic) method = n <= kDenseBelow || most ? EigenMethod::dense : EigenMethod::lanczos;
 
   const double shift = kShift * K.diagonal().sum() / M.diagonal().sum();
   const SparseMatrix shifted = K + shift * M;

@@ -16,8 +16,8 @@ enum class EigenMethod { automatic, dense, lanczos };
 
 /// The lowest `count` eigenpairs that are M-orthogonal to the `rigid` columns (n x k, motions known to be free of
 /// force; may have no column). K may be singular along those columns only; M is positive definite.
-/// Shift-invert Lanczos (Spectra) over one Cholesky factor of K + shift M, the rigid motions and every pair found so far
-/// projected out; a second search in the complement makes sure that no multiple eigenvalue was left behind.
+/// Shift-invert Lanczos (Spectra) over one Cholesky factor of K + shift M, the rigid motions and every pair found so
+/// far projected out; a second search in the complement makes sure that no multiple eigenvalue was left behind.
 /// Problems of a few degrees of freedom, or most of the spectrum, go to Eigen's dense solver.
 /// `where` names model and support in errors: SceneError if K + shift M is not positive definite (a mechanism).
 EigenModes lowest_modes(const SparseMatrix& K, const SparseMatrix& M, const MatrixX& rigid, int count,

@@ -39,8 +39,8 @@ void require_square(const FiniteElementModel& model, const SparseMatrix& A, cons
   const int dofs = 3 * model.node_count();
   if (A.rows() == dofs && A.cols() == dofs) return;
   throw SceneError("the " + std::string(what) + " matrix is " + std::to_string(A.rows()) + " x " +
-                       std::to_string(A.cols()) + ", but " + std::to_string(model.node_count()) +
-                       " nodes have " + std::to_string(dofs) + " degrees of freedom.",
+                       std::to_string(A.cols()) + ", but " + std::to_string(model.node_count()) + " nodes have " +
+                       std::to_string(dofs) + " degrees of freedom.",
                    where(model), "give the matrix of all nodes, three translations each, without supports.");
 }
 
@@ -56,9 +56,9 @@ void require_finite(const FiniteElementModel& model, const SparseMatrix& A, cons
 void require_labels(const FiniteElementModel& model) {
   if (model.node_count() == 0) throw SceneError("the model has no nodes.", where(model), "give at least four nodes.");
   if (static_cast<int>(model.node_ids.size()) != model.node_count())
-    throw SceneError(std::to_string(model.node_ids.size()) + " node labels for " +
-                         std::to_string(model.node_count()) + " nodes.",
-                     where(model), "give one label a node.");
+    throw SceneError(
+        std::to_string(model.node_ids.size()) + " node labels for " + std::to_string(model.node_count()) + " nodes.",
+        where(model), "give one label a node.");
   std::vector<int> labels = model.node_ids;
   std::sort(labels.begin(), labels.end());
   const auto twice = std::adjacent_find(labels.begin(), labels.end());
@@ -75,8 +75,8 @@ void require_labels(const FiniteElementModel& model) {
     for (const auto& element : block.nodes)
       for (int node : element)
         if (node < 0 || node >= model.node_count())
-          throw SceneError("an element of type " + block.type + " uses node index " + std::to_string(node) +
-                               " of " + std::to_string(model.node_count()) + " nodes.",
+          throw SceneError("an element of type " + block.type + " uses node index " + std::to_string(node) + " of " +
+                               std::to_string(model.node_count()) + " nodes.",
                            where(model), "element connectivity is by node index, counted from 0.");
 }
 
@@ -119,9 +119,8 @@ int find_node_index(const std::string& name, const std::vector<int>& node_ids, i
 
   std::vector<int> nearest = node_ids;
   const auto distance = [id](int a) { return std::abs(static_cast<long>(a) - id); };
-  std::sort(nearest.begin(), nearest.end(), [&](int a, int b) {
-    return distance(a) != distance(b) ? distance(a) < distance(b) : a < b;
-  });
+  std::sort(nearest.begin(), nearest.end(),
+            [&](int a, int b) { return distance(a) != distance(b) ? distance(a) < distance(b) : a < b; });
   std::string labels;
   for (size_t k = 0; k < std::min<size_t>(3, nearest.size()); ++k)
     labels += (k == 0 ? "" : ", ") + std::to_string(nearest[k]);
@@ -255,25 +254,25 @@ std::string ModelCheck::report() const {
   char text[1600];
   const double rigid = *std::max_element(std::begin(rigid_residual), std::end(rigid_residual));
   const auto verdict = [](bool sound) { return sound ? "ok" : "REFUSED"; };
-  std::snprintf(
-      text, sizeof text,
-      "model '%s', %d nodes\n"
-      "  mass                      %.6g kg  %s\n"
-      "  centre of mass            %.6g %.6g %.6g m\n"
-      "  inertia about it          xx %.6g  yy %.6g  zz %.6g  xy %.6g  xz %.6g  yz %.6g kg m2\n"
-      "  M positive definite       %s  %s\n"
-      "  K negative eigenvalues    %d  %s\n"
-      "  K asymmetry               %.1e  (bound %.0e)  %s\n"
-      "  M asymmetry               %.1e  (bound %.0e)  %s\n"
-      "  rigid motion meets force  %.1e  (bound %.0e)  %s\n"
-      "  M off m_ij E              %.1e  (bound %.0e)  %s\n"
-      "  M row sums off k_i E      %.1e\n",
-      name.substr(0, 200).c_str(), nodes, mass, verdict(mass > 0), center[0], center[1], center[2], inertia(0, 0),
-      inertia(1, 1), inertia(2, 2), inertia(0, 1), inertia(0, 2), inertia(1, 2), mass_positive ? "yes" : "no",
-      verdict(mass_positive), stiffness_negative, verdict(stiffness_negative == 0), stiffness_asymmetry,
-      kAsymmetryBound, verdict(stiffness_asymmetry <= kAsymmetryBound), mass_asymmetry, kAsymmetryBound,
-      verdict(mass_asymmetry <= kAsymmetryBound), rigid, kRigidBound, verdict(rigid <= kRigidBound), mass_isotropy,
-      kIsotropyBound, verdict(mass_isotropy <= kIsotropyBound), row_sum_deviation);
+  std::snprintf(text, sizeof text,
+                "model '%s', %d nodes\n"
+                "  mass                      %.6g kg  %s\n"
+                "  centre of mass            %.6g %.6g %.6g m\n"
+                "  inertia about it          xx %.6g  yy %.6g  zz %.6g  xy %.6g  xz %.6g  yz %.6g kg m2\n"
+                "  M positive definite       %s  %s\n"
+                "  K negative eigenvalues    %d  %s\n"
+                "  K asymmetry               %.1e  (bound %.0e)  %s\n"
+                "  M asymmetry               %.1e  (bound %.0e)  %s\n"
+                "  rigid motion meets force  %.1e  (bound %.0e)  %s\n"
+                "  M off m_ij E              %.1e  (bound %.0e)  %s\n"
+                "  M row sums off k_i E      %.1e\n",
+                name.substr(0, 200).c_str(), nodes, mass, verdict(mass > 0), center[0], center[1], center[2],
+                inertia(0, 0), inertia(1, 1), inertia(2, 2), inertia(0, 1), inertia(0, 2), inertia(1, 2),
+                mass_positive ? "yes" : "no", verdict(mass_positive), stiffness_negative,
+                verdict(stiffness_negative == 0), stiffness_asymmetry, kAsymmetryBound,
+                verdict(stiffness_asymmetry <= kAsymmetryBound), mass_asymmetry, kAsymmetryBound,
+                verdict(mass_asymmetry <= kAsymmetryBound), rigid, kRigidBound, verdict(rigid <= kRigidBound),
+                mass_isotropy, kIsotropyBound, verdict(mass_isotropy <= kIsotropyBound), row_sum_deviation);
   return text;
 }
 

@@ -17,16 +17,16 @@ struct ElementBlock {
   std::vector<std::vector<int>> nodes;  // node indices of each element
 };
 
-/// What a finite-element code hands over at t = 0: nodes, M_A and K_A in the axes of the mesh (Vlasenko & Kasper, I-II).
-/// Degree of freedom 3 * node + axis; no support is applied: K has six zero eigenvalues.
+/// What a finite-element code hands over at t = 0: nodes, M_A and K_A in the axes of the mesh (Vlasenko & Kasper,
+/// I-II). Degree of freedom 3 * node + axis; no support is applied: K has six zero eigenvalues.
 struct FiniteElementModel {
-  std::string name;                                  // where it came from, for messages
-  std::vector<int> node_ids;                         // labels of the FE code, by node index
-  Matrix3X nodes;                                    // 3 x n positions, metres
-  SparseMatrix stiffness;                            // 3n x 3n, N/m, both triangles
-  SparseMatrix mass;                                 // 3n x 3n, kg, both triangles, consistent or lumped
-  std::map<std::string, std::vector<int>> node_sets; // node labels by set name
-  std::vector<ElementBlock> elements;                // may be empty
+  std::string name;                                   // where it came from, for messages
+  std::vector<int> node_ids;                          // labels of the FE code, by node index
+  Matrix3X nodes;                                     // 3 x n positions, metres
+  SparseMatrix stiffness;                             // 3n x 3n, N/m, both triangles
+  SparseMatrix mass;                                  // 3n x 3n, kg, both triangles, consistent or lumped
+  std::map<std::string, std::vector<int>> node_sets;  // node labels by set name
+  std::vector<ElementBlock> elements;                 // may be empty
 
   int node_count() const { return static_cast<int>(nodes.cols()); }
   /// Index of a node label; throws SceneError naming the model and the nearest labels.
@@ -37,29 +37,29 @@ struct FiniteElementModel {
 
 /// What is wrong or right with a model, each figure on its natural scale (EQUATIONS.md section 2.1).
 struct ModelCheck {
-  std::string name;                    // of the model
+  std::string name;  // of the model
   int nodes = 0;
-  double mass = 0;                     // kg, Phiᵀ M Phi
-  Vector3 center = Vector3::Zero();    // centre of mass, mesh axes
-  Matrix3 inertia = Matrix3::Zero();   // about the centre of mass, mesh axes
-  double stiffness_asymmetry = 0;      // max|K - Kᵀ| / max|K|
+  double mass = 0;                    // kg, Phiᵀ M Phi
+  Vector3 center = Vector3::Zero();   // centre of mass, mesh axes
+  Matrix3 inertia = Matrix3::Zero();  // about the centre of mass, mesh axes
+  double stiffness_asymmetry = 0;     // max|K - Kᵀ| / max|K|
   double mass_asymmetry = 0;
-  double rigid_residual[6] = {};       // |K r| / (|K| |r|), max norms: three translations, three rotations about the centre
-  double mass_isotropy = 0;            // max|S_ij - tr(S_ij)/3 E| / max|S|: scalar interpolation if <= 1e-10
-  double row_sum_deviation = 0;        // eqs. (19)-(20): max|sum_j S_ij - k_i E| / max|k_i|
-  bool mass_positive = false;          // Cholesky of M succeeds
-  int stiffness_negative = 0;          // negative eigenvalues of K + small shift M beyond round-off
-  std::string report() const;          // the sheet a user reads
+  double rigid_residual[6] = {};  // |K r| / (|K| |r|), max norms: three translations, three rotations about the centre
+  double mass_isotropy = 0;       // max|S_ij - tr(S_ij)/3 E| / max|S|: scalar interpolation if <= 1e-10
+  double row_sum_deviation = 0;   // eqs. (19)-(20): max|sum_j S_ij - k_i E| / max|k_i|
+  bool mass_positive = false;     // Cholesky of M succeeds
+  int stiffness_negative = 0;     // negative eigenvalues of K + small shift M beyond round-off
+  std::string report() const;     // the sheet a user reads
 };
 
-/// Index of a label, and a set by name, as FiniteElementModel and ModalBasis both look them up; `name` is for the error.
+/// Index of a label, and a set by name, as FiniteElementModel and ModalBasis look them up; `name` is for the error.
 int find_node_index(const std::string& name, const std::vector<int>& node_ids, int id);
 const std::vector<int>& find_node_set(const std::string& name, const std::map<std::string, std::vector<int>>& node_sets,
                                       const std::string& set);
 
 /// Block sums m_ij = tr(S_ij)/3 of a nodal mass matrix, n x n: the scalar mass where S_ij = m_ij E.
 SparseMatrix scalar_mass(const SparseMatrix& mass);
-/// Rigid motions of nodes about a point, 3n x 6: three unit translations, three unit rotations, columns r -> e x (r - c).
+/// Rigid motions of nodes about a point c, 3n x 6: three unit translations e, three unit rotations e x (r - c).
 MatrixX rigid_motions(const Matrix3X& nodes, const Vector3& center);
 
 /// Measures a model. Throws SceneError only for what cannot be measured (sizes that do not match, NaN, unknown labels).

@@ -13,9 +13,9 @@ struct FramePlacement {
   Matrix3 rotation = Matrix3::Identity();  // body axes to mesh axes
   Matrix3X nodes;                          // in body axes
   std::vector<int> fixed_dofs;             // ascending; B has zero rows here
-  MatrixX rigid;                           // 3n x k, rigid motions the fixed_dofs leave free: 6 for mean axes, the swing
-                                           // of a hinge (1), the turns about one pinned node (3), else none
-  std::string where;                       // "model 'rod', three-node frame (1, 13, 2)", for messages
+  MatrixX rigid;      // 3n x k, rigid motions the fixed_dofs leave free: 6 for mean axes, the swing
+                      // of a hinge (1), the turns about one pinned node (3), else none
+  std::string where;  // "model 'rod', three-node frame (1, 13, 2)", for messages
 };
 
 /// Throws SceneError for unknown or collinear frame nodes and for a tangent frame that leaves the body free to move.

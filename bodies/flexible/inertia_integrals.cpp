@@ -3,7 +3,8 @@
 namespace lithe {
 namespace {
 
-/// D = <psi_k psi_lᵀ> for all k, l = 0..nm, block (k, l) of 3 x 3; psi_0 = r0. `fields` is n x 3(nm+1): column 3k + axis.
+/// D = <psi_k psi_lᵀ> for all k, l = 0..nm, block (k, l) of 3 x 3; psi_0 = r0. `fields` is n x 3(nm+1): column 3k +
+/// axis.
 template <typename Fields>
 MatrixX products(const SparseMatrix& mass, const Fields& fields) {
   const Fields weighted = mass * fields;

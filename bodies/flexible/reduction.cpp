@@ -123,8 +123,7 @@ void fill_nodal(const FiniteElementModel& model, const BodyFrame& frame, const F
   if (std::holds_alternative<MeanAxisFrame>(frame))
     throw SceneError("mean axes are no selection of nodal coordinates.", placed.where,
                      "use a ThreeNodeFrame (or a tangent or hinge frame) with kAllNodal.");
-  const SupportedProblem problem =
-      supported(K, model.mass, with_swing_held(placed), MatrixX(K.rows(), 0));
+  const SupportedProblem problem = supported(K, model.mass, with_swing_held(placed), MatrixX(K.rows(), 0));
   require_held(lowest_modes(problem.K, problem.M, problem.rigid, 1, placed.where), problem, placed.where);
   basis.nodal = true;
   basis.free_dofs = problem.free;
@@ -270,9 +269,9 @@ VectorX frequencies(const FiniteElementModel& model, const std::vector<int>& fix
   const MatrixX rigid = rigid_motions_left(model.nodes, fixed_dofs);
   const SupportedProblem problem = supported(model.stiffness, model.mass, fixed_dofs, rigid);
   if (count < 0 || count > static_cast<int>(problem.free.size()))
-    throw SceneError(std::to_string(count) + " frequencies of " + std::to_string(problem.free.size()) +
-                         " free degrees of freedom.",
-                     where, "ask for fewer.");
+    throw SceneError(
+        std::to_string(count) + " frequencies of " + std::to_string(problem.free.size()) + " free degrees of freedom.",
+        where, "ask for fewer.");
   VectorX hz = VectorX::Zero(count);
   const int zero = static_cast<int>(rigid.cols());
   if (count <= zero) return hz;

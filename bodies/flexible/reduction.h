@@ -11,11 +11,23 @@
 namespace lithe {
 
 /// Where the body frame sits in the deforming body (EQUATIONS.md section 5.2). Nodes by label.
-struct ThreeNodeFrame { int origin, on_x, in_xy; };   // eqs. (65)-(68): rows a_xyz, b_yz, c_z of B vanish
-struct TangentFrame { std::vector<int> nodes; };      // one-node frame: clamped to these nodes (average motion and rotation of
-                                                      // three or more non-collinear ones; a single node: its element neighbours)
-struct HingeFrame { std::vector<int> nodes; };        // modes of the body pinned at these nodes, the free swing dropped
-struct MeanAxisFrame {};                              // free-free modes, origin at the undeformed centre of mass
+/// Origin at the first node, x axis to the second, the third in the x-y plane: rows a_xyz, b_yz, c_z of B vanish, eqs.
+/// (65)-(68).
+struct ThreeNodeFrame {
+  int origin, on_x, in_xy;
+};
+/// One-node frame: clamped to these nodes, three or more off one line; mesh axes at their mean. A single node is
+/// clamped together with all its elements.
+struct TangentFrame {
+  std::vector<int> nodes;
+};
+/// Modes of the body pinned at these nodes, the free swing (one pinned node: the three free turns) dropped; mesh axes
+/// at their mean.
+struct HingeFrame {
+  std::vector<int> nodes;
+};
+/// Free-free modes, mesh axes at the undeformed centre of mass.
+struct MeanAxisFrame {};
 using BodyFrame = std::variant<MeanAxisFrame, ThreeNodeFrame, TangentFrame, HingeFrame>;
 
 inline constexpr int kAllNodal = -1;  // mode count: every nodal coordinate that the frame leaves free
@@ -28,16 +40,16 @@ struct ModalBasis {
   std::vector<int> node_ids;
   std::map<std::string, std::vector<int>> node_sets;
   std::vector<ElementBlock> elements;
-  Matrix3X nodes;                          // r0, 3 x n, body axes
-  SparseMatrix nodal_mass;                 // m_ij, n x n: S_ij = m_ij E
-  MatrixX modes;                           // B, 3n x nm, body axes; empty when nodal
-  bool nodal = false;                      // B selects the free nodal coordinates: B = E(:, free_dofs)
-  std::vector<int> free_dofs;              // when nodal
-  SparseMatrix stiffness;                  // K^ = Bᵀ K B, nm x nm (diagonal matrix for eigenmodes)
-  SparseMatrix modal_mass;                 // Mff = Bᵀ S B, nm x nm (identity for eigenmodes)
-  bool diagonal = false;                   // K^ diagonal and Mff = E
-  VectorX frequencies;                     // Hz, eigenfrequencies with the frame's supports (size nm; empty when nodal)
-  bool free_swing_dropped = false;         // HingeFrame: one zero-frequency mode was left out
+  Matrix3X nodes;                   // r0, 3 x n, body axes
+  SparseMatrix nodal_mass;          // m_ij, n x n: S_ij = m_ij E
+  MatrixX modes;                    // B, 3n x nm, body axes; empty when nodal
+  bool nodal = false;               // B selects the free nodal coordinates: B = E(:, free_dofs)
+  std::vector<int> free_dofs;       // when nodal
+  SparseMatrix stiffness;           // K^ = Bᵀ K B, nm x nm (diagonal matrix for eigenmodes)
+  SparseMatrix modal_mass;          // Mff = Bᵀ S B, nm x nm (identity for eigenmodes)
+  bool diagonal = false;            // K^ diagonal and Mff = E
+  VectorX frequencies;              // Hz, eigenfrequencies with the frame's supports (size nm; empty when nodal)
+  bool free_swing_dropped = false;  // HingeFrame: zero-frequency motion (one swing, or three turns) left out
 
   int mode_count() const { return static_cast<int>(stiffness.rows()); }
   /// B_i, the 3 x nm rows of node index i.
@@ -47,17 +59,23 @@ struct ModalBasis {
 };
 
 /// Reduces a model to `mode_count` eigenmodes of the frame (or kAllNodal, or 0 for a rigid body).
+/// kAllNodal: B selects the degrees of freedom that the frame leaves free; under a HingeFrame one more row is held for
+/// each free rigid motion, where that motion is largest (farthest from the axis, along the swing). Not with mean axes.
 /// Mass-orthonormal modes, shift-invert Lanczos (Spectra) over a sparse Cholesky factor (CHOLMOD).
 /// Throws SceneError for unknown nodes, collinear frame nodes, more modes than coordinates, a support that leaves a
 /// mechanism, or a model that require_sound() refuses.
 std::shared_ptr<const ModalBasis> make_basis(const FiniteElementModel& model, const BodyFrame& frame, int mode_count);
 
-/// A basis given column by column (modes from a file, a test): K^ and Mff are computed, nothing is orthogonalised.
-/// nodes, modes, mass and stiffness already in body axes.
-std::shared_ptr<const ModalBasis> basis_from_modes(std::string name, const Matrix3X& nodes, const SparseMatrix& nodal_mass,
-                                                   const SparseMatrix& modal_stiffness, const MatrixX& modes);
+/// A basis given column by column (modes from a file, a test): Mff is computed, nothing is orthogonalised.
+/// nodes, modes, mass (scalar m_ij, n x n) and stiffness already in body axes; the stiffness is K^ = Bᵀ K B, nm x nm,
+/// or the nodal K, 3n x 3n, from which K^ is computed. Nodes are labelled 1..n. SceneError for sizes that do not match,
+/// an asymmetric stiffness or linearly dependent modes.
+std::shared_ptr<const ModalBasis> basis_from_modes(std::string name, const Matrix3X& nodes,
+                                                   const SparseMatrix& nodal_mass, const SparseMatrix& modal_stiffness,
+                                                   const MatrixX& modes);
 
-/// Eigenfrequencies in Hz of the model with the given degrees of freedom fixed, the lowest `count`, rigid ones as 0.
+/// Eigenfrequencies in Hz of the model with the given degrees of freedom fixed (3 * node index + axis), the lowest
+/// `count`, rigid ones as 0. SceneError for a model that require_sound() refuses.
 VectorX frequencies(const FiniteElementModel& model, const std::vector<int>& fixed_dofs, int count);
 
 }  // namespace lithe

@@ -1,6 +1,6 @@
 #include "bodies/flexible/finite_element_model.h"
 
-#include "fe_models.h"
+#include "tests/bodies/fe_models.h"
 
 namespace lithe {
 namespace {
@@ -86,7 +86,8 @@ TEST(FiniteElementModel, IndefiniteStiffnessIsRefusedAndItsNegativeEigenvaluesCo
   const MatrixX K = MatrixX(model.stiffness) - 2 / energy * f * f.transpose();
   model.stiffness = K.sparseView();
   EXPECT_EQ(check(model).stiffness_negative, 1);
-  expect_error<SceneError>([&] { require_sound(model); }, {"K is indefinite", "1 negative eigenvalue", "the bound is 0"});
+  expect_error<SceneError>([&] { require_sound(model); },
+                           {"K is indefinite", "1 negative eigenvalue", "the bound is 0"});
   EXPECT_NE(check(model).report().find("REFUSED"), std::string::npos);
 
   model.stiffness = -hex8i().stiffness;

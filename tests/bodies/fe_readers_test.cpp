@@ -1,7 +1,7 @@
 #include <filesystem>
 
 #include "bodies/flexible/readers/text_file.h"
-#include "fe_models.h"
+#include "tests/bodies/fe_models.h"
 
 namespace lithe {
 namespace {
@@ -36,7 +36,8 @@ class Readers : public ::testing::Test {
   /// The CalculiX export of the main body, to be spoiled.
   void copy_calculix() const {
     for (const char* extension : {"inp", "sti", "mas", "dof"})
-      write("rod." + std::string(extension), text_of(pendulum_path("hex8i", "calculix/matrices." + std::string(extension))));
+      write("rod." + std::string(extension),
+            text_of(pendulum_path("hex8i", "calculix/matrices." + std::string(extension))));
   }
   void copy_tables() const {
     for (const char* file : {"K.mtx", "M.mtx", "nodes.csv", "node_sets.csv", "elements.csv"})
@@ -259,13 +260,15 @@ TEST_F(Readers, ATruncatedMatrixMarketFileIsCaught) {
 }
 
 TEST_F(Readers, ANonSymmetricGeneralMatrixIsRefusedAndASymmetricOneRead) {
-  write("A.mtx", "%%MatrixMarket matrix coordinate real general\n% note\n\n3 3 5\n1 1 2\n2 2 +2e0\n3 3 2\n1 2 -1\n2 1 -1\n");
+  write("A.mtx",
+        "%%MatrixMarket matrix coordinate real general\n% note\n\n3 3 5\n1 1 2\n2 2 +2e0\n3 3 2\n1 2 -1\n2 1 -1\n");
   const SparseMatrix A = read_matrix_market_file(path("A.mtx"));
   EXPECT_EQ(A.coeff(0, 1), -1.0);
   EXPECT_EQ(A.coeff(1, 0), -1.0);
   EXPECT_EQ(A.coeff(1, 1), 2.0);
   replace("A.mtx", "2 1 -1", "2 1 -1.1");
-  expect_error<FileError>([&] { read_matrix_market_file(path("A.mtx")); }, {"not symmetric", "A.mtx", "column 2"});
+  expect_error<FileError>([&] { read_matrix_market_file(path("A.mtx")); },
+                          {"not symmetric", "A.mtx", "row 2, column 1"});
   replace("A.mtx", "2 1 -1.1", "1 2 -1");
   expect_error<FileError>([&] { read_matrix_market_file(path("A.mtx")); }, {"given twice"});
 }

@@ -5,7 +5,7 @@
 
 #include "bodies/flexible/eigen_modes.h"
 #include "bodies/flexible/inertia_integrals.h"
-#include "fe_models.h"
+#include "tests/bodies/fe_models.h"
 
 namespace lithe {
 namespace {
@@ -50,8 +50,7 @@ TEST(Reduction, FrequenciesAgreeWithTheReferenceForEverySupport) {
       const auto& hz = reference.at(column);
       const auto& calculix = reference.at(std::string(column) + "_calculix");
       const size_t zero = std::string(column) == "free" ? 6 : std::string(column) == "hinged" ? 1 : 0;
-      const auto basis =
-          make_basis(model, frame_of_column(model, column), static_cast<int>(hz.size() - zero));
+      const auto basis = make_basis(model, frame_of_column(model, column), static_cast<int>(hz.size() - zero));
       for (size_t k = zero; k < hz.size(); ++k) {
         const double f = basis->frequencies[static_cast<Eigen::Index>(k - zero)];
         worst = std::max(worst, std::abs(f / hz[k] - 1));
@@ -175,8 +174,7 @@ TEST(Reduction, AllModesOfAFrameSpanAllItsNodalCoordinates) {
   ASSERT_EQ(nodal->mode_count(), 156);
   EXPECT_TRUE(nodal->nodal);
   EXPECT_EQ(nodal->modes.size(), 0);
-  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixX> pairs(MatrixX(nodal->stiffness),
-                                                               MatrixX(nodal->modal_mass));
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixX> pairs(MatrixX(nodal->stiffness), MatrixX(nodal->modal_mass));
   const double two_pi = 2 * std::numbers::pi;
   const VectorX eigenvalues = (two_pi * modal->frequencies).array().square();
   EXPECT_LT(((pairs.eigenvalues() - eigenvalues).array() / pairs.eigenvalues().array()).abs().maxCoeff(), 1e-8);
@@ -249,8 +247,11 @@ TEST(Reduction, LanczosMissesNoMultipleEigenvalue) {
 }
 
 TEST(Reduction, FrameNodesOnOneLineAreRefused) {
-  expect_error<SceneError>([] { make_basis(model_of("hex8i"), ThreeNodeFrame{1, 2, 3}, 4); },
-                           {"on one line", "three-node frame (1, 2, 3)", "third node"});
+  expect_error<SceneError>(
+      [] {
+        make_basis(model_of("hex8i"), ThreeNodeFrame{1, 2, 3}, 4);
+      },
+      {"on one line", "three-node frame (1, 2, 3)", "third node"});
   expect_error<SceneError>([] { make_basis(model_of("hex8i"), ThreeNodeFrame{1, 1, 3}, 4); }, {"on one line"});
 }
 

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "fe_models.h"
+#include "tests/bodies/fe_models.h"
 
 namespace lithe {
 namespace {
@@ -64,9 +64,9 @@ TEST(InertiaIntegrals, TheyAgreeWithTheOracle) {
   for (const char* name : {"b01_hex_nodal", "b02_bar_three_node", "b03_bar_clamped", "b04_plate_mean_axis",
                            "b05_bar_craig_bampton", "b06_bar_lumped", "b07_particles", "b08_beam_particles"}) {
     const json body = oracle(name);
-    const auto basis = basis_from_modes(name, matrix(body.at("nodes")).transpose(),
-                                        matrix(body.at("mass_scalar")).sparseView(),
-                                        matrix(body.at("K_modal")).sparseView(), matrix(body.at("B")));
+    const auto basis =
+        basis_from_modes(name, matrix(body.at("nodes")).transpose(), matrix(body.at("mass_scalar")).sparseView(),
+                         matrix(body.at("K_modal")).sparseView(), matrix(body.at("B")));
     expect_invariants(inertia_integrals(*basis), body.at("invariants"), name);
   }
 }

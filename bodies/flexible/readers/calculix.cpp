@@ -16,7 +16,8 @@ namespace lithe {
 namespace {
 
 using Triplets = std::vector<Eigen::Triplet<double>>;
-constexpr const char* kExport = "run *FREQUENCY, SOLVER=MATRIXSTORAGE on the free body and keep .inp, .sti, .mas, .dof.";
+constexpr const char* kExport =
+    "run *FREQUENCY, SOLVER=MATRIXSTORAGE on the free body and keep .inp, .sti, .mas, .dof.";
 
 std::string without_extension(const std::string& job) {
   for (const char* extension : {".inp", ".sti", ".mas", ".dof"})
@@ -86,9 +87,9 @@ Numbering number_rows(const std::string& path, const std::vector<Row>& rows, con
     const Row& row = rows[k];
     const auto found = index.find(row.node);
     const auto twice = [&] {
-      throw FileError("node " + std::to_string(row.node) + ", direction " + std::to_string(row.direction) +
-                          " has two rows.",
-                      path + ":" + std::to_string(k + 1), kExport);
+      throw FileError(
+          "node " + std::to_string(row.node) + ", direction " + std::to_string(row.direction) + " has two rows.",
+          path + ":" + std::to_string(k + 1), kExport);
     };
     if (found == index.end()) {
       if (!hidden.emplace(row.node, row.direction).second) twice();
@@ -220,11 +221,12 @@ FiniteElementModel read_calculix(const std::string& job_or_file) {
 
   const Numbering numbering = number_rows(job + ".dof", rows, model);
   if (numbering.appended != 9 * deck.incompatible_elements)
-    throw FileError(std::to_string(numbering.appended) + " rows belong to nodes that no *NODE defines, but " +
-                        std::to_string(deck.incompatible_elements) + " C3D8I elements account for " +
-                        std::to_string(9 * deck.incompatible_elements) + ".",
-                    job + ".dof",
-                    "take deck and matrices from the same run; beams and shells, which CalculiX expands, are not read.");
+    throw FileError(
+        std::to_string(numbering.appended) + " rows belong to nodes that no *NODE defines, but " +
+            std::to_string(deck.incompatible_elements) + " C3D8I elements account for " +
+            std::to_string(9 * deck.incompatible_elements) + ".",
+        job + ".dof",
+        "take deck and matrices from the same run; beams and shells, which CalculiX expands, are not read.");
 
   const auto size = static_cast<int>(rows.size());
   const SparseMatrix K = placed(read_triangle(job + ".sti", size), numbering.place);

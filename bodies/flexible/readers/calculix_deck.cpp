@@ -125,7 +125,8 @@ class DeckReader {
     if (fields.size() < 2 || fields.size() > 5 || (fields.size() == 5 && !fields[4].empty()))
       file.fail(std::to_string(fields.size()) + " columns in *NODE.", "write label, x, y, z; the file may be cut.");
     const int id = file.integer(fields[0], "node label");
-    if (!defined_.insert(id).second) file.fail("node " + std::to_string(id) + " is defined twice.", "number nodes once.");
+    if (!defined_.insert(id).second)
+      file.fail("node " + std::to_string(id) + " is defined twice.", "number nodes once.");
     Vector3 position = Vector3::Zero();  // a coordinate left out is zero, as in CalculiX
     for (size_t k = 1; k < std::min<size_t>(4, fields.size()); ++k)
       if (!fields[k].empty()) position[static_cast<Eigen::Index>(k) - 1] = file.number(fields[k], "node coordinate");
@@ -202,11 +203,11 @@ class DeckReader {
   }
 
   Section section_ = Section::skipped;
-  std::string set_;           // that *NODE or *NSET adds to
+  std::string set_;  // that *NODE or *NSET adds to
   bool generate_ = false;
-  size_t block_ = 0;          // of deck.elements
-  size_t element_size_ = 0;   // nodes, 0 if the type does not say
-  bool open_ = false;         // an element's lines are being gathered
+  size_t block_ = 0;         // of deck.elements
+  size_t element_size_ = 0;  // nodes, 0 if the type does not say
+  bool open_ = false;        // an element's lines are being gathered
   std::vector<int> pending_;
   std::unordered_set<int> defined_;
   std::map<std::string, std::unordered_set<int>> members_;

@@ -23,7 +23,8 @@ struct NodeIndex {
   int at(const TextFile& file, int id) const {
     const auto found = index.find(id);
     if (found == index.end())
-      file.fail("node " + std::to_string(id) + " is not in the list of nodes.", "add it to nodes.csv or remove it here.");
+      file.fail("node " + std::to_string(id) + " is not in the list of nodes.",
+                "add it to nodes.csv or remove it here.");
     return found->second;
   }
 };

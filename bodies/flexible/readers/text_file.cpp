@@ -80,7 +80,8 @@ const std::vector<std::string_view>& TextFile::fields() {
 
 double TextFile::number(std::string_view token, std::string_view what) const {
   std::string_view digits = token;
-  if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);  // from_chars knows no plus sign
+  if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-')
+    digits.remove_prefix(1);  // from_chars knows no plus sign
   double value = 0;
   const auto [end, status] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (status == std::errc::invalid_argument || end != digits.data() + digits.size())

@@ -19,7 +19,7 @@ class TextFile {
   const std::string& path() const { return path_; }
   int line_number() const { return number_; }
   std::string where() const;
-  bool blank() const;                         // nothing but white space
+  bool blank() const;                              // nothing but white space
   bool ended_in_mid_line() const { return cut_; }  // after next() returned false: the last line had no line end
 
   /// The line cut at white space, or at commas with the white space around them removed. Valid until next().

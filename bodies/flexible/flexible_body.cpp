@@ -1,0 +1,243 @@
+#include "bodies/flexible/flexible_body.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+
+#include "engine/batch_of.h"
+#include "engine/checks.h"
+#include "engine/error.h"
+
+namespace lithe {
+namespace {
+
+using ConstVector3 = Eigen::Map<const Vector3>;
+using ConstVector = Eigen::Map<const VectorX>;
+
+/// Full matrix from entries along a lower-triangle pattern, times x, added to out.
+void add_symmetric_product(const LinearPattern& pattern, const VectorX& entries, double weight, const double* x,
+                           double* out) {
+  for (int k = 0; k < pattern.rows.size(); ++k) {
+    const int i = pattern.rows[k], j = pattern.columns[k];
+    out[i] += weight * entries[k] * x[j];
+    if (i != j) out[j] += weight * entries[k] * x[i];
+  }
+}
+
+}  // namespace
+
+FlexibleBody::Cache::Cache(const FlexibleBody& body)
+    : terms(body.mode_count()), elastic(body.marker_count()) {}
+
+FlexibleBody::FlexibleBody(Parameters parameters) : parameters_(std::move(parameters)) {
+  if (!parameters_.basis)
+    throw SceneError("has no basis", "", "give .basis = make_basis(model, frame, mode_count)");
+  const ModalBasis& basis = *parameters_.basis;
+  const int available = basis.mode_count();
+  if (parameters_.mode_count != kAll && (parameters_.mode_count < 0 || parameters_.mode_count > available))
+    throw SceneError("mode_count is " + std::to_string(parameters_.mode_count) + " and its basis has " +
+                         std::to_string(available) + " modes",
+                     "", "ask for 0 to " + std::to_string(available) + " modes, or make a larger basis");
+  modes_ = std::min(parameters_.mode_count, available);
+  if (basis.nodal && modes_ > 0 && modes_ < available)
+    throw SceneError("a nodal basis cannot be truncated to " + std::to_string(modes_) + " coordinates", "",
+                     "use all its coordinates, 0 for a rigid body, or make_basis() with a mode count");
+  if (basis.nodal && modes_ > 0) {
+    inertia_ = std::make_unique<NodalInertia>(parameters_.basis);
+  } else if (modes_ == available) {
+    inertia_ = std::make_unique<ModalInertia>(inertia_integrals(basis));
+  } else {
+    ModalBasis part = basis;  // the first modes only, or none
+    part.modes = basis.nodal ? MatrixX(3 * basis.nodes.cols(), 0) : MatrixX(basis.modes.leftCols(modes_));
+    part.nodal = false;
+    part.stiffness = basis.stiffness.topLeftCorner(modes_, modes_);
+    part.modal_mass = basis.modal_mass.topLeftCorner(modes_, modes_);
+    inertia_ = std::make_unique<ModalInertia>(inertia_integrals(part));
+  }
+  set_up();
+}
+
+FlexibleBody::FlexibleBody(Parameters parameters, InertiaIntegrals integrals) : parameters_(std::move(parameters)) {
+  modes_ = integrals.mode_count();
+  inertia_ = std::make_unique<ModalInertia>(std::move(integrals));
+  set_up();
+}
+
+void FlexibleBody::set_up() {
+  const ModalBasis& basis = *parameters_.basis;
+  const auto& p = parameters_;
+  require::finite(p.position, "position");
+  require::rotation(p.orientation, "orientation");
+  require::finite(p.velocity, "velocity");
+  require::finite(p.angular_velocity, "angular_velocity");
+  require::not_negative(p.damping.mass_proportional, "damping.mass_proportional");
+  require::not_negative(p.damping.stiffness_proportional, "damping.stiffness_proportional");
+  for (const auto& [value, what] : {std::pair(&p.modal_coordinates, "modal_coordinates"), std::pair(&p.modal_velocities, "modal_velocities")}) {
+    require::finite(*value, what);
+    if (value->size() != 0 && value->size() != modes_)
+      throw SceneError(std::string(what) + " has " + std::to_string(value->size()) + " entries for " +
+                           std::to_string(modes_) + " modes",
+                       "", "give one entry a mode, or none");
+  }
+
+  diagonal_ = basis.diagonal;
+  if (diagonal_) {
+    stiffness_ = basis.stiffness.diagonal().head(modes_);
+    modal_mass_ = VectorX::Ones(modes_);
+  } else {
+    // The lower triangle of Mff and K^ together.
+    SparseMatrix pattern = (basis.stiffness + basis.modal_mass).topLeftCorner(modes_, modes_);
+    const SparseMatrix lower = pattern.triangularView<Eigen::Lower>();
+    const int entries = static_cast<int>(lower.nonZeros());
+    pattern_.rows.resize(entries), pattern_.columns.resize(entries);
+    stiffness_.resize(entries), modal_mass_.resize(entries);
+    int k = 0;
+    for (int j = 0; j < lower.outerSize(); ++j)
+      for (SparseMatrix::InnerIterator it(lower, j); it; ++it, ++k) {
+        pattern_.rows[k] = static_cast<int>(it.row()), pattern_.columns[k] = static_cast<int>(it.col());
+        stiffness_[k] = basis.stiffness.coeff(it.row(), it.col());
+        modal_mass_[k] = basis.modal_mass.coeff(it.row(), it.col());
+      }
+  }
+  damping_ = p.damping.mass_proportional * modal_mass_ + p.damping.stiffness_proportional * stiffness_;
+  const auto& ratios = p.damping.modal_ratios;
+  if (ratios.empty()) return;
+  if (!diagonal_)
+    throw SceneError("modal damping needs an eigenmode basis", "", "use Rayleigh damping with nodal or given coordinates");
+  if (ratios.size() != 1 && static_cast<int>(ratios.size()) != modes_)
+    throw SceneError("damping.modal_ratios has " + std::to_string(ratios.size()) + " entries for " +
+                         std::to_string(modes_) + " modes",
+                     "", "give one ratio for all modes, or one a mode");
+  for (int k = 0; k < modes_; ++k) {
+    const double zeta = ratios[ratios.size() == 1 ? 0 : k];
+    require::not_negative(zeta, "damping.modal_ratios[" + std::to_string(k) + "]");
+    damping_[k] += 2 * zeta * std::sqrt(stiffness_[k]);
+  }
+}
+
+void FlexibleBody::add_modal(double mass, double damping, double stiffness, const double* x, double* out) const {
+  if (diagonal_) {
+    for (int k = 0; k < modes_; ++k) out[k] += (mass + damping * damping_[k] + stiffness * stiffness_[k]) * x[k];
+    return;
+  }
+  if (mass != 0) add_symmetric_product(pattern_, modal_mass_, mass, x, out);
+  if (damping != 0) add_symmetric_product(pattern_, damping_, damping, x, out);
+  if (stiffness != 0) add_symmetric_product(pattern_, stiffness_, stiffness, x, out);
+}
+
+void FlexibleBody::initial_state(VectorRef q, VectorRef v) const {
+  const auto& p = parameters_;
+  const Vector3 arm = p.orientation * basis().origin;
+  q.head<3>() = p.position + arm;
+  q.segment<4>(3) = quaternion_of(p.orientation * basis().rotation);
+  v.head<3>() = p.velocity + (p.orientation * p.angular_velocity).cross(arm);
+  v.segment<3>(3) = basis().rotation.transpose() * p.angular_velocity;
+  q.tail(modes_).setZero();
+  v.tail(modes_).setZero();
+  if (p.modal_coordinates.size() > 0) q.tail(modes_) = p.modal_coordinates;
+  if (p.modal_velocities.size() > 0) v.tail(modes_) = p.modal_velocities;
+}
+
+void FlexibleBody::evaluate(const BodyState& state, Level level) const {
+  auto& cache = static_cast<Cache&>(*state.cache);
+  cache.A = rotation_matrix(Eigen::Map<const Vector4>(state.q + 3));
+  inertia_->evaluate(state.q + 7, state.v + 6, ConstVector3(state.v + 3), level, cache.terms);
+}
+
+void FlexibleBody::add_residual(const BodyState& state, const double* v_dot, const Vector3& gravity, double* r) const {
+  const auto& cache = static_cast<const Cache&>(*state.cache);
+  const InertiaTerms& t = cache.terms;
+  const ConstVector3 w(state.v + 3), acceleration(v_dot), w_dot(v_dot + 3);
+  const ConstVector eta_acc(v_dot + 6, modes_);
+  const Matrix3X& Ct = inertia_->Ct;
+  const Vector3 lift = acceleration - gravity, lift_body = cache.A.transpose() * lift;
+  const Vector3 pull = w_dot.cross(t.s) + Ct.lazyProduct(eta_acc) + w.cross(w.cross(t.s)) + 2 * w.cross(t.s_rate);
+  Eigen::Map<Vector3>(r) += inertia_->mass * lift + cache.A * pull;
+  Eigen::Map<Vector3>(r + 3) += t.s.cross(lift_body) + t.J * w_dot + t.Cr.lazyProduct(eta_acc) + t.J_rate * w +
+                                w.cross(Vector3(t.J * w + t.h)) + t.Cr_rate_h;
+  double* modal = r + 6;
+  for (int k = 0; k < modes_; ++k)
+    modal[k] += Ct.col(k).dot(lift_body) + t.Cr.col(k).dot(w_dot) - t.quadratic[k];
+  if (diagonal_) {
+    const double *eta = state.q + 7, *rate = state.v + 6;
+    for (int k = 0; k < modes_; ++k) modal[k] += eta_acc[k] + damping_[k] * rate[k] + stiffness_[k] * eta[k];
+  } else {
+    add_modal(1, 0, 0, v_dot + 6, modal);
+    add_modal(0, 1, 0, state.v + 6, modal);
+    add_modal(0, 0, 1, state.q + 7, modal);
+  }
+}
+
+void FlexibleBody::add_tangent(const BodyState& state, const double* v_dot, const Vector3& gravity,
+                               const TangentWeights& weights, BodyTangent& S) const {
+  const auto& cache = static_cast<const Cache&>(*state.cache);
+  const InertiaTerms& t = cache.terms;
+  const Matrix3& A = cache.A;
+  const Matrix3X& Ct = inertia_->Ct;
+  const ConstVector3 w(state.v + 3);
+  const double a = weights.acceleration, d = weights.velocity, p = weights.position;
+
+  const Matrix3 As = A * skew(t.s);
+  for (int i = 0; i < 3; ++i) S.frame(i, i) += a * inertia_->mass;
+  S.frame.topRightCorner<3, 3>() -= a * As;
+  S.frame.bottomLeftCorner<3, 3>() -= a * As.transpose();
+  S.frame.bottomRightCorner<3, 3>() += a * t.J;
+  for (int k = 0; k < modes_; ++k) {
+    const Vector3 ACt = a * (A * Ct.col(k)), Cr = a * t.Cr.col(k);
+    S.frame_linear.col(k).head<3>() += ACt;
+    S.frame_linear.col(k).tail<3>() += Cr;
+    for (int i = 0; i < 3; ++i) S.linear_frame(k, i) += ACt[i], S.linear_frame(k, 3 + i) += Cr[i];
+  }
+  if (diagonal_)
+    for (int k = 0; k < modes_; ++k) S.linear[k] += a + d * damping_[k] + p * stiffness_[k];
+  else
+    S.linear += a * modal_mass_ + d * damping_ + p * stiffness_;
+
+  if (d != 0) {  // EQUATIONS.md 3.3, left-hand side; the small modal-modal gyroscopic part is left to Newton
+    const Matrix3 W = skew(w);
+    const Vector3 spin = t.J * w + t.h;
+    S.frame.topRightCorner<3, 3>() -= d * (A * (skew(w.cross(t.s)) + W * skew(t.s) + 2 * skew(t.s_rate)));
+    S.frame.bottomRightCorner<3, 3>() += d * (t.J_rate + W * t.J - skew(spin));
+    for (int k = 0; k < modes_; ++k) {
+      const Vector3 Gw = t.G_omega.col(k), u = t.u.col(k), c = t.Cr_rate.col(k);
+      S.frame_linear.col(k).head<3>() += 2 * d * (A * w.cross(Vector3(Ct.col(k))));
+      S.frame_linear.col(k).tail<3>() += d * (Gw + w.cross(Vector3(t.Cr.col(k))) + u + c);
+      const Vector3 row = d * (Gw + u - c);
+      for (int i = 0; i < 3; ++i) S.linear_frame(k, 3 + i) -= row[i];
+    }
+  }
+  if (p != 0) {  // turning the body under gravity and acceleration
+    const ConstVector3 acceleration(v_dot), w_dot(v_dot + 3);
+    const Vector3 lift = p * (A.transpose() * (acceleration - gravity));
+    const Vector3 pull = w_dot.cross(t.s) + Ct.lazyProduct(ConstVector(v_dot + 6, modes_)) + w.cross(w.cross(t.s)) +
+                         2 * w.cross(t.s_rate);
+    const Matrix3 L = skew(lift);
+    S.frame.topRightCorner<3, 3>() -= p * (A * skew(pull));
+    S.frame.bottomRightCorner<3, 3>() += skew(t.s) * L;
+    for (int k = 0; k < modes_; ++k) {
+      const Vector3 moment = Vector3(Ct.col(k)).cross(lift);
+      S.frame_linear.col(k).tail<3>() += moment;
+      for (int i = 0; i < 3; ++i) S.linear_frame(k, 3 + i) += moment[i];
+    }
+  }
+}
+
+BodyEnergy FlexibleBody::energy(const BodyState& state, const Vector3& gravity) const {
+  const auto& cache = static_cast<const Cache&>(*state.cache);
+  const InertiaTerms& t = cache.terms;
+  const ConstVector3 x(state.q), v(state.v), w(state.v + 3);
+  const ConstVector eta(state.q + 7, modes_), rate(state.v + 6, modes_);
+  VectorX product = VectorX::Zero(modes_);
+  add_modal(1, 0, 0, rate.data(), product.data());
+  BodyEnergy e;
+  e.kinetic = 0.5 * inertia_->mass * v.squaredNorm() + (cache.A.transpose() * v).dot(w.cross(t.s) + t.s_rate) +
+              0.5 * w.dot(t.J * w) + w.dot(t.h) + 0.5 * rate.dot(product);
+  product.setZero();
+  add_modal(0, 0, 1, eta.data(), product.data());
+  e.elastic = 0.5 * eta.dot(product);
+  e.gravity = -gravity.dot(inertia_->mass * x + cache.A * t.s);
+  return e;
+}
+
+template std::unique_ptr<BodyBatch> make_body_batch<FlexibleBody>();
+
+}  // namespace lithe

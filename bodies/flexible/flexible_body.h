@@ -1,0 +1,119 @@
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "bodies/flexible/flexible_inertia.h"
+#include "bodies/flexible/reduction.h"
+#include "engine/batch.h"
+#include "engine/body.h"
+
+namespace lithe {
+
+/// Damping of deformation alone; rigid motion feels none.
+///   D = mass_proportional Mff + stiffness_proportional K^ + diag(2 ζ_k ω_k)
+struct FlexibleDamping {
+  double mass_proportional = 0;       // 1/s, Rayleigh's alpha
+  double stiffness_proportional = 0;  // s, Rayleigh's beta
+  std::vector<double> modal_ratios{}; // ζ_k; one number serves all modes; eigenmode bases only
+};
+
+/// Flexible body in the floating frame of reference: a frame that moves far, and small deformation in it.
+///   q_i = x0 + A (r0_i + B_i η),   M v̇ = f_v + f_gravity - K^ η - D η̇     (Vlasenko & Kasper eqs. 7-10, 23, 40;
+///   M and f_v with every coupling as corrected in EQUATIONS.md 2.3, 3.2)
+/// Three fidelities by one number, mode_count: all coordinates of a nodal basis, the first modes of a reduced one, or 0:
+/// rigid. Linear in the deformation: no stiffening by spin or load. Its cost a step does not depend on the mesh.
+class FlexibleBody final : public Body {
+ public:
+  static constexpr int kAll = std::numeric_limits<int>::max();
+  struct Parameters {
+    std::shared_ptr<const ModalBasis> basis{};
+    int mode_count = kAll;                      // modes used, lowest first; 0: rigid
+    FlexibleDamping damping{};
+    Vector3 position{0, 0, 0};                  // of the mesh origin at t = 0, world axes, m
+    Matrix3 orientation = Matrix3::Identity();  // mesh axes to world axes
+    Vector3 velocity{0, 0, 0};                  // of the mesh origin, world axes, m/s
+    Vector3 angular_velocity{0, 0, 0};          // mesh axes, rad/s
+    VectorX modal_coordinates{};                // η(0), empty: undeformed
+    VectorX modal_velocities{};                 // η̇(0), empty: at rest
+  };
+  struct Cache : BodyCache {
+    InertiaTerms terms;
+    std::vector<Matrix6X> elastic;  // of markers that rotate with the deformation
+    explicit Cache(const FlexibleBody&);
+  };
+
+  /// Throws SceneError for a missing basis, more modes than it has, wrong sizes, damping that does not fit, NaN.
+  explicit FlexibleBody(Parameters parameters);
+  /// With a mass matrix given by invariants alone (tests, imported integrals): K^ diagonal or full.
+  FlexibleBody(Parameters parameters, InertiaIntegrals integrals);
+
+  const ModalBasis& basis() const { return *parameters_.basis; }
+  const Parameters& parameters() const { return parameters_; }
+  int mode_count() const { return modes_; }
+  double mass() const { return inertia_->mass; }
+
+  // ---- markers; orientations are given in mesh axes ----
+  /// A node by its label; translates with the deformation, turns with the body frame (solids have no nodal rotation).
+  Marker node(int id, const Matrix3& orientation = Matrix3::Identity());
+  /// The mean of nodes (RBE3): mean position and, for three or more nodes off a line, mean rotation. Nodes on a line turn
+  /// with the body frame about it, with the nodes otherwise.
+  Marker average(const std::vector<int>& ids, const Matrix3& orientation = Matrix3::Identity());
+  /// The body frame itself; does not follow the deformation.
+  Marker frame(const Matrix3& orientation = Matrix3::Identity());
+  /// Any point with given modal Jacobians, body axes: c, Bm, Theta (3 x nm each), R0 (EQUATIONS.md 7.1).
+  Marker modal_marker(const Vector3& c, const Matrix3X& Bm, const Matrix3X& Theta, const Matrix3& R0);
+
+  // ---- results: all nodes, world axes, 3 x n ----
+  struct NodalMotion {
+    Matrix3X position, velocity, acceleration;
+  };
+  NodalMotion nodal_motion(const BodyState&, const double* v_dot) const;
+  /// Linear momentum, and angular momentum about the world origin, world axes.
+  Vector3 linear_momentum(const BodyState&) const;
+  Vector3 angular_momentum(const BodyState&) const;
+  // The parts of the right-hand side, v_count long (EQUATIONS.md 3.2, 4.1, 4.4).
+  VectorX quadratic_velocity_force(const BodyState&) const;
+  VectorX gravity_force(const BodyState&, const Vector3& gravity) const;
+  VectorX elastic_force(const BodyState&) const;
+  VectorX damping_force(const BodyState&) const;
+  MatrixX mass_matrix(const BodyState&) const;
+
+  Coordinates coordinates() const override { return {.frame = true, .linear = modes_}; }
+  std::unique_ptr<BodyCache> make_cache() const override { return std::make_unique<Cache>(*this); }
+  void initial_state(VectorRef q, VectorRef v) const override;
+  void evaluate(const BodyState&, Level) const override;
+  void add_residual(const BodyState&, const double* v_dot, const Vector3& gravity, double* r) const override;
+  void add_tangent(const BodyState&, const double* v_dot, const Vector3& gravity, const TangentWeights&,
+                   BodyTangent&) const override;
+  void marker_kinematics(const BodyState&, int marker, Level, MarkerKinematics&) const override;
+  BodyEnergy energy(const BodyState&, const Vector3& gravity) const override;
+  int marker_count() const override { return static_cast<int>(markers_.size()); }
+  const LinearPattern* linear_pattern() const override { return diagonal_ ? nullptr : &pattern_; }
+
+ private:
+  struct MarkerShape {
+    Vector3 c;
+    Matrix3 R0;
+    Matrix6X elastic;  // [Bm; Theta]; no columns if the deformation does not move it
+    bool turns;        // Theta is not zero
+  };
+  void set_up();
+  int add_marker(const Vector3& c, const Matrix3X& Bm, const Matrix3X& Theta, const Matrix3& R0);
+  /// out += (mass Mff + damping D + stiffness K^) x
+  void add_modal(double mass, double damping, double stiffness, const double* x, double* out) const;
+
+  Parameters parameters_;
+  int modes_ = 0;
+  bool diagonal_ = true;
+  std::unique_ptr<const FlexibleInertia> inertia_;
+  VectorX stiffness_, damping_;                   // diagonal, or entries along the pattern
+  VectorX modal_mass_;                            // entries along the pattern; diagonal bases: ones
+  LinearPattern pattern_;
+  std::vector<MarkerShape> markers_;
+};
+
+extern template std::unique_ptr<BodyBatch> make_body_batch<FlexibleBody>();
+
+}  // namespace lithe

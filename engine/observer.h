@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+
+#include "engine/snapshot.h"
+
+namespace lithe {
+
+/// One who is told of the states that a simulation comes by: a recorder, a live plot, a log. Owned by the scene; the
+/// simulation borrows it. May throw: the simulation ends there, with its state kept.
+class Observer {
+ public:
+  Observer() = default;
+  Observer(const Observer&) = delete;
+  Observer& operator=(const Observer&) = delete;
+  virtual ~Observer() = default;
+
+  /// A state of the schedule, or the last good one before a failure.
+  virtual void observe(Snapshot& snapshot) = 0;
+};
+
+/// When an observer is told; always at the first state too.
+struct Schedule {
+  double interval = 0;  // s; 0: after every step of the integrator
+};
+/// At t₀ + k·interval, k = 0, 1, 2 …, t₀ the time at which the observer's first run begins. Integrators stop there.
+/// Throws SceneError unless interval > 0.
+Schedule every(double interval);
+/// At the first state and after every step.
+inline Schedule every_step() { return {}; }
+
+/// "t = 0.53 s", to the last digit, as messages name a time.
+std::string time_text(double time);
+
+}  // namespace lithe

@@ -1,0 +1,289 @@
+#include "engine/sensors.h"
+
+#include <algorithm>
+
+namespace lithe {
+namespace {
+
+using Names = std::vector<std::string>;
+
+const Names kXyz = {"_x", "_y", "_z"};
+const Names kQuaternion = {"_w", "_x", "_y", "_z"};
+const Names kWrench = {"_force_x", "_force_y", "_force_z", "_moment_x", "_moment_y", "_moment_z"};
+
+/// A sensor called `name`, or `otherwise` where no name was given; `endings` make its columns.
+Sensor make_sensor(Located name, const std::string& otherwise, const Names& endings, Sensor::Reading reading) {
+  if (name.text.empty()) name.text = otherwise;
+  Names columns;
+  for (const std::string& ending : endings) columns.push_back(name.text + ending);
+  return {std::move(name), std::move(columns), std::move(reading)};
+}
+
+std::string text_of(const Marker& marker) { return marker.body->name() + "_m" + std::to_string(marker.index); }
+
+void check(const Marker& marker, const Located& name) {
+  if (!marker.body)
+    throw SceneError("a sensor's marker belongs to no body", to_string(name.where),
+                     "make markers with body.marker(...)");
+  if (marker.index < 0 || marker.index >= marker.body->marker_count())
+    throw SceneError("marker " + std::to_string(marker.index) + " does not exist on body '" + marker.body->name() + "'",
+                     to_string(name.where), "make markers with body.marker(...)");
+}
+
+void check_place(const Element& element, int marker, int count, const Located& name) {
+  if (marker >= 0 && marker < count) return;
+  throw SceneError("'" + element.name() + "' has no marker number " + std::to_string(marker), to_string(name.where),
+                   "its markers are numbered 0 to " + std::to_string(count - 1) + ", in the order of its list");
+}
+
+/// A sensor of a marker's motion: `vector(snapshot, marker)` gives its columns.
+template <class VectorOf>
+Sensor marker_sensor(const Marker& marker, Located name, const std::string& quantity, const Names& endings,
+                     VectorOf&& vector) {
+  check(marker, name);
+  return make_sensor(std::move(name), text_of(marker) + quantity, endings,
+                     [marker, vector](Snapshot& now, std::span<double> values) {
+                       const auto x = vector(now, marker);
+                       std::copy(x.data(), x.data() + x.size(), values.begin());
+                     });
+}
+
+// ---- loads ----
+
+/// The entry of a joint or force in the snapshot's graph, with its markers.
+const SystemGraph::ConstraintEntry& entry_of(const SystemGraph& graph, const Constraint& joint) {
+  for (const auto& entry : graph.constraints())
+    if (entry.constraint == &joint) return entry;
+  throw SceneError("'" + joint.name() + "' is not in this system", joint.where(), "use a joint of the assembled graph");
+}
+const SystemGraph::ForceEntry& entry_of(const SystemGraph& graph, const ForceElement& force) {
+  for (const auto& entry : graph.forces())
+    if (entry.force == &force) return entry;
+  throw SceneError("'" + force.name() + "' is not in this system", force.where(), "use a force of the assembled graph");
+}
+
+/// The multipliers of a joint's rows. Its entry is looked up first: joints of two graphs may bear one name.
+const double* multipliers_of(Snapshot& now, const Constraint& joint) {
+  entry_of(now.system().graph(), joint);
+  return now.multipliers().data() + now.system().rows(joint).first;
+}
+
+/// A connector's markers at a snapshot, as it sees them.
+class ConnectorMarkers {
+ public:
+  ConnectorMarkers(Snapshot& now, const std::vector<Marker>& markers) {
+    kinematics_.reserve(markers.size());  // views refer to it
+    for (const Marker& m : markers) {
+      kinematics_.push_back(now.marker(m));
+      views_.emplace_back(kinematics_.back(), static_cast<int>(views_.size()));
+    }
+  }
+  operator std::span<const MarkerView>() const { return views_; }
+
+ private:
+  std::vector<MarkerKinematics> kinematics_;
+  std::vector<MarkerView> views_;
+};
+
+/// What a joint does to the body at one of its markers: -Σ_rows W λ.
+Wrench wrench_of(Snapshot& now, const Constraint& joint, int marker) {
+  const ConnectorMarkers markers(now, entry_of(now.system().graph(), joint).markers);
+  ConstraintRows rows(joint.marker_count());
+  joint.evaluate(now.time(), markers, rows);
+  const double* multiplier = multipliers_of(now, joint);
+  Wrench sum{Vector3::Zero(), Vector3::Zero()};
+  for (int r = 0; r < rows.count(); ++r) {
+    sum.force -= multiplier[r] * rows.wrench(r, marker).force;
+    sum.torque -= multiplier[r] * rows.wrench(r, marker).torque;
+  }
+  return sum;
+}
+
+/// What a force element does to the body at one of its markers: its load - Σ_rows W σ.
+Wrench wrench_of(Snapshot& now, const ForceElement& force, int marker) {
+  const ConnectorMarkers markers(now, entry_of(now.system().graph(), force).markers);
+  ForceRows rows(force.marker_count());
+  force.evaluate(now.time(), markers, rows);
+  Wrench sum = rows.load(marker);
+  for (int r = 0; r < rows.count(); ++r) {
+    sum.force -= rows.tension(r) * rows.wrench(r, marker).force;
+    sum.torque -= rows.tension(r) * rows.wrench(r, marker).torque;
+  }
+  return sum;
+}
+
+template <class Connector>
+Sensor wrench_sensor(const Connector& connector, int marker, const Marker& axes, Located name) {
+  check_place(connector, marker, connector.marker_count(), name);
+  if (axes != kWorldAxes) check(axes, name);
+  return make_sensor(std::move(name), connector.name() + "_m" + std::to_string(marker), kWrench,
+                     [&connector, marker, axes](Snapshot& now, std::span<double> values) {
+                       const Wrench w = wrench_of(now, connector, marker);
+                       const Matrix3 R = axes == kWorldAxes ? Matrix3::Identity() : now.marker(axes).R;
+                       Eigen::Map<Vector3>(values.data()) = R.transpose() * w.force;
+                       Eigen::Map<Vector3>(values.data() + 3) = R.transpose() * w.torque;
+                     });
+}
+
+// ---- coordinates ----
+
+/// Endings of a body's columns: those of its frame, then "_eta_1" and so on.
+Names endings_of(const Coordinates& c, const Names& frame, const std::string& linear) {
+  Names names;
+  if (c.frame) names = frame;
+  for (int i = 1; i <= c.linear; ++i) names.push_back(linear + std::to_string(i));
+  return names;
+}
+
+/// Part of q or v of a body, from its `skip`-th entry on.
+Sensor slice_sensor(const Body& body, Located name, const Names& endings, VectorX State::*vector, int skip) {
+  if (endings.empty())
+    throw SceneError("body '" + body.name() + "' has no such coordinates", to_string(name.where),
+                     "ask a body that has some");
+  return make_sensor(std::move(name), body.name(), endings,
+                     [&body, vector, skip](Snapshot& now, std::span<double> values) {
+                       const Layout::BodySlice& slice = now.system().layout().slice(body);
+                       const int first = (vector == &State::q ? slice.q : slice.v) + skip;
+                       const double* from = (now.state().*vector).data() + first;
+                       std::copy(from, from + values.size(), values.begin());
+                     });
+}
+
+// ---- energies ----
+
+template <class ShareOf>
+Sensor energy_sensor(const Body* body, Located name, const std::string& quantity, ShareOf&& share) {
+  return make_sensor(std::move(name), body ? body->name() + "_" + quantity : quantity, {""},
+                     [body, share](Snapshot& now, std::span<double> values) {
+                       Assembler& assembler = now.assembler();
+                       values[0] = share(body ? body->energy(assembler.body_state(*body), now.system().gravity())
+                                              : assembler.energy());
+                     });
+}
+
+double kinetic(const BodyEnergy& e) { return e.kinetic; }
+double elastic(const BodyEnergy& e) { return e.elastic; }
+double potential(const BodyEnergy& e) { return e.elastic + e.gravity; }
+double total(const BodyEnergy& e) { return e.total(); }
+
+Sensor residual_sensor(Located name, const std::string& otherwise, Level level) {
+  return make_sensor(std::move(name), otherwise, {""}, [level](Snapshot& now, std::span<double> values) {
+    VectorX rows(now.system().layout().row_count());
+    now.assembler().constraint(level, rows);
+    values[0] = rows.size() > 0 ? rows.lpNorm<Eigen::Infinity>() : 0;
+  });
+}
+
+}  // namespace
+
+Sensor::Sensor(Located name, std::vector<std::string> columns, Reading reading)
+    : name_(std::move(name)), columns_(std::move(columns)), reading_(std::move(reading)) {
+  if (columns_.empty() || !reading_)
+    throw SceneError("sensor '" + name_.text + "' reads nothing", where(), "give its columns and the function");
+}
+
+double Sensor::value(Snapshot& snapshot, int column) const {
+  std::vector<double> values(columns_.size());
+  evaluate(snapshot, values);
+  return values.at(static_cast<std::size_t>(column));
+}
+
+Sensor position(Marker marker, Located name) {
+  return marker_sensor(marker, std::move(name), "", kXyz,
+                       [](Snapshot& now, const Marker& m) { return now.marker(m).p; });
+}
+
+Sensor height(Marker marker, Located name) {
+  return marker_sensor(marker, std::move(name), "_height", {""},
+                       [](Snapshot& now, const Marker& m) { return Eigen::Matrix<double, 1, 1>(now.marker(m).p.z()); });
+}
+
+Sensor orientation(Marker marker, Located name) {
+  return marker_sensor(marker, std::move(name), "_e", kQuaternion,
+                       [](Snapshot& now, const Marker& m) { return quaternion_of(now.marker(m).R); });
+}
+
+Sensor velocity(Marker marker, Located name) {
+  return marker_sensor(marker, std::move(name), "_v", kXyz,
+                       [](Snapshot& now, const Marker& m) { return now.marker(m).v; });
+}
+
+Sensor angular_velocity(Marker marker, Located name) {
+  return marker_sensor(marker, std::move(name), "_w", kXyz,
+                       [](Snapshot& now, const Marker& m) { return now.marker(m).w; });
+}
+
+Sensor acceleration(Marker marker, Located name) {
+  return marker_sensor(marker, std::move(name), "_v_dot", kXyz,
+                       [](Snapshot& now, const Marker& m) -> Vector3 { return now.acceleration(m).head<3>(); });
+}
+
+Sensor angular_acceleration(Marker marker, Located name) {
+  return marker_sensor(marker, std::move(name), "_w_dot", kXyz,
+                       [](Snapshot& now, const Marker& m) -> Vector3 { return now.acceleration(m).tail<3>(); });
+}
+
+Sensor coordinates(const Body& body, Located name) {
+  const Names frame = {"_p_x", "_p_y", "_p_z", "_e_w", "_e_x", "_e_y", "_e_z"};
+  return slice_sensor(body, std::move(name), endings_of(body.coordinates(), frame, "_eta_"), &State::q, 0);
+}
+
+Sensor generalized_velocities(const Body& body, Located name) {
+  const Names frame = {"_p_dot_x", "_p_dot_y", "_p_dot_z", "_omega_x", "_omega_y", "_omega_z"};
+  return slice_sensor(body, std::move(name), endings_of(body.coordinates(), frame, "_eta_dot_"), &State::v, 0);
+}
+
+Sensor modal_coordinates(const Body& body, Located name) {
+  const Coordinates c = body.coordinates();
+  return slice_sensor(body, std::move(name), endings_of(c, {}, "_eta_"), &State::q, c.frame ? 7 : 0);
+}
+
+Sensor modal_rates(const Body& body, Located name) {
+  const Coordinates c = body.coordinates();
+  return slice_sensor(body, std::move(name), endings_of(c, {}, "_eta_dot_"), &State::v, c.frame ? 6 : 0);
+}
+
+Sensor reaction(const Constraint& joint, int marker, Marker axes, Located name) {
+  return wrench_sensor(joint, marker, axes, std::move(name));
+}
+
+Sensor applied_force(const ForceElement& element, int marker, Marker axes, Located name) {
+  return wrench_sensor(element, marker, axes, std::move(name));
+}
+
+Sensor multipliers(const Constraint& joint, Located name) {
+  Names endings;
+  for (int r = 1; r <= joint.row_count(); ++r) endings.push_back("_" + std::to_string(r));
+  return make_sensor(std::move(name), joint.name() + "_lambda", endings,
+                     [&joint](Snapshot& now, std::span<double> values) {
+                       const double* from = multipliers_of(now, joint);
+                       std::copy(from, from + values.size(), values.begin());
+                     });
+}
+
+Sensor kinetic_energy(Located name) { return energy_sensor(nullptr, std::move(name), "kinetic_energy", kinetic); }
+Sensor elastic_energy(Located name) { return energy_sensor(nullptr, std::move(name), "elastic_energy", elastic); }
+Sensor potential_energy(Located name) { return energy_sensor(nullptr, std::move(name), "potential_energy", potential); }
+Sensor total_energy(Located name) { return energy_sensor(nullptr, std::move(name), "total_energy", total); }
+
+Sensor kinetic_energy(const Body& body, Located name) {
+  return energy_sensor(&body, std::move(name), "kinetic_energy", kinetic);
+}
+Sensor elastic_energy(const Body& body, Located name) {
+  return energy_sensor(&body, std::move(name), "elastic_energy", elastic);
+}
+Sensor potential_energy(const Body& body, Located name) {
+  return energy_sensor(&body, std::move(name), "potential_energy", potential);
+}
+Sensor total_energy(const Body& body, Located name) {
+  return energy_sensor(&body, std::move(name), "total_energy", total);
+}
+
+Sensor constraint_residual(Located name) {
+  return residual_sensor(std::move(name), "constraint_residual", Level::position);
+}
+Sensor velocity_residual(Located name) {
+  return residual_sensor(std::move(name), "velocity_residual", Level::velocity);
+}
+
+}  // namespace lithe

@@ -1,0 +1,172 @@
+#include "engine/simulation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "engine/error.h"
+
+namespace lithe {
+namespace {
+
+/// What round-off may do to a time near this one.
+double round_off(double time) { return 8 * std::numeric_limits<double>::epsilon() * std::abs(time); }
+
+bool same(const VectorX& a, const VectorX& b) { return a.size() == b.size() && a == b; }
+bool same(const State& a, const State& b) {
+  return a.time == b.time && same(a.q, b.q) && same(a.v, b.v) && same(a.v_dot, b.v_dot) && same(a.lambda, b.lambda);
+}
+
+/// Index of the first entry that is no finite number; -1: none.
+int find_not_finite(const VectorX& x) {
+  if (x.allFinite()) return -1;
+  const double* at = std::find_if(x.data(), x.data() + x.size(), [](double value) { return !std::isfinite(value); });
+  return static_cast<int>(at - x.data());
+}
+
+/// The name of what is no finite number in a state; empty: nothing.
+std::string find_not_finite(const State& state, const Layout& layout) {
+  if (!std::isfinite(state.time)) return "the time";
+  for (const auto& [vector, what] : {std::pair(&state.v_dot, "acceleration of "), std::pair(&state.v, "velocity of ")})
+    if (const int i = find_not_finite(*vector); i >= 0) return what + layout.velocity_name(i);
+  if (const int i = find_not_finite(state.lambda); i >= 0) return "multiplier of " + layout.row_name(i);
+  const int i = find_not_finite(state.q);
+  if (i < 0) return "";
+  // The velocity of that coordinate has its name: three for the four numbers of a quaternion.
+  for (const Layout::BodySlice& b : layout.bodies()) {
+    const int local = i - b.q;
+    if (local >= (b.frame ? 7 : 0) + b.linear) continue;
+    const int rotation = std::max(local, 4) - 1;
+    return "coordinate of " + layout.velocity_name(b.v + (b.frame && local >= 3 ? rotation : local));
+  }
+  return "coordinate " + std::to_string(i);
+}
+
+}  // namespace
+
+Simulation::Simulation(const System& system, Integrator& integrator)
+    : system_(system), integrator_(integrator), equations_(system), snapshot_(system) {}
+
+void Simulation::observe(Observer& observer, Schedule schedule) { watches_.push_back({&observer, schedule}); }
+
+double Simulation::Watch::next_time() const { return origin + static_cast<double>(told) * schedule.interval; }
+
+/// Schedules meet, and meet the end, where times differ by round-off alone: 3 · 0.1 and 0.3.
+double Simulation::Watch::slack(double time) const { return 1e-9 * schedule.interval + round_off(time); }
+
+bool Simulation::Watch::is_due(double time) const {
+  if (told > 0 && told_time == time) return false;
+  return schedule.interval == 0 || next_time() <= time + slack(time);
+}
+
+void Simulation::run(State& state, double end) {
+  check(state, end);
+
+  // 1. Start, unless the state goes on from the last run.
+  const bool resumed = same(state, last_);
+  if (!resumed || !started_ || integrator_.statistics().steps != steps_) {
+    started_ = false;
+    integrator_.start(equations_, state);
+    last_ = state;
+    evaluated_ = false;
+  }
+  started_ = false;  // until the run has ended well
+
+  // 2. Schedules begin here for observers that are new, and for all at a new state.
+  for (Watch& watch : watches_) {
+    if (resumed && watch.begun) continue;
+    watch.origin = state.time;
+    watch.told = 0;
+    watch.begun = true;
+  }
+  tell_due(state);
+
+  // 3. From one observed time to the next; a rest of round-off's size is no step.
+  while (end - state.time > round_off(end)) {
+    advance(state, next_stop(state.time, end));
+    tell_due(state);
+  }
+  started_ = true;
+  steps_ = integrator_.statistics().steps;
+}
+
+void Simulation::check(const State& state, double end) const {
+  const Layout& layout = system_.layout();
+  if (state.q.size() != layout.q_count() || state.v.size() != layout.v_count())
+    throw SceneError("the state has " + std::to_string(state.q.size()) + " coordinates and " +
+                         std::to_string(state.v.size()) + " velocities; the system has " +
+                         std::to_string(layout.q_count()) + " and " + std::to_string(layout.v_count()),
+                     "Simulation::run", "start from system.initial_state()");
+  // Accelerations and multipliers are the integrator's to find.
+  const std::string name = find_not_finite({state.time, state.q, state.v, {}, {}}, layout);
+  if (!name.empty())
+    throw SceneError("the state to start from is no finite number in " + name, "Simulation::run",
+                     "start from system.initial_state()");
+  if (!std::isfinite(end) || end < state.time - round_off(end))
+    throw SceneError("cannot run from " + time_text(state.time) + " to " + time_text(end), "Simulation::run",
+                     "give a later end: it is a time, not a duration");
+}
+
+double Simulation::next_stop(double time, double end) const {
+  double stop = end;
+  for (const Watch& watch : watches_) {
+    const double next = watch.next_time();
+    if (watch.schedule.interval > 0 && next > time + watch.slack(time) && next < end - watch.slack(end))
+      stop = std::min(stop, next);
+  }
+  return stop;
+}
+
+void Simulation::advance(State& state, double stop) {
+  StepResult result;
+  try {
+    result = integrator_.step(equations_, state, stop);
+  } catch (...) {
+    state = last_;
+    throw;
+  }
+  const auto step = [&] { return "the step from " + time_text(last_.time); };
+  if (!result.ok())
+    fail(state, step() + " failed: " + result.why,
+         "give a smaller step or another tolerance; if neither helps, look for what happens there: a locked mechanism, "
+         "an impact, a force that grows without bound");
+  if (const std::string name = find_not_finite(state, system_.layout()); !name.empty())
+    fail(state, step() + " left what is no finite number: " + name,
+         "look for a force that divides by zero or overflows near there, or give a smaller step");
+  if (!(state.time > last_.time && state.time <= stop))
+    fail(state, step() + " to " + time_text(stop) + " ended at " + time_text(state.time),
+         "give a looser tolerance if steps became smaller than time can tell; else mend the integrator: a step moves "
+         "time, never past its stop");
+  last_ = state;
+  evaluated_ = false;
+}
+
+void Simulation::tell_due(const State& state) {
+  for (Watch& watch : watches_)
+    if (watch.is_due(state.time)) {
+      ++watch.told;
+      tell(watch, state);
+    }
+}
+
+void Simulation::tell(Watch& watch, const State& state) {
+  if (!evaluated_) snapshot_.evaluate(state);
+  evaluated_ = true;
+  watch.told_time = state.time;
+  watch.observer->observe(snapshot_);
+}
+
+void Simulation::fail(State& state, const std::string& what, const std::string& mend) {
+  state = last_;
+  // Those whose schedule would have skipped the last good state get it now: it shows how the failure came.
+  for (Watch& watch : watches_) {
+    if (watch.told_time == state.time) continue;
+    try {
+      tell(watch, state);
+    } catch (const Error&) {  // NOLINT: the failure itself matters more
+    }
+  }
+  throw SimulationError(what, time_text(last_.time) + ", " + integrator_.name(), mend);
+}
+
+}  // namespace lithe

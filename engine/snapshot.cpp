@@ -1,0 +1,59 @@
+#include "engine/snapshot.h"
+
+#include "engine/error.h"
+
+namespace lithe {
+
+void Snapshot::evaluate(const State& state) {
+  const Layout& layout = assembler_.layout();
+  if (state.q.size() != layout.q_count() || state.v.size() != layout.v_count() ||
+      state.v_dot.size() != layout.v_count() || state.lambda.size() != layout.row_count())
+    throw SceneError("the state to look at has " + std::to_string(state.q.size()) + " coordinates, " +
+                         std::to_string(state.v.size()) + " velocities, " + std::to_string(state.v_dot.size()) +
+                         " accelerations and " + std::to_string(state.lambda.size()) + " multipliers; the system has " +
+                         std::to_string(layout.q_count()) + ", " + std::to_string(layout.v_count()) + ", " +
+                         std::to_string(layout.v_count()) + " and " + std::to_string(layout.row_count()),
+                     "Snapshot", "start from system.initial_state(), or let an integrator start from the state first");
+  state_ = state;
+  has_multipliers_ = false;
+  assembler_.evaluate(state_.time, state_.q, state_.v, Level::acceleration);
+}
+
+Vector6 Snapshot::acceleration(const Marker& marker) {
+  const MarkerKinematics k = this->marker(marker);
+  Vector6 result;
+  result << k.bias_v, k.bias_w;
+  if (marker.body->coordinates().v_count() == 0) return result;  // ground
+  const Layout::BodySlice& slice = assembler_.layout().slice(*marker.body);
+  // J v_body_dot in body axes: ω̇ × r + B η̈ and ω̇ + T η̈; the frame's own acceleration is in world axes.
+  Vector3 v_dot = Vector3::Zero(), w_dot = Vector3::Zero();
+  const double* v_body_dot = state_.v_dot.data() + slice.v;
+  if (slice.frame) {
+    const Eigen::Map<const Vector3> p_dot_dot(v_body_dot), omega_dot(v_body_dot + 3);
+    result.head<3>() += p_dot_dot;
+    v_dot += omega_dot.cross(k.r);
+    w_dot += omega_dot;
+    v_body_dot += 6;
+  }
+  if (k.elastic) {
+    const Vector6 elastic =
+        Eigen::Map<const Matrix6X>(k.elastic, 6, slice.linear) * Eigen::Map<const VectorX>(v_body_dot, slice.linear);
+    v_dot += elastic.head<3>();
+    w_dot += elastic.tail<3>();
+  }
+  result.head<3>() += *k.A * v_dot;
+  result.tail<3>() += *k.A * w_dot;
+  return result;
+}
+
+const VectorX& Snapshot::multipliers() {
+  if (system().redundant_rows().empty()) return state_.lambda;
+  if (!has_multipliers_) {
+    multipliers_ = state_.lambda;
+    assembler_.minimum_norm(multipliers_);
+    has_multipliers_ = true;
+  }
+  return multipliers_;
+}
+
+}  // namespace lithe

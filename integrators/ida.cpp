@@ -1,0 +1,229 @@
+#include "integrators/ida.h"
+
+#include <ida/ida.h>
+#include <nvector/nvector_serial.h>
+#include <sundials/sundials_context.h>
+#include <sunlinsol/sunlinsol_klu.h>
+#include <sunmatrix/sunmatrix_sparse.h>
+
+#include <algorithm>
+#include <string>
+
+#include "engine/checks.h"
+#include "engine/error.h"
+#include "engine/projection.h"
+#include "integrators/stabilized_index2.h"
+
+namespace lithe {
+
+struct Ida::Memory {
+  EquationsOfMotion& equations;
+  StabilizedIndex2 form;
+  Tolerance tolerance;
+  std::string thrown, said;  // by the engine within a callback; by IDA
+  SUNContext context = nullptr;
+  N_Vector y = nullptr, y_dot = nullptr, id = nullptr, errors = nullptr, weights = nullptr;
+  SUNMatrix matrix = nullptr;
+  SUNLinearSolver solver = nullptr;
+  void* ida = nullptr;
+
+  Memory(EquationsOfMotion& of, const Tolerance& allowed) : equations(of), form(of), tolerance(allowed) {
+    SUNContext_Create(nullptr, &context);
+    for (N_Vector* x : {&y, &y_dot, &id, &errors, &weights}) *x = N_VNew_Serial(form.size(), context);
+  }
+  Memory(const Memory&) = delete;
+  Memory& operator=(const Memory&) = delete;
+  ~Memory() {
+    if (ida) IDAFree(&ida);
+    if (solver) SUNLinSolFree(solver);
+    if (matrix) SUNMatDestroy(matrix);
+    for (N_Vector x : {y, y_dot, id, errors, weights})
+      if (x) N_VDestroy(x);
+    if (context) SUNContext_Free(&context);
+  }
+
+  static Eigen::Map<VectorX> map(N_Vector x) { return {N_VGetArrayPointer(x), N_VGetLength(x)}; }
+
+  /// Runs a callback of IDA; an exception becomes text and "cannot go on", numbers that are none "try a smaller step".
+  template <class Body>
+  static int guarded(void* user, Body&& body) noexcept {
+    auto& memory = *static_cast<Memory*>(user);
+    try {
+      return body(memory) ? 0 : 1;
+    } catch (const std::exception& error) {
+      try {
+        memory.thrown = error.what();
+      } catch (...) {
+      }
+    } catch (...) {
+    }
+    return -1;
+  }
+
+  static int residual(double time, N_Vector y, N_Vector y_dot, N_Vector F, void* user) {
+    return guarded(user, [&](Memory& m) {
+      m.form.residual(time, map(y), map(y_dot), map(F));
+      return map(F).allFinite();
+    });
+  }
+
+  static int jacobian(double time, double c, N_Vector y, N_Vector y_dot, N_Vector, SUNMatrix J, void* user, N_Vector,
+                      N_Vector, N_Vector) {
+    return guarded(user, [&](Memory& m) {
+      m.write_pattern(J);
+      m.form.jacobian(time, map(y), map(y_dot), c, SUNSparseMatrix_Data(J));
+      return Eigen::Map<VectorX>(SUNSparseMatrix_Data(J), SUNSparseMatrix_NNZ(J)).allFinite();
+    });
+  }
+
+  static int error_weights(N_Vector y, N_Vector out, void* user) {
+    return guarded(user, [&](Memory& m) {
+      m.form.allowances(map(y), m.tolerance, map(out));
+      map(out) = map(out).cwiseInverse();
+      return true;
+    });
+  }
+
+  static void message(int, const char*, const char*, char* text, void* user) {
+    guarded(user, [&](Memory& m) {
+      m.said = text;
+      return true;
+    });
+  }
+
+  void write_pattern(SUNMatrix J) const {
+    std::copy(form.column_starts().begin(), form.column_starts().end(), SUNSparseMatrix_IndexPointers(J));
+    std::copy(form.row_indices().begin(), form.row_indices().end(), SUNSparseMatrix_IndexValues(J));
+  }
+
+  void require(bool done, const char* what) const {
+    if (!done)
+      throw SimulationError(std::string("SUNDIALS cannot be set up: ") + what + (said.empty() ? "" : ", " + said),
+                            "Ida", "is the state finite and the memory enough?");
+  }
+};
+
+Ida::Ida(Parameters parameters) : parameters_(parameters) {
+  require::not_negative(parameters.first_step, "first_step");
+  require::not_negative(parameters.max_step, "max_step");
+  require::not_negative(parameters.tolerance.relative, "relative tolerance");
+  require::positive(parameters.tolerance.absolute, "absolute tolerance");
+  if (parameters.max_order < 1 || parameters.max_order > 5)
+    throw SceneError("max_order is " + std::to_string(parameters.max_order), "Ida", "give 1 to 5");
+}
+
+Ida::~Ida() = default;
+
+void Ida::start(EquationsOfMotion& equations, State& state) {
+  // 1. A consistent start: positions, velocities, accelerations and multipliers.
+  statistics_ = {};
+  Projector projector(equations);
+  projector.position(state.time, state.q, 1e-13, 10, Projector::Factor::first);
+  projector.velocity(state.time, state.q, state.v);
+  state.v_dot.resize(equations.layout().v_count());
+  state.lambda.resize(equations.layout().row_count());
+  projector.accelerations(state.time, state.q, state.v, state.v_dot, state.lambda);
+
+  // 2. IDA's own objects.
+  memory_ = std::make_unique<Memory>(equations, parameters_.tolerance);
+  Memory& m = *memory_;
+  m.require(m.context && m.y && m.y_dot && m.id && m.errors && m.weights, "vectors");
+  m.form.pack(state, Memory::map(m.y), Memory::map(m.y_dot));
+  m.ida = IDACreate(m.context);
+  m.require(m.ida, "IDACreate");
+  IDASetErrHandlerFn(m.ida, Memory::message, &m);
+  m.require(IDAInit(m.ida, Memory::residual, state.time, m.y, m.y_dot) == IDA_SUCCESS, "IDAInit");
+  IDASetUserData(m.ida, &m);
+  m.require(IDAWFtolerances(m.ida, Memory::error_weights) == IDA_SUCCESS, "tolerances");
+  Memory::map(m.id).setZero();
+  Memory::map(m.id).head(m.form.differential_count()).setOnes();
+  IDASetId(m.ida, m.id);
+  IDASetSuppressAlg(m.ida, SUNTRUE);
+  IDASetMaxOrd(m.ida, parameters_.max_order);
+  if (parameters_.first_step > 0) IDASetInitStep(m.ida, parameters_.first_step);
+  if (parameters_.max_step > 0) IDASetMaxStep(m.ida, parameters_.max_step);
+
+  // 3. The sparse matrix and its solver; a first evaluation tells the pattern.
+  m.form.jacobian(state.time, Memory::map(m.y), Memory::map(m.y_dot), 1.0, nullptr);
+  m.matrix = SUNSparseMatrix(m.form.size(), m.form.size(), static_cast<sunindextype>(m.form.row_indices().size()),
+                             CSC_MAT, m.context);
+  m.require(m.matrix, "matrix");
+  m.write_pattern(m.matrix);
+  m.solver = SUNLinSol_KLU(m.y, m.matrix, m.context);
+  m.require(m.solver && IDASetLinearSolver(m.ida, m.solver, m.matrix) == IDA_SUCCESS &&
+                IDASetJacFn(m.ida, Memory::jacobian) == IDA_SUCCESS,
+            "linear solver");
+}
+
+StepResult Ida::step(EquationsOfMotion& equations, State& state, double t_stop) {
+  if (!memory_ || &memory_->equations != &equations) start(equations, state);
+  if (!(t_stop > state.time)) return {};
+  Memory& m = *memory_;
+  m.thrown.clear(), m.said.clear();
+  double reached = state.time;
+  IDASetStopTime(m.ida, t_stop);
+  const int flag = IDASolve(m.ida, t_stop, &reached, m.y, m.y_dot, IDA_ONE_STEP);
+  count();
+  if (flag < 0) return failed(flag);
+  state.time = flag == IDA_TSTOP_RETURN ? t_stop : reached;
+  m.form.unpack(Memory::map(m.y), Memory::map(m.y_dot), state);
+  return {};
+}
+
+void Ida::count() {
+  long steps = 0, evaluations = 0, setups = 0, error_fails = 0, solver_fails = 0, iterations = 0;
+  int order = 0, next_order = 0;
+  double first = 0, last = 0, next = 0, time = 0;
+  IDAGetIntegratorStats(memory_->ida, &steps, &evaluations, &setups, &error_fails, &order, &next_order, &first, &last,
+                        &next, &time);
+  IDAGetNonlinSolvStats(memory_->ida, &iterations, &solver_fails);
+  statistics_ = {.steps = steps,
+                 .rejected = error_fails + solver_fails,
+                 .newton_iterations = iterations,
+                 .factorizations = setups,
+                 .evaluations = evaluations};
+}
+
+StepResult Ida::failed(int flag) const {
+  const Memory& m = *memory_;
+  std::string why;
+  switch (flag) {
+    case IDA_ERR_FAIL:
+      why = "the local error stays above the tolerance at the smallest step";
+      break;
+    case IDA_CONV_FAIL:
+    case IDA_NLS_FAIL:
+      why = "Newton does not converge at the smallest step";
+      break;
+    case IDA_LSETUP_FAIL:
+    case IDA_LSOLVE_FAIL:
+      why = "the iteration matrix is singular";
+      break;
+    case IDA_RES_FAIL:
+      why = "the equations cannot be evaluated" + (m.thrown.empty() ? "" : ": " + m.thrown);
+      break;
+    case IDA_REP_RES_ERR:
+    case IDA_FIRST_RES_FAIL:
+      why = "the equations give no numbers, at small steps too";
+      break;
+    case IDA_TOO_MUCH_ACC:
+      why = "the tolerance is below round-off";
+      break;
+    default:
+      why = m.said;
+  }
+  // The component that erred most, of those tested.
+  if ((flag == IDA_ERR_FAIL || flag == IDA_CONV_FAIL || flag == IDA_NLS_FAIL) &&
+      IDAGetEstLocalErrors(m.ida, m.errors) == IDA_SUCCESS && IDAGetErrWeights(m.ida, m.weights) == IDA_SUCCESS) {
+    Eigen::Index worst = 0;
+    Memory::map(m.errors)
+        .cwiseProduct(Memory::map(m.weights))
+        .head(m.form.differential_count())
+        .cwiseAbs()
+        .maxCoeff(&worst);
+    why += "; largest error in " + m.form.name(static_cast<int>(worst));
+  }
+  return {StepResult::Outcome::failed, why + " (IDA: " + m.said + ")"};
+}
+
+}  // namespace lithe

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "engine/batch.h"
+#include "engine/constraint.h"
+
+namespace lithe {
+
+/// Sleeve on a shaft: the markers share their z axis as a line; B slides along it and turns about it, two freedoms.
+///   g = (x_A · z_B, y_A · z_B, x_A · d, y_A · d), d = p_B - p_A, four rows. (EQUATIONS.md 7.3)
+class CylindricalJoint final : public Joint</*markers=*/2, /*rows=*/4> {
+ public:
+  void evaluate(double, std::span<const MarkerView> markers, ConstraintRows& rows) const override {
+    const auto &A = markers[0], &B = markers[1];
+    perpendicular(A, A.x(), B, B.z(), rows);
+    perpendicular(A, A.y(), B, B.z(), rows);
+    in_plane(A, A.x(), B, rows);
+    in_plane(A, A.y(), B, rows);
+  }
+  /// The rows also vanish with the axes turned by 180 degrees: refused.
+  void initialize(std::span<const MarkerView> markers) override;
+};
+
+extern template std::unique_ptr<ConstraintBatch> make_constraint_batch<CylindricalJoint>();
+
+}  // namespace lithe

@@ -1,0 +1,21 @@
+#include "joints/distance_joint.h"
+
+#include "engine/batch_of.h"
+#include "engine/checks.h"
+#include "engine/drawn.h"
+
+namespace lithe {
+
+DistanceJoint::DistanceJoint(Parameters parameters)
+    : as_drawn_(parameters.length == 0), length_(parameters.length), length_law_(std::move(parameters.length_law)) {
+  require::not_negative(parameters.length, "length");
+}
+
+void DistanceJoint::initialize(std::span<const MarkerView> m) {
+  drawn::apart(m[0], m[1]);
+  if (as_drawn_) length_ = (m[1].p - m[0].p).norm();
+}
+
+template std::unique_ptr<ConstraintBatch> make_constraint_batch<DistanceJoint>();
+
+}  // namespace lithe

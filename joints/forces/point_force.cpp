@@ -1,0 +1,15 @@
+#include "joints/forces/point_force.h"
+
+#include "engine/batch_of.h"
+#include "engine/checks.h"
+
+namespace lithe {
+
+PointForce::PointForce(Parameters parameters) : parameters_(parameters) {
+  require::finite(parameters.force, "force");
+  require::finite(parameters.torque, "torque");
+}
+
+template std::unique_ptr<ForceBatch> make_force_batch<PointForce>();
+
+}  // namespace lithe

@@ -1,0 +1,39 @@
+#pragma once
+
+#include "engine/batch.h"
+#include "engine/force_element.h"
+
+namespace lithe {
+
+/// Constant force and torque at a marker, in axes that stay with the world (a dead load) or turn with the marker (a
+/// follower, like a thruster). Only a dead force has a potential, V = -F · p.
+class PointForce final : public Force</*markers=*/1, /*rows=*/0> {
+ public:
+  enum class Axes { world, marker };
+  struct Parameters {
+    Vector3 force{0, 0, 0};   // N
+    Vector3 torque{0, 0, 0};  // N m
+    Axes axes = Axes::world;
+  };
+
+  /// Throws SceneError for what is no number.
+  explicit PointForce(Parameters parameters);
+
+  void evaluate(double, std::span<const MarkerView> markers, ForceRows& rows) const override {
+    const MarkerView& A = markers[0];
+    const auto& [F, T, axes] = parameters_;
+    if (axes == Axes::marker) {
+      rows.add_load(A, {A.R * F, A.R * T});
+    } else {
+      rows.add_load(A, {F, T});
+      rows.add_energy(-F.dot(A.p));
+    }
+  }
+
+ private:
+  const Parameters parameters_;
+};
+
+extern template std::unique_ptr<ForceBatch> make_force_batch<PointForce>();
+
+}  // namespace lithe

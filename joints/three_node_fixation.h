@@ -1,0 +1,30 @@
+#pragma once
+
+#include <array>
+
+#include "engine/batch.h"
+#include "engine/constraint.h"
+
+namespace lithe {
+
+/// Three nodes of a body held by a fourth marker, on another body or on ground, where they are as drawn.
+///   g = p_i - (p_H + R_H c_i), i = 1, 2, 3, nine rows, world axes; c_i from the drawing. (EQUATIONS.md 5.4, 7.3)
+/// Nodes that are not in one line make a clamp; in one line, a hinge. A rigid body cannot fill nine rows, a flexible
+/// one only as far as its modes strain the triangle: the dependent rows are found by assemble(), named and borne, and
+/// the rest removes those modes. Vlasenko & Kasper hold a flexible pendulum this way.
+class ThreeNodeFixation final : public Joint</*markers=*/4, /*rows=*/9> {
+ public:
+  /// Markers: the holder, then the three nodes.
+  void evaluate(double, std::span<const MarkerView> markers, ConstraintRows& rows) const override {
+    for (int i = 0; i < 3; ++i) at_point(markers[0], held_[i], markers[i + 1], rows);
+  }
+  /// Takes the held points from the drawing.
+  void initialize(std::span<const MarkerView> markers) override;
+
+ private:
+  std::array<Vector3, 3> held_{Vector3::Zero(), Vector3::Zero(), Vector3::Zero()};  // c_i, in the axes of the holder
+};
+
+extern template std::unique_ptr<ConstraintBatch> make_constraint_batch<ThreeNodeFixation>();
+
+}  // namespace lithe

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "engine/batch.h"
+#include "engine/constraint.h"
+#include "engine/motion_law.h"
+
+namespace lithe {
+
+/// Prescribes the displacement along the z axis of marker A.
+///   g = z_A · (p_B - p_A) - f(t), one row. (EQUATIONS.md 7.3)
+class TranslationalDriver final : public Joint</*markers=*/2, /*rows=*/1> {
+ public:
+  struct Parameters {
+    MotionLaw motion;  // f(t), metres
+  };
+  /// Throws SceneError without a motion.
+  explicit TranslationalDriver(Parameters parameters);
+  void evaluate(double time, std::span<const MarkerView> markers, ConstraintRows& rows) const override;
+
+ private:
+  MotionLaw motion_;
+};
+
+extern template std::unique_ptr<ConstraintBatch> make_constraint_batch<TranslationalDriver>();
+
+}  // namespace lithe

@@ -1,0 +1,12 @@
+#include "joints/universal_joint.h"
+
+#include "engine/batch_of.h"
+#include "engine/drawn.h"
+
+namespace lithe {
+
+void UniversalJoint::initialize(std::span<const MarkerView> m) { drawn::not_parallel(m[0].x(), m[1].y(), "x", "y"); }
+
+template std::unique_ptr<ConstraintBatch> make_constraint_batch<UniversalJoint>();
+
+}  // namespace lithe

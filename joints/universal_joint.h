@@ -1,0 +1,24 @@
+#pragma once
+
+#include "engine/batch.h"
+#include "engine/constraint.h"
+
+namespace lithe {
+
+/// Cardan joint: the markers share their position, and the cross between them has one arm along x_A and the other along
+/// y_B, at right angles; turns about either arm are left, two rotations. With equal marker axes the shafts lie along z.
+///   g = (p_B - p_A, x_A · y_B), four rows. (EQUATIONS.md 7.3)
+class UniversalJoint final : public Joint</*markers=*/2, /*rows=*/4> {
+ public:
+  void evaluate(double, std::span<const MarkerView> markers, ConstraintRows& rows) const override {
+    const auto &A = markers[0], &B = markers[1];
+    coincident(A, B, rows);
+    perpendicular(A, A.x(), B, B.y(), rows);
+  }
+  /// Refuses arms that are nearly parallel as drawn: the last row would restrain nothing there.
+  void initialize(std::span<const MarkerView> markers) override;
+};
+
+extern template std::unique_ptr<ConstraintBatch> make_constraint_batch<UniversalJoint>();
+
+}  // namespace lithe

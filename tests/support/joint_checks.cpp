@@ -1,0 +1,174 @@
+#include "tests/support/joint_checks.h"
+
+#include "engine/assembler.h"
+#include "tests/support/dense.h"
+#include "tests/support/motion.h"
+
+namespace lithe::test {
+namespace {
+
+constexpr int kStates = 5;
+
+testing::AssertionResult close(const MatrixX& actual, const MatrixX& expected, double tolerance) {
+  if (actual.rows() != expected.rows() || actual.cols() != expected.cols())
+    return testing::AssertionFailure() << actual.rows() << "x" << actual.cols() << " instead of " << expected.rows() << "x"
+                                       << expected.cols();
+  if (expected.size() == 0) return testing::AssertionSuccess();
+  const double scale = 1 + expected.cwiseAbs().maxCoeff();
+  Eigen::Index row, column;
+  const double error = (actual - expected).cwiseAbs().maxCoeff(&row, &column) / scale;
+  if (error <= tolerance) return testing::AssertionSuccess();
+  return testing::AssertionFailure() << "relative error " << error << " at (" << row << ", " << column << "): "
+                                     << actual(row, column) << " instead of " << expected(row, column);
+}
+
+/// 1 at the velocities of frames, 0 at linear coordinates.
+VectorX frame_mask(const Layout& layout) {
+  VectorX mask = VectorX::Zero(layout.v_count());
+  for (const auto& b : layout.bodies())
+    if (b.frame) mask.segment<6>(b.v).setOnes();
+  return mask;
+}
+MatrixX on_frames(const Layout& layout, const MatrixX& S) {
+  const VectorX mask = frame_mask(layout);
+  return mask.asDiagonal() * S * mask.asDiagonal();
+}
+
+/// An assembler at random states.
+struct Probe {
+  Probe(SystemGraph& graph, unsigned seed) : system(assemble(graph)), assembler(system), random(seed) {}
+
+  void draw_state() {
+    const State& start = system.initial_state();
+    q = start.q;
+    layout().retract(start.q, random.vector(layout().v_count(), 0.4), q);
+    v = random.vector(layout().v_count(), 2);
+    a = random.vector(layout().v_count(), 3);
+    time = random.number();
+  }
+  const Layout& layout() const { return system.layout(); }
+  VectorX no_motion() const { return VectorX::Zero(layout().v_count()); }
+  VectorX no_load() const { return VectorX::Zero(layout().row_count()); }
+
+  VectorX constraint(double t, const VectorX& at, const VectorX& moving, Level which) {
+    assembler.evaluate(t, at, moving, which);
+    VectorX out(layout().row_count());
+    assembler.constraint(which, out);
+    return out;
+  }
+  VectorX residual(double t, const VectorX& at, const VectorX& moving, const VectorX& lambda) {
+    assembler.evaluate(t, at, moving, Level::velocity);
+    VectorX out = no_motion();
+    assembler.residual(no_motion(), lambda, out);
+    return out;
+  }
+  /// The iteration matrix at this state, its blocks dense.
+  DenseMatrix matrix(const TangentWeights& weights, const VectorX& at, const VectorX& moving, const VectorX& lambda) {
+    assembler.evaluate(time, at, moving, Level::acceleration);
+    assembler.factorize(weights, no_motion(), lambda, nullptr);
+    return dense(assembler);
+  }
+
+  const System system;
+  Assembler assembler;
+  RandomNumbers random;
+  VectorX q, v, a;
+  double time = 0;
+};
+
+}  // namespace
+
+void check_joint(SystemGraph& graph, const Constraint& joint, const JointExpectation& expected) {
+  SCOPED_TRACE("joint '" + joint.name() + "'");
+  Probe p(graph, 7);
+  const auto [name, first, count] = p.system.rows(joint);
+  EXPECT_EQ(count, joint.row_count());
+  const auto rows = [first = first, count = count](const MatrixX& all) -> MatrixX { return all.middleRows(first, count); };
+
+  const VectorX start = p.system.initial_state().q;
+  EXPECT_EQ(rank(rows(p.matrix({0, 0, 1}, start, p.no_motion(), p.no_load()).G())), expected.rank) << "as drawn";
+  if (graph.constraints().size() == 1) {
+    EXPECT_EQ(p.system.rank(), expected.rank) << "found by assemble()";
+  }
+  for (int k = 0; k < kStates; ++k) {
+    p.draw_state();
+    const MatrixX G = rows(p.matrix({0, 0, 1}, p.q, p.v, p.no_load()).G());
+    const VectorX gamma = rows(p.constraint(p.time, p.q, p.v, Level::acceleration));
+    const VectorX g_dot = rows(p.constraint(p.time, p.q, p.v, Level::velocity));
+
+    const MatrixX differenced = jacobian(
+        p.layout(), p.q, [&](const VectorX& q) -> VectorX { return rows(p.constraint(p.time, q, p.v, Level::position)); });
+    EXPECT_TRUE(close(G, differenced, expected.tolerance)) << "G against differences of g";
+
+    const SmoothMotion motion{p.layout(), p.q, p.v, p.a};
+    const auto along = [&](double t, Level which) -> VectorX {
+      return rows(p.constraint(p.time + t, motion.position(t), motion.velocity(t), which));
+    };
+    EXPECT_TRUE(close(g_dot, derivative([&](double t) { return along(t, Level::position); }), expected.tolerance))
+        << "g_dot against differences of g along a motion";
+    EXPECT_TRUE(close(G * p.a - gamma, derivative([&](double t) { return along(t, Level::velocity); }), expected.tolerance))
+        << "G v_dot - gamma against differences of g_dot along a motion";
+
+    // A velocity that the joint allows, by the engine's own g_dot, and the power of the engine's own Gᵀ lambda.
+    const VectorX rate = rows(p.constraint(p.time, p.q, p.no_motion(), Level::velocity));
+    const VectorX allowed = p.v - least_norm(G, g_dot - rate);
+    EXPECT_TRUE(close(rows(p.constraint(p.time, p.q, allowed, Level::velocity)), rate, 1e-11));
+    VectorX lambda = p.no_load();
+    lambda.segment(first, count) = p.random.vector(count, 5);
+    const auto load = [&](const VectorX& q) -> VectorX {
+      return p.residual(p.time, q, p.no_motion(), lambda) - p.residual(p.time, q, p.no_motion(), p.no_load());
+    };
+    const VectorX Gt_lambda = load(p.q);
+    EXPECT_NEAR(Gt_lambda.dot(allowed), 0, 1e-11 * (1 + Gt_lambda.norm() * allowed.norm())) << "work on allowed motion";
+
+    const MatrixX stiffness = p.matrix({1, 0, 1}, p.q, p.no_motion(), lambda).S() -
+                              p.matrix({1, 0, 1}, p.q, p.no_motion(), p.no_load()).S();
+    EXPECT_TRUE(close(on_frames(p.layout(), stiffness), on_frames(p.layout(), jacobian(p.layout(), p.q, load)),
+                      expected.tolerance))
+        << "stiffness of the loaded joint";
+  }
+}
+
+void check_force(SystemGraph& graph, const ForceElement& force, const ForceExpectation& expected) {
+  SCOPED_TRACE("force '" + force.name() + "'");
+  Probe p(graph, 11);
+  ASSERT_EQ(graph.forces().size(), 1u) << "one force element a scene, so that its own share can be told";
+  ASSERT_EQ(graph.forces()[0].force, &force);
+
+  // Generalized force and potential of the element alone.
+  const auto generalized = [&](const VectorX& q, const VectorX& v) -> VectorX {
+    const DenseMatrix m = p.matrix({0, 0, 1}, q, v, p.no_load());
+    return p.assembler.workspace().load - m.compliant_G().transpose() * p.assembler.workspace().tension;
+  };
+  const auto potential = [&](const VectorX& q) -> VectorX {
+    p.assembler.evaluate(p.time, q, p.no_motion(), Level::velocity);
+    return p.assembler.workspace().force_energy;
+  };
+  for (int k = 0; k < kStates; ++k) {
+    p.draw_state();
+    const VectorX still = p.no_motion(), at_rest = generalized(p.q, still);
+    const VectorX in_residual = p.residual(p.time, p.q, still, p.no_load());
+    EXPECT_TRUE(in_residual.allFinite());
+    if (expected.conservative) {
+      EXPECT_TRUE(close(-at_rest.transpose(), jacobian(p.layout(), p.q, potential), expected.tolerance))
+          << "force against the loss of potential";
+      EXPECT_LE((generalized(p.q, p.v) - at_rest).dot(p.v), 1e-12 * at_rest.norm()) << "damping gives power";
+    }
+    const MatrixX stiffness = p.matrix({1, 0, 1}, p.q, still, p.no_load()).condensed_S() -
+                              p.matrix({0, 0, 1}, p.q, still, p.no_load()).condensed_S();
+    const MatrixX differenced =
+        jacobian(p.layout(), p.q, [&](const VectorX& q) -> VectorX { return -generalized(q, still); });
+    EXPECT_TRUE(close(on_frames(p.layout(), stiffness), on_frames(p.layout(), differenced), 10 * expected.tolerance))
+        << "stiffness of the force";
+    if (force.row_count() == 0) continue;
+    const DenseMatrix moving = p.matrix({0, 1, 1}, p.q, p.v, p.no_load());
+    const MatrixX damping = moving.condensed_S() - moving.S();
+    MatrixX by_velocity(still.size(), still.size());
+    for (int j = 0; j < still.size(); ++j)
+      by_velocity.col(j) = -derivative([&](double h) { return generalized(p.q, p.v + h * VectorX::Unit(still.size(), j)); });
+    EXPECT_TRUE(close(on_frames(p.layout(), damping), on_frames(p.layout(), by_velocity), expected.tolerance))
+        << "damping of the force's rows";
+  }
+}
+
+}  // namespace lithe::test

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include "engine/system_graph.h"
+
+/// What every joint and every force element owes, whatever bodies it ties: draw a scene, add the element, and check it in
+/// one line. Bodies of any kind serve, so a new kind of body is checked by drawing it between the joints that exist.
+///   SystemGraph graph;
+///   auto& link = graph.add<RigidBody>("link", {...});
+///   auto& pin = graph.add<RevoluteJoint>("pin", {graph.ground().marker(), link.marker()});
+///   check_joint(graph, pin, {.rank = 5});
+namespace lithe::test {
+
+struct JointExpectation {
+  int rank;                 // of its rows where the scene is drawn
+  double tolerance = 1e-9;  // relative
+};
+
+/// At random states near the drawing:
+///   - the rank of its rows is as expected, and assemble() finds it too;
+///   - G is the derivative of g, g_dot = G v + ∂g/∂t that of g along a motion, G a - gamma that of g_dot;
+///   - Gᵀ lambda does no work on velocities that the joint allows;
+///   - the stiffness of the loaded joint is the derivative of Gᵀ lambda by the bodies' frames, couplings included.
+void check_joint(SystemGraph& graph, const Constraint& joint, const JointExpectation& expected);
+
+struct ForceExpectation {
+  bool conservative = true;
+  double tolerance = 1e-8;  // relative
+};
+
+/// At random states near the drawing:
+///   - at rest a conservative force is -∂V/∂q: its work is what its potential loses;
+///   - moving, what it adds to that takes power away, never gives it (conservative: by damping alone);
+///   - its tangent is the derivative of the force by the bodies' frames, and of its rows' tension by velocities.
+void check_force(SystemGraph& graph, const ForceElement& force, const ForceExpectation& expected = {});
+
+}  // namespace lithe::test

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "engine/system_graph.h"
+
+/// Scenes of two markers on every pairing of bodies, to hang a joint or a force between. A new kind of body joins them by
+/// one more entry.
+namespace lithe::test {
+
+struct Pair {
+  std::string name;
+  /// Draws the bodies so that marker B sits at `gap` from marker A, in A's axes, and has the same axes.
+  std::function<std::vector<Marker>(SystemGraph&, const Vector3& gap)> draw;
+};
+
+/// ground - rigid, rigid - ground, rigid - rigid, rigid - modal, modal - modal.
+const std::vector<Pair>& pairs();
+
+/// One marker of a new body with that pose in the world, off the body's centre and turned against it.
+Marker draw_rigid(SystemGraph& graph, const std::string& name, const Vector3& position, const Matrix3& orientation);
+Marker draw_modal(SystemGraph& graph, const std::string& name, const Vector3& position, const Matrix3& orientation,
+                  int modes = 3);
+
+}  // namespace lithe::test
