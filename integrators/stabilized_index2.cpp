@@ -29,9 +29,9 @@ StabilizedIndex2::StabilizedIndex2(EquationsOfMotion& equations)
     for (int i = 0; i < b.linear; ++i) coordinates_.push_back({q++, -1, 0});
   }
   for (int row : equations.redundant_rows()) redundant_[row] = 1;
-  q_.setZero(nq_);
-  for (VectorX* x : {&v_, &u_, &v_dot_, &zero_v_, &force_}) x->setZero(nv_);
-  for (VectorX* x : {&lambda_, &mu_, &zero_rows_}) x->setZero(rows_);
+  for (VectorX* x : {&q_, &moved_q_}) x->setZero(nq_);
+  for (VectorX* x : {&v_, &u_, &v_dot_, &zero_v_, &force_, &increment_}) x->setZero(nv_);
+  for (VectorX* x : {&lambda_, &mu_, &zero_rows_, &rate_, &moved_rate_}) x->setZero(rows_);
 }
 
 std::string StabilizedIndex2::name(int index) const {
@@ -134,12 +134,69 @@ void StabilizedIndex2::emit_turn(int row, const Coordinate& at, double value) {
   for (int k = 0; k < 4; ++k) emit(row, at.q + k, value * rotations_[at.rotation].turn(at.axis, k));
 }
 
-void StabilizedIndex2::form(double c, ConstVectorRef y) {
+/// Colours the frames so that those of one colour share no constraint; a colour and one of six motions make a group.
+void StabilizedIndex2::group_columns() {
+  std::vector<int> frame(nv_, -1), colour;  // frame of each velocity, colour of each frame
+  for (const auto& b : equations_.layout().bodies()) {
+    if (!b.frame) continue;
+    for (int axis = 0; axis < 6; ++axis) frame[b.v + axis] = static_cast<int>(colour.size());
+    colour.push_back(-1);
+  }
+  std::vector<std::vector<int>> tied(rows_);  // frames of each row
+  for (const Entry& e : mass_)
+    if (e.row >= nv_ && e.row < nv_ + rows_ && e.column < nv_ && frame[e.column] >= 0)
+      tied[e.row - nv_].push_back(frame[e.column]);
+  std::vector<std::vector<int>> rows_of(colour.size());
+  for (int row = 0; row < rows_; ++row)
+    for (int f : tied[row]) rows_of[f].push_back(row);
+  int colours = 0;
+  for (std::size_t f = 0; f < colour.size(); ++f) {
+    std::vector<char> taken(colours + 1, 0);
+    for (int row : rows_of[f])
+      for (int other : tied[row])
+        if (colour[other] >= 0) taken[colour[other]] = 1;
+    colour[f] = static_cast<int>(std::find(taken.begin(), taken.end(), 0) - taken.begin());
+    colours = std::max(colours, colour[f] + 1);
+  }
+  shifts_.resize(6 * colours);
+  moved_.resize(6 * colours);
+  rates_.assign(mass_.size(), 0);
+  const auto group = [&](int velocity) {
+    int axis = 0;
+    while (axis < 5 && velocity - axis > 0 && frame[velocity - axis - 1] == frame[velocity]) ++axis;
+    return 6 * colour[frame[velocity]] + axis;
+  };
+  for (int i = 0; i < nv_; ++i)
+    if (frame[i] >= 0) moved_[group(i)].push_back(i);
+  for (std::size_t k = 0; k < mass_.size(); ++k) {
+    const Entry& e = mass_[k];
+    if (e.row >= nv_ && e.row < nv_ + rows_ && e.column < nv_ && frame[e.column] >= 0)
+      shifts_[group(e.column)].push_back({static_cast<int>(k), e.row - nv_});
+  }
+}
+
+void StabilizedIndex2::difference_rates(double time) {
+  constexpr double step = 1e-7;  // m, rad
+  equations_.constraint(Level::velocity, rate_);
+  for (std::size_t g = 0; g < shifts_.size(); ++g) {
+    if (shifts_[g].empty()) continue;
+    increment_.setZero();
+    for (int velocity : moved_[g]) increment_[velocity] = step;
+    equations_.layout().retract(q_, increment_, moved_q_);
+    equations_.evaluate(time, moved_q_, v_, Level::velocity);
+    equations_.constraint(Level::velocity, moved_rate_);
+    for (const Shift& s : shifts_[g]) rates_[s.entry] = (moved_rate_[s.row] - rate_[s.row]) / step;
+  }
+}
+
+void StabilizedIndex2::form(double time, double c, ConstVectorRef y) {
   const int dynamics = nq_, position = nq_ + nv_, velocity = position + rows_;  // first rows, and columns of λ and μ
   // 1. The engine's blocks. A share of M keeps each of them regular; it is taken out again.
   collect({1, 0, 1}, stiffness_);
   collect({0, 1, c}, damping_);
   collect({0, 0, 1}, mass_);
+  if (rates_.empty()) group_columns();
+  difference_rates(time);
   int compliant_rows = 0;
   for (const Entry& e : mass_) compliant_rows = std::max(compliant_rows, e.row - nv_ - rows_ + 1);
   compliant_.resize(compliant_rows);
@@ -161,11 +218,12 @@ void StabilizedIndex2::form(double c, ConstVectorRef y) {
       emit_turn(dynamics + row, at, stiffness_[k].value - value);
       emit(dynamics + row, nq_ + column, damping_[k].value);
     } else if (row < nv_ + rows_) {
-      // 3. G, four times. What G v changes with q is left out: it is h ω beside c G.
+      // 3. G, four times, and what G v changes with q: h ω beside c G, without it Newton fails on fast tops.
       const int i = row - nv_;
       if (!redundant_[i]) {
         emit_turn(position + i, coordinates_[column], value);
         emit(velocity + i, nq_ + column, value);
+        emit_turn(velocity + i, coordinates_[column], rates_[k]);
       }
       emit(column, velocity + i, value);
       emit(dynamics + column, position + i, value);
@@ -204,7 +262,7 @@ void StabilizedIndex2::jacobian(double time, ConstVectorRef y, ConstVectorRef y_
   }
   if (places_.empty()) {  // the first time: record what is emitted where
     values_ = nullptr;
-    form(c, y);
+    form(time, c, y);
     std::vector<std::pair<int, int>> sorted = pattern_;
     std::sort(sorted.begin(), sorted.end());
     sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
@@ -222,7 +280,7 @@ void StabilizedIndex2::jacobian(double time, ConstVectorRef y, ConstVectorRef y_
   std::fill_n(values, row_indices_.size(), 0.0);
   values_ = values;
   emitted_ = 0;
-  form(c, y);
+  form(time, c, y);
 }
 
 }  // namespace lithe

@@ -55,7 +55,9 @@ class StabilizedIndex2 {
   void collect(const TangentWeights& weights, std::vector<Entry>& entries);
   void emit(int row, int column, double value);
   void emit_turn(int row, const Coordinate& at, double value);
-  void form(double c, ConstVectorRef y);
+  void form(double time, double c, ConstVectorRef y);
+  void group_columns();
+  void difference_rates(double time);
 
   EquationsOfMotion& equations_;
   int nq_, nv_, rows_;
@@ -66,6 +68,15 @@ class StabilizedIndex2 {
 
   std::vector<Entry> stiffness_, damping_, mass_;  // every block of the engine's tangent: K + M, D + c M, M
   std::vector<std::vector<Entry>> compliant_;      // Jacobian of each compliant row
+  // ∂(G v)/∂q by differences: frames that no constraint ties together move at once, in groups.
+  struct Shift {
+    int entry, row;  // place in mass_ and rates_, constraint row
+  };
+  std::vector<std::vector<Shift>> shifts_;  // what each group tells
+  std::vector<std::vector<int>> moved_;     // velocities that each group moves
+  std::vector<double> rates_;               // beside each entry of G
+  VectorX rate_, moved_rate_, increment_, moved_q_;
+
   std::vector<int> column_starts_, row_indices_;
   std::vector<int> places_;                   // of each emitted value
   std::vector<std::pair<int, int>> pattern_;  // (column, row) while the pattern is recorded

@@ -237,6 +237,40 @@ TEST_F(Readers, UnknownNodesInADeckAreRefused) {
   expect_error<FileError>([&] { read_job(); }, {"node 53 is defined twice", "rod.inp:56"});
 }
 
+TEST_F(Readers, ASlipInGenerateIsRefused) {
+  copy_calculix();
+  replace("rod.inp", "*STEP", "*NSET, NSET=ALL, GENERATE\n1, 2000000000\n*STEP");
+  expect_error<FileError>([&] { read_job(); }, {"GENERATE", "ten million"});
+}
+
+TEST_F(Readers, ADamagedByteIsReadOrRefusedButNeverCrashes) {
+  // Any byte of any file may be wrong: the answer is a model or a FileError, nothing else.
+  unsigned random = 12345;
+  const auto draw = [&random](size_t below) {
+    random = random * 1664525u + 1013904223u;
+    return static_cast<size_t>(random >> 8) % below;
+  };
+  const std::string alphabet = "0123456789.,-+eE *=\n\tNxI%";
+  copy_calculix();
+  copy_tables();
+  int refused = 0;
+  for (const char* file : {"rod.inp", "rod.dof", "rod.sti", "K.mtx", "nodes.csv", "node_sets.csv", "elements.csv"}) {
+    const std::string whole = text_of(path(file));
+    for (int trial = 0; trial < 25; ++trial) {
+      std::string damaged = whole;
+      damaged[draw(damaged.size())] = alphabet[draw(alphabet.size())];
+      write(file, damaged);
+      try {
+        file[0] == 'r' ? read_job() : read_tables();
+      } catch (const FileError&) {
+        ++refused;
+      }
+    }
+    write(file, whole);
+  }
+  EXPECT_GT(refused, 20);
+}
+
 TEST_F(Readers, TurnedAxesAndEndlessIncludesAreRefused) {
   copy_calculix();
   replace("rod.inp", "*STEP", "*TRANSFORM, NSET=TIP, TYPE=C\n0,0,0,0,0,1\n*STEP");
@@ -281,6 +315,8 @@ TEST_F(Readers, OnlyRealCoordinateMatricesAreRead) {
   }
   write("A.mtx", "%%MatrixMarket matrix coordinate real symmetric\n2 3 1\n1 1 1\n");
   expect_error<FileError>([&] { read_matrix_market_file(path("A.mtx")); }, {"A.mtx:2", "2 x 3"});
+  write("A.mtx", "%%MatrixMarket matrix coordinate real symmetric\n2000000000 2000000000 1\n1 1 1\n");
+  expect_error<FileError>([&] { read_matrix_market_file(path("A.mtx")); }, {"A.mtx:2", "some row is empty"});
 }
 
 TEST_F(Readers, MatricesAndNodesMustAgreeInNumber) {

@@ -38,7 +38,7 @@ struct Pendulum {
                                         .angular_velocity = Vector3(0, rate, 0)});
     end = rod->marker({-kLength / 2, 0, 0}, hinge);
     tip = rod->marker({kLength / 2, 0, 0});
-    pin = &graph.add<RevoluteJoint>("pin", {graph.ground().marker({}, hinge), end});
+    pin = &graph.add<RevoluteJoint>("pin", {graph.ground().marker({0, 0, 0}, hinge), end});
   }
   SystemGraph graph;
   RigidBody* rod;
@@ -137,7 +137,8 @@ TEST(sensors, a_pin_off_centre_bears_a_moment_about_its_own_point) {
   SystemGraph graph;
   const Matrix3 hinge = rotation_about({1, 0, 0}, -M_PI / 2);
   auto& block = graph.add<RigidBody>("block", {.mass = kMass, .position = Vector3(0, 0.3, -1)});
-  auto& pin = graph.add<RevoluteJoint>("pin", {graph.ground().marker({}, hinge), block.marker({0, -0.3, 1}, hinge)});
+  auto& pin =
+      graph.add<RevoluteJoint>("pin", {graph.ground().marker({0, 0, 0}, hinge), block.marker({0, -0.3, 1}, hinge)});
   const System system = assemble(graph);
   Snapshot now{system, system.initial_state()};
   const Sensor on_block = reaction(pin, 1);
@@ -276,7 +277,7 @@ TEST(sensors, two_hinges_of_a_door_share_its_weight) {
 TEST(sensors, a_force_element_tells_what_it_does_to_each_body) {
   SystemGraph graph;
   auto& ball = graph.add<RigidBody>("ball", {.position = Vector3(0.3, 0, -0.4)});
-  const Marker centre = ball.marker({}, rotation_about({0, 0, 1}, M_PI / 2));
+  const Marker centre = ball.marker({0, 0, 0}, rotation_about({0, 0, 1}, M_PI / 2));
   auto& tether = graph.add<Tether>("tether", {graph.ground().marker(), centre});
   const System system = assemble(graph);
   Snapshot now{system, system.initial_state()};

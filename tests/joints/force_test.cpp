@@ -18,8 +18,8 @@ TEST(SpringDamper, PullsByWhatItsPotentialLosesAndDampsAlone) {
     SCOPED_TRACE(pair.name);
     SystemGraph graph{{.gravity = Vector3::Zero()}};
     const std::vector<Marker> markers = pair.draw(graph, kGap);
-    auto& spring = graph.add<SpringDamper>(
-        "spring", markers, {.stiffness = 40, .damping = 3, .natural_length = 0.5, .preload = 2});
+    auto& spring = graph.add<SpringDamper>("spring", markers,
+                                           {.stiffness = 40, .damping = 3, .natural_length = 0.5, .preload = 2});
     check_force(graph, spring);
   }
 }
@@ -56,14 +56,14 @@ TEST(SpringDamper, MayShrinkToAPoint) {
 
 TEST(PointForce, IsDeadInTheWorldOrFollowsTheMarker) {
   for (const auto axes : {PointForce::Axes::world, PointForce::Axes::marker}) {
-    for (const auto& draw : {draw_rigid, +[](SystemGraph& graph, const std::string& name, const Vector3& p, const Matrix3& R) {
-                               return draw_modal(graph, name, p, R);
-                             }}) {
+    for (const auto& draw : {draw_rigid, +[](SystemGraph&graph, const std::string&name, const Vector3&p,
+                                             const Matrix3&R) { return draw_modal(graph, name, p, R); }}) {
       SystemGraph graph{{.gravity = Vector3::Zero()}};
       const Marker marker = draw(graph, "body", {0.2, 0.3, 0.4}, rotation_exp(Vector3(1, 0.3, -0.4)));
       const bool dead = axes == PointForce::Axes::world;
       auto& thrust = graph.add<PointForce>(
-          "thrust", {marker}, {.force = {1, 2, 3}, .torque = dead ? Vector3(0, 0, 0) : Vector3(0.5, 0, 1), .axes = axes});
+          "thrust", {marker},
+          {.force = {1, 2, 3}, .torque = dead ? Vector3(0, 0, 0) : Vector3(0.5, 0, 1), .axes = axes});
       check_force(graph, thrust, {.conservative = dead});
     }
   }

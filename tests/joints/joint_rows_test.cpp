@@ -82,8 +82,8 @@ void expect_freedoms(const Vector3& gap, const std::vector<int>& free_motions) {
   const System system = assemble(graph);
   Assembler assembler(system);
   for (int motion = 0; motion < 6; ++motion) {
-    Vector6 v = Vector6::Unit(motion);           // body axes are A's axes here,
-    v.head<3>() = axes * v.head<3>().eval();     // velocities are in world axes
+    Vector6 v = Vector6::Unit(motion);        // body axes are A's axes here,
+    v.head<3>() = axes * v.head<3>().eval();  // velocities are in world axes
     assembler.evaluate(0, system.initial_state().q, v, Level::velocity);
     VectorX g_dot(T::kRows);
     assembler.constraint(Level::velocity, g_dot);
@@ -112,7 +112,8 @@ constexpr double kSide = 0.4;
 const std::array<Vector3, 3> kTriangle{Vector3(0, 0, 0), Vector3(kSide, 0, 0), Vector3(0.1, kSide, 0.2)};
 const std::array<Vector3, 3> kLine{Vector3(0, 0, 0), Vector3(kSide, 0, 0), Vector3(3 * kSide, 0, 0)};
 
-/// Six of the nine rows hold a rigid body; three nodes in a line hold five of its freedoms, and it swings about the line.
+/// Six of the nine rows hold a rigid body; three nodes in a line hold five of its freedoms, and it swings about the
+/// line.
 TEST(ThreeNodeFixation, ClampsARigidBodyAndHingesOneByItsEdge) {
   for (const auto& [points, held] : {std::pair(kTriangle, 6), std::pair(kLine, 5)}) {
     SystemGraph graph;
@@ -127,7 +128,8 @@ TEST(ThreeNodeFixation, ClampsARigidBodyAndHingesOneByItsEdge) {
 
 TEST(ThreeNodeFixation, HoldsBodyOnGroundWhereItWasDrawn) {
   SystemGraph graph;
-  auto& link = graph.add<RigidBody>("link", {.position = {0.5, 0.1, -0.2}, .orientation = rotation_exp(Vector3(1, 2, 3))});
+  auto& link =
+      graph.add<RigidBody>("link", {.position = {0.5, 0.1, -0.2}, .orientation = rotation_exp(Vector3(1, 2, 3))});
   std::vector<Marker> markers = three_nodes(link, kTriangle);
   markers.insert(markers.begin(), graph.ground().marker());
   graph.add<ThreeNodeFixation>("clamp", markers);
@@ -137,7 +139,8 @@ TEST(ThreeNodeFixation, HoldsBodyOnGroundWhereItWasDrawn) {
   EXPECT_LT(system.initial_state().v_dot.norm(), 1e-10);
 }
 
-/// With modes that strain the triangle all nine rows count, and three strains are taken from the modes (EQUATIONS.md 5.4).
+/// With modes that strain the triangle all nine rows count, and three strains are taken from the modes
+/// (EQUATIONS.md 5.4).
 TEST(ThreeNodeFixation, AlsoHoldsTheStrainsOfAFlexibleBody) {
   for (int modes : {1, 2, 3, 5}) {
     SystemGraph graph;

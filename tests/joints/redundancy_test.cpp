@@ -15,10 +15,9 @@ namespace {
 struct Door {
   explicit Door(const std::vector<double>& places) {
     const Matrix3 along_x = rotation_about({0, 1, 0}, M_PI / 2);  // the hinges' z axis
-    auto& panel = graph.add<RigidBody>("panel", {.mass = 3,
-                                                 .inertia = {0.2, 0.1, 0.25},
-                                                 .position = {0.1, 0.5, 0.2},
-                                                 .angular_velocity = {0.7, 0, 0}});
+    auto& panel = graph.add<RigidBody>(
+        "panel",
+        {.mass = 3, .inertia = {0.2, 0.1, 0.25}, .position = {0.1, 0.5, 0.2}, .angular_velocity = {0.7, 0, 0}});
     for (double x : places)
       graph.add<RevoluteJoint>("hinge " + std::to_string(graph.constraints().size() + 1),
                                {graph.ground().marker({x, 0, 0}, along_x),
@@ -111,8 +110,8 @@ TEST(RedundantRows, OfAWeldOnAWeldAreAllSix) {
   expect_least_norm(system, 1e-10);
 }
 
-/// Crank, coupler and rocker of slender rods between 3-D hinges whose axes are parallel: three of twenty rows repeat others.
-/// Reference benchmark R12: 1 s of the motion to 1e-6 m.
+/// Crank, coupler and rocker of slender rods between 3-D hinges whose axes are parallel: three of twenty rows repeat
+/// others. Reference benchmark R12: 1 s of the motion to 1e-6 m.
 TEST(RedundantRows, OfAFourBarAreThreeOfTwenty) {
   SystemGraph graph{{.gravity = {0, -9.81, 0}}};
   const Vector3 O(0, 0, 0), D(1.4, 0, 0), A(0, 0.5, 0), B(1.109610152249955961, 0.9569084262998764912, 0);
@@ -158,7 +157,7 @@ TEST(RedundantRows, OfAFourBarAreThreeOfTwenty) {
   EXPECT_LT(residual, 1e-10);
   assembler.evaluate(end.time, end.q, end.v, Level::velocity);
   const Vector3 p_B = assembler.marker(rocker.end(), Level::position).p;
-  EXPECT_LT((p_B - Vector3(LITHE_R12_B)).norm(), 1e-6);
+  EXPECT_LT((p_B - Vector3(5.472001848525287482e-1, 5.222379489125994478e-1, 0)).norm(), 1e-6);
   EXPECT_NEAR(p_B.z(), 0, 1e-12);
 }
 

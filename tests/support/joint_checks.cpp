@@ -11,15 +11,15 @@ constexpr int kStates = 5;
 
 testing::AssertionResult close(const MatrixX& actual, const MatrixX& expected, double tolerance) {
   if (actual.rows() != expected.rows() || actual.cols() != expected.cols())
-    return testing::AssertionFailure() << actual.rows() << "x" << actual.cols() << " instead of " << expected.rows() << "x"
-                                       << expected.cols();
+    return testing::AssertionFailure() << actual.rows() << "x" << actual.cols() << " instead of " << expected.rows()
+                                       << "x" << expected.cols();
   if (expected.size() == 0) return testing::AssertionSuccess();
   const double scale = 1 + expected.cwiseAbs().maxCoeff();
   Eigen::Index row, column;
   const double error = (actual - expected).cwiseAbs().maxCoeff(&row, &column) / scale;
   if (error <= tolerance) return testing::AssertionSuccess();
-  return testing::AssertionFailure() << "relative error " << error << " at (" << row << ", " << column << "): "
-                                     << actual(row, column) << " instead of " << expected(row, column);
+  return testing::AssertionFailure() << "relative error " << error << " at (" << row << ", " << column
+                                     << "): " << actual(row, column) << " instead of " << expected(row, column);
 }
 
 /// 1 at the velocities of frames, 0 at linear coordinates.
@@ -83,7 +83,9 @@ void check_joint(SystemGraph& graph, const Constraint& joint, const JointExpecta
   Probe p(graph, 7);
   const auto [name, first, count] = p.system.rows(joint);
   EXPECT_EQ(count, joint.row_count());
-  const auto rows = [first = first, count = count](const MatrixX& all) -> MatrixX { return all.middleRows(first, count); };
+  const auto rows = [first = first, count = count](const MatrixX& all) -> MatrixX {
+    return all.middleRows(first, count);
+  };
 
   const VectorX start = p.system.initial_state().q;
   EXPECT_EQ(rank(rows(p.matrix({0, 0, 1}, start, p.no_motion(), p.no_load()).G())), expected.rank) << "as drawn";
@@ -96,8 +98,9 @@ void check_joint(SystemGraph& graph, const Constraint& joint, const JointExpecta
     const VectorX gamma = rows(p.constraint(p.time, p.q, p.v, Level::acceleration));
     const VectorX g_dot = rows(p.constraint(p.time, p.q, p.v, Level::velocity));
 
-    const MatrixX differenced = jacobian(
-        p.layout(), p.q, [&](const VectorX& q) -> VectorX { return rows(p.constraint(p.time, q, p.v, Level::position)); });
+    const MatrixX differenced = jacobian(p.layout(), p.q, [&](const VectorX& q) -> VectorX {
+      return rows(p.constraint(p.time, q, p.v, Level::position));
+    });
     EXPECT_TRUE(close(G, differenced, expected.tolerance)) << "G against differences of g";
 
     const SmoothMotion motion{p.layout(), p.q, p.v, p.a};
@@ -106,7 +109,8 @@ void check_joint(SystemGraph& graph, const Constraint& joint, const JointExpecta
     };
     EXPECT_TRUE(close(g_dot, derivative([&](double t) { return along(t, Level::position); }), expected.tolerance))
         << "g_dot against differences of g along a motion";
-    EXPECT_TRUE(close(G * p.a - gamma, derivative([&](double t) { return along(t, Level::velocity); }), expected.tolerance))
+    EXPECT_TRUE(
+        close(G * p.a - gamma, derivative([&](double t) { return along(t, Level::velocity); }), expected.tolerance))
         << "G v_dot - gamma against differences of g_dot along a motion";
 
     // A velocity that the joint allows, by the engine's own g_dot, and the power of the engine's own Gᵀ lambda.
@@ -121,8 +125,8 @@ void check_joint(SystemGraph& graph, const Constraint& joint, const JointExpecta
     const VectorX Gt_lambda = load(p.q);
     EXPECT_NEAR(Gt_lambda.dot(allowed), 0, 1e-11 * (1 + Gt_lambda.norm() * allowed.norm())) << "work on allowed motion";
 
-    const MatrixX stiffness = p.matrix({1, 0, 1}, p.q, p.no_motion(), lambda).S() -
-                              p.matrix({1, 0, 1}, p.q, p.no_motion(), p.no_load()).S();
+    const MatrixX stiffness =
+        p.matrix({1, 0, 1}, p.q, p.no_motion(), lambda).S() - p.matrix({1, 0, 1}, p.q, p.no_motion(), p.no_load()).S();
     EXPECT_TRUE(close(on_frames(p.layout(), stiffness), on_frames(p.layout(), jacobian(p.layout(), p.q, load)),
                       expected.tolerance))
         << "stiffness of the loaded joint";
@@ -165,7 +169,8 @@ void check_force(SystemGraph& graph, const ForceElement& force, const ForceExpec
     const MatrixX damping = moving.condensed_S() - moving.S();
     MatrixX by_velocity(still.size(), still.size());
     for (int j = 0; j < still.size(); ++j)
-      by_velocity.col(j) = -derivative([&](double h) { return generalized(p.q, p.v + h * VectorX::Unit(still.size(), j)); });
+      by_velocity.col(j) =
+          -derivative([&](double h) { return generalized(p.q, p.v + h * VectorX::Unit(still.size(), j)); });
     EXPECT_TRUE(close(on_frames(p.layout(), damping), on_frames(p.layout(), by_velocity), expected.tolerance))
         << "damping of the force's rows";
   }

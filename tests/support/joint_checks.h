@@ -4,8 +4,8 @@
 
 #include "engine/system_graph.h"
 
-/// What every joint and every force element owes, whatever bodies it ties: draw a scene, add the element, and check it in
-/// one line. Bodies of any kind serve, so a new kind of body is checked by drawing it between the joints that exist.
+/// What every joint and every force element owes, whatever bodies it ties: draw a scene, add the element, and check it
+/// in one line. Bodies of any kind serve, so a new kind of body is checked by drawing it between the joints that exist.
 ///   SystemGraph graph;
 ///   auto& link = graph.add<RigidBody>("link", {...});
 ///   auto& pin = graph.add<RevoluteJoint>("pin", {graph.ground().marker(), link.marker()});

@@ -19,8 +19,8 @@ struct ModalMarker {
   Matrix3 orientation(const VectorX& eta) const { return rotation_exp(Theta * eta) * R0; }
 };
 
-/// A floating frame with n modes and markers that they move. Its inertia is the unit matrix, so that tests see the joint
-/// alone. It is also the proof that a new kind of body is one file that the engine knows nothing of.
+/// A floating frame with n modes and markers that they move. Its inertia is the unit matrix, so that tests see the
+/// joint alone. It is also the proof that a new kind of body is one file that the engine knows nothing of.
 class MarkerBody final : public Body {
  public:
   struct Parameters {

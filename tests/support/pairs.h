@@ -6,8 +6,8 @@
 
 #include "engine/system_graph.h"
 
-/// Scenes of two markers on every pairing of bodies, to hang a joint or a force between. A new kind of body joins them by
-/// one more entry.
+/// Scenes of two markers on every pairing of bodies, to hang a joint or a force between. A new kind of body joins them
+/// by one more entry.
 namespace lithe::test {
 
 struct Pair {

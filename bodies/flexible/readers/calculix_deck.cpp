@@ -12,6 +12,7 @@ namespace lithe {
 namespace {
 
 constexpr int kIncludeDepth = 10;
+constexpr long kLargestSet = 10'000'000;  // a slip of the pen must not fill the memory
 
 /// "*NSET, NSET=Tip" → name "*nset", options {nset: tip}. Blanks inside the keyword do not count, as in CalculiX.
 struct Keyword {
@@ -172,6 +173,8 @@ class DeckReader {
       const int first = file.integer(fields[0], "first node"), last = file.integer(fields[1], "last node");
       const int step = given == 3 ? file.integer(fields[2], "step") : 1;
       if (step < 1 || last < first) file.fail("*NSET, GENERATE does not count upwards.", "write first, last, step.");
+      if ((static_cast<long>(last) - first) / step >= kLargestSet)
+        file.fail("*NSET, GENERATE makes more than ten million nodes.", "check first, last and step.");
       for (long id = first; id <= last; id += step) add_member(file, static_cast<int>(id));
       return;
     }

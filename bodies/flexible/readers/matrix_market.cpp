@@ -131,6 +131,9 @@ SparseMatrix read_matrix_market_file(const std::string& path) {
   const int count = file.integer(sizes[2], "number of entries");
   if (rows != columns || rows < 1 || count < 0)
     file.fail("a matrix of " + std::to_string(rows) + " x " + std::to_string(columns) + ".", "K and M are square.");
+  if (rows > count)
+    file.fail(std::to_string(count) + " entries for " + std::to_string(rows) + " rows: some row is empty.",
+              "every degree of freedom needs stiffness and mass; export the matrix again.");
 
   MatrixEntries entries(rows);
   while (file.next()) {
