@@ -220,6 +220,7 @@ std::vector<int> BlockFactor::factorize_revealing(const std::vector<double>& val
   std::sort(all.begin(), all.end());
   drop_rows(all);
   std::sort(dependent.begin(), dependent.end());
+  if (!dependent.empty()) factorize(values);  // what came before a dependent row in the order still knew it
   return dependent;
 }
 

@@ -1,6 +1,14 @@
 #include "engine/integrator.h"
 
+#include <cstdio>
+
 namespace lithe {
+
+std::string step_text(double h) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2g s", h);
+  return text;
+}
 
 double error_ratio(ConstVectorRef error, ConstVectorRef magnitudes, const Tolerance& tolerance) {
   double sum = 0;

@@ -33,12 +33,17 @@ class Integrator {
   virtual std::string name() const = 0;
   /// Forgets the past and makes state.v_dot, state.lambda consistent with (time, q, v).
   virtual void start(EquationsOfMotion& equations, State& state) = 0;
-  /// One step, never past t_stop; t_stop is hit exactly. Trouble inside (no convergence) is met with smaller steps first.
+  /// One step, never past t_stop; t_stop is hit exactly. Trouble inside (no convergence) is met with smaller steps
+  /// first.
   virtual StepResult step(EquationsOfMotion& equations, State& state, double t_stop) = 0;
   virtual const IntegratorStatistics& statistics() const = 0;
 };
 
-/// Root mean square of error over allowance (Tolerance), for an error in the chart or in v with component magnitudes |x|.
+/// A step for messages: "2.4e-07 s".
+std::string step_text(double h);
+
+/// Root mean square of error over allowance (Tolerance), for an error in the chart or in v with component magnitudes
+/// |x|.
 double error_ratio(ConstVectorRef error, ConstVectorRef magnitudes, const Tolerance& tolerance);
 
 }  // namespace lithe

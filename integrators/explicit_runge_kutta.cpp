@@ -1,6 +1,7 @@
 #include "integrators/explicit_runge_kutta.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "engine/checks.h"
 
@@ -189,7 +190,7 @@ StepResult ExplicitRungeKutta::step(EquationsOfMotion& equations, State& state, 
 
 /// Why no step of size h was taken, with the coordinate that is to blame.
 std::string ExplicitRungeKutta::describe(const Layout& layout, Attempt attempt, double h) const {
-  const std::string size = std::to_string(h * 1e6) + " microseconds";
+  const std::string size = step_text(h);
   if (attempt == Attempt::off_constraints)
     return "the end of the step cannot be moved onto the constraints at steps of " + size;
   if (attempt == Attempt::no_number) {

@@ -9,7 +9,8 @@ namespace lithe {
 namespace {
 
 constexpr int kMaxNewton = 10;
-constexpr int kMaxSplits = 12;  // a step that will not converge is halved that often
+constexpr int kMaxSplits = 12;         // a step that will not converge is halved that often
+constexpr double kLargestGrowth = 10;  // of a step, by which offsets may be scaled
 
 }  // namespace
 
@@ -34,29 +35,32 @@ std::string GeneralizedAlpha::name() const {
 void GeneralizedAlpha::start(EquationsOfMotion& equations, State& state) {
   const int nv = equations.layout().v_count(), rows = equations.layout().row_count();
   statistics_ = {};
-  for (VectorX* x : {&a_, &v_, &v_dot_, &d_, &v_dot_last_, &jerk_, &delta_, &change_, &rv_, &magnitudes_}) x->setZero(nv);
+  for (VectorX* x : {&a_, &v_, &v_dot_, &d_, &v_dot_last_, &jerk_, &delta_, &change_, &rv_, &magnitudes_})
+    x->setZero(nv);
   for (VectorX* x : {&lambda_, &rl_, &rl2_}) x->setZero(rows);
   q_ = state.q;
   if (state.v_dot.size() != nv) state.v_dot.setZero(nv);
   if (state.lambda.size() != rows) state.lambda.setZero(rows);
-  Projector projector(equations);
-  projector.accelerations(state.time, state.q, state.v, state.v_dot, state.lambda);
-  a_ = state.v_dot;
-  has_last_ = false;
+  Projector(equations).accelerations(state.time, state.q, state.v, state.v_dot, state.lambda);
   h_ = parameters_.step > 0 ? parameters_.step : first_step(state);
-  h_last_ = 0;
+  begin(equations, state, h_);
+}
 
-  if (parameters_.form == Form::index3 && parameters_.correct_start && rows > 0) {
-    // The jerk by one difference along the motion, then a₀ = v̇₀ + (am - af) h v̈₀ and the shift of v₀ that spares the
-    // multipliers their first-order transient (EQUATIONS.md 8.1).
-    change_ = h_ * state.v + 0.5 * h_ * h_ * state.v_dot;
-    equations.layout().retract(state.q, change_, q_);
-    v_ = state.v + h_ * state.v_dot;
-    projector.accelerations(state.time + h_, q_, v_, v_dot_, lambda_);
-    jerk_ = (v_dot_ - state.v_dot) / h_;
-    a_ += (am_ - af_) * h_ * jerk_;
-    shift_velocity(equations, state, h_ * h_);
-  }
+/// Start values for steps of h from consistent v̇: a₀ = v̇₀ + (am - af) h v̈₀ and the shift of v₀ that spares the
+/// multipliers of index 3 their first-order transient (EQUATIONS.md 8.1).
+void GeneralizedAlpha::begin(EquationsOfMotion& equations, State& state, double h) {
+  a_ = state.v_dot;
+  h_offset_ = h;
+  has_last_ = false;
+  if (parameters_.form != Form::index3 || !parameters_.correct_start || lambda_.size() == 0) return;
+  // The jerk by one difference along the motion.
+  change_ = h * state.v + 0.5 * h * h * state.v_dot;
+  equations.layout().retract(state.q, change_, q_);
+  v_ = state.v + h * state.v_dot;
+  Projector(equations).accelerations(state.time + h, q_, v_, v_dot_, lambda_);
+  jerk_ = (v_dot_ - state.v_dot) / h;
+  a_ += (am_ - af_) * h * jerk_;
+  shift_velocity(equations, state, h * h);
 }
 
 double GeneralizedAlpha::first_step(const State& state) const {
@@ -73,8 +77,7 @@ double GeneralizedAlpha::first_step(const State& state) const {
 void GeneralizedAlpha::shift_velocity(EquationsOfMotion& equations, State& state, double h_squared) {
   change_ = (1 - 6 * beta_ - 3 * (am_ - af_)) / 6 * jerk_;
   for (const auto& b : equations.layout().bodies())
-    if (b.frame)
-      change_.segment<3>(b.v + 3) += state.v.segment<3>(b.v + 3).cross(state.v_dot.segment<3>(b.v + 3)) / 12;
+    if (b.frame) change_.segment<3>(b.v + 3) += state.v.segment<3>(b.v + 3).cross(state.v_dot.segment<3>(b.v + 3)) / 12;
   rv_.setZero();
   equations.evaluate(state.time, state.q, rv_, Level::velocity);
   equations.constraint(Level::velocity, rl2_);
@@ -86,21 +89,35 @@ void GeneralizedAlpha::shift_velocity(EquationsOfMotion& equations, State& state
   state.v += h_squared * rv_;
 }
 
-/// A new step size: the acceleration-like state sits (am - af) h beside v̇ and moves with h; in index 3 so does the
-/// velocity's offset. Without this the multipliers fall to first order (stability laboratory S30).
+/// A new step size: the acceleration-like state sits (am - af) h beside v̇ and moves with h; in index 3 the velocity
+/// sits h² beside G v + ∂g/∂t = 0 and moves with h². Without this the multipliers fall to first order (stability
+/// laboratory S30); with the offset predicted from v̈ instead of measured, alternating steps blow up. After a sliver
+/// (t_stop just ahead) both offsets are round-off, and the method begins anew.
 void GeneralizedAlpha::change_step(EquationsOfMotion& equations, State& state, double h) {
-  if (h_last_ == 0 || std::abs(h / h_last_ - 1) < 1e-9) return;
-  a_ = state.v_dot + (a_ - state.v_dot) * (h / h_last_);
-  if (parameters_.form == Form::index3 && has_last_ && rl_.size() > 0) {
-    jerk_ = (state.v_dot - v_dot_last_) / h_last_;
-    shift_velocity(equations, state, h * h - h_last_ * h_last_);
+  const double ratio = h / h_offset_;
+  if (std::abs(ratio - 1) < 1e-9) return;
+  if (ratio > kLargestGrowth) {
+    Projector(equations).accelerations(state.time, state.q, state.v, state.v_dot, state.lambda);
+    return begin(equations, state, h);
   }
+  a_ = state.v_dot + (a_ - state.v_dot) * ratio;
+  h_offset_ = h;
+  if (parameters_.form != Form::index3 || rl_.size() == 0) return;
+  equations.evaluate(state.time, state.q, state.v, Level::velocity);
+  equations.constraint(Level::velocity, rl_);
+  rl_ *= ratio * ratio - 1;
+  rv_.setZero();
+  equations.factorize({0, 0, 1}, state.v_dot, state.lambda, nullptr);
+  equations.solve(rv_, rl_);
+  state.v += rv_;
 }
 
 double GeneralizedAlpha::natural_step(const State& state, double t_stop) const {
   const double left = t_stop - state.time;
   const double count = std::ceil(left / h_ - 1e-9);
-  return count <= 1 ? left : (parameters_.step > 0 && std::abs(count * h_ - left) > 1e-9 * left ? left / count : h_);
+  if (count <= 1) return left;
+  if (parameters_.step == 0) return std::min(h_, left / 2);  // no sliver at the end
+  return std::abs(count * h_ - left) > 1e-9 * left ? left / count : h_;
 }
 
 void GeneralizedAlpha::predict(EquationsOfMotion& equations, const State& state, double h) {
@@ -184,8 +201,7 @@ double GeneralizedAlpha::error(const Layout& layout, const State& state, double 
   // for rotations also 1/12 h³ ω × ω̇
   for (const auto& b : layout.bodies())
     if (b.frame)
-      change_.segment<3>(b.v + 3) +=
-          h * h * h / 12 * v_.segment<3>(b.v + 3).cross(v_dot_.segment<3>(b.v + 3));
+      change_.segment<3>(b.v + 3) += h * h * h / 12 * v_.segment<3>(b.v + 3).cross(v_dot_.segment<3>(b.v + 3));
   layout.magnitudes(q_, magnitudes_);
   double ratio = error_ratio(change_, magnitudes_, parameters_.tolerance);
   if (has_last_) {
@@ -197,11 +213,11 @@ double GeneralizedAlpha::error(const Layout& layout, const State& state, double 
 }
 
 StepResult GeneralizedAlpha::step(EquationsOfMotion& equations, State& state, double t_stop) {
+  if (!(t_stop > state.time)) return {};
   const bool automatic = parameters_.step == 0;
   double h = natural_step(state, t_stop);
   for (int attempt = 0;; ++attempt) {
     change_step(equations, state, h);
-    const double a_step = h;
     predict(equations, state, h);
     const bool last = std::abs(state.time + h - t_stop) < 1e-9 * h;
     const double time = last ? t_stop : state.time + h;
@@ -231,7 +247,6 @@ StepResult GeneralizedAlpha::step(EquationsOfMotion& equations, State& state, do
       return {};
     }
     ++statistics_.rejected;
-    h_last_ = a_step;  // the acceleration-like state now belongs to this step size
     if (attempt >= kMaxSplits) {
       Eigen::Index worst = 0;
       delta_.cwiseAbs().maxCoeff(&worst);
@@ -239,7 +254,8 @@ StepResult GeneralizedAlpha::step(EquationsOfMotion& equations, State& state, do
       failed.outcome = StepResult::Outcome::failed;
       failed.why = (newton == Newton::converged ? "the local error stays above the tolerance at steps of "
                                                 : "Newton does not converge at steps of ") +
-                   std::to_string(h) + " s; largest correction in " + equations.layout().velocity_name(static_cast<int>(worst));
+                   step_text(h) + "; largest correction in " +
+                   equations.layout().velocity_name(static_cast<int>(worst));
       return failed;
     }
     h *= newton == Newton::converged ? std::clamp(0.9 / std::cbrt(ratio), 0.2, 0.7) : 0.5;

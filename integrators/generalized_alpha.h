@@ -10,7 +10,8 @@ namespace lithe {
 ///   (1 - am) a' + am a = (1 - af) v̇' + af v̇
 ///   d = h v + h² ((½ - β) a + β a'),   q' = q ⊕ d,   v' = v + h ((1 - γ) a + γ a')
 /// Two forms: index 3 solves g(q') = 0; stabilized index 2 (Gear, Gupta & Leimkuhler 1985) solves g(q') = 0 and
-/// G v' + ∂g/∂t = 0, at the price of a second back-substitution: multipliers without start transient, |G v| to round-off.
+/// G v' + ∂g/∂t = 0, at the price of a second back-substitution: multipliers without start transient, |G v| to
+/// round-off.
 class GeneralizedAlpha final : public Integrator {
  public:
   enum class Form { index3, stabilized_index2 };
@@ -18,11 +19,11 @@ class GeneralizedAlpha final : public Integrator {
     double step = 0;               // s; 0: automatic, by the tolerance
     double spectral_radius = 0.8;  // at infinite frequency, 0 <= rho < 1
     Form form = Form::index3;
-    Tolerance tolerance{};         // of the automatic step
-    double first_step = 0;         // s, of the automatic step; 0: guessed
-    double max_step = 0;           // s; 0: none
-    double newton_tolerance = 0;   // largest last correction (m, rad, modal); 0: 1e-9, or by the tolerance if automatic
-    bool correct_start = true;     // index 3: start values without transient of the multipliers
+    Tolerance tolerance{};        // of the automatic step
+    double first_step = 0;        // s, of the automatic step; 0: guessed
+    double max_step = 0;          // s; 0: none
+    double newton_tolerance = 0;  // largest last correction (m, rad, modal); 0: 1e-9, or by the tolerance if automatic
+    bool correct_start = true;    // index 3: start values without transient of the multipliers
   };
 
   /// Throws SceneError for a spectral radius outside [0, 1) or a negative step or tolerance.
@@ -36,6 +37,7 @@ class GeneralizedAlpha final : public Integrator {
 
  private:
   enum class Newton { converged, slow, failed };
+  void begin(EquationsOfMotion& equations, State& state, double h);
   double first_step(const State& state) const;
   double natural_step(const State& state, double t_stop) const;
   void change_step(EquationsOfMotion& equations, State& state, double h);
@@ -49,8 +51,9 @@ class GeneralizedAlpha final : public Integrator {
   IntegratorStatistics statistics_;
 
   double h_ = 0;                        // the step wished for
-  double h_last_ = 0;                   // the step that a_ belongs to; 0: none
-  bool has_last_ = false;               // v_dot_last_ holds the step before
+  double h_offset_ = 0;                 // the step that a_ and the offset of v from ġ = 0 belong to
+  double h_last_ = 0;                   // length of the step before
+  bool has_last_ = false;               // v_dot_last_ holds its start
   VectorX a_;                           // acceleration-like state
   VectorX q_, v_, v_dot_, lambda_, d_;  // of the step being taken
   VectorX v_dot_last_, jerk_, delta_, change_, rl_, rl2_, rv_, magnitudes_;

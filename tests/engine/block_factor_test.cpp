@@ -28,7 +28,7 @@ class Part {
     const Matrix3 A = random.rotation();
     if (modes == 0) {
       auto& body = graph.add<RigidBody>(name, {.mass = 2 + random.number(),
-                                               .inertia = Vector3(1, 1.1, 1.2) + 0.2 * random.vector3(),
+                                               .inertia = Vector3(Vector3(1, 1.1, 1.2) + 0.2 * random.vector3()),
                                                .position = position,
                                                .orientation = A});
       for (const Vector3& place : places)
@@ -194,7 +194,7 @@ TEST_P(BlockFactor, SolvesJointsOfSeveralMarkersOnOneBody) {
 }
 
 INSTANTIATE_TEST_SUITE_P(RigidAndModal, BlockFactor, testing::Values(0, 1, 4),
-                         [](const auto& info) { return std::to_string(info.param) + "Modes"; });
+                         [](const auto& modes) { return std::to_string(modes.param) + "Modes"; });
 
 }  // namespace
 }  // namespace lithe::test

@@ -1,3 +1,5 @@
+#include <gtest/gtest.h>
+
 #include <cmath>
 
 #include "bodies/rigid_body.h"
@@ -72,7 +74,7 @@ TEST(PointForce, IsDeadInTheWorldOrFollowsTheMarker) {
 TEST(PointForce, PushesAndTurnsAboutTheCentreOfMass) {
   SystemGraph graph{{.gravity = Vector3::Zero()}};
   const Matrix3 A = rotation_about({0, 0, 1}, M_PI / 2);  // body x is world y
-  auto& body = graph.add<RigidBody>("body", {.mass = 2, .inertia = {1, 2, 4}, .orientation = A});
+  auto& body = graph.add<RigidBody>("body", {.mass = 2, .inertia = {2, 3, 4}, .orientation = A});
   graph.add<PointForce>("thrust", {body.marker({0, 3, 0})}, {.force = {8, 0, 0}, .axes = PointForce::Axes::marker});
   const VectorX v_dot = assemble(graph).initial_state().v_dot;
   EXPECT_LT((v_dot.head<3>() - Vector3(0, 4, 0)).norm(), 1e-12);   // F / m, world axes

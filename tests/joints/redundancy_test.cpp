@@ -1,3 +1,5 @@
+#include <gtest/gtest.h>
+
 #include <cmath>
 
 #include "bodies/rigid_body.h"
@@ -15,9 +17,11 @@ namespace {
 struct Door {
   explicit Door(const std::vector<double>& places) {
     const Matrix3 along_x = rotation_about({0, 1, 0}, M_PI / 2);  // the hinges' z axis
-    auto& panel = graph.add<RigidBody>(
-        "panel",
-        {.mass = 3, .inertia = {0.2, 0.1, 0.25}, .position = {0.1, 0.5, 0.2}, .angular_velocity = {0.7, 0, 0}});
+    auto& panel = graph.add<RigidBody>("panel", {.mass = 3,
+                                                 .inertia = {0.2, 0.1, 0.25},
+                                                 .position = {0.1, 0.5, 0.2},
+                                                 .velocity = {0, -0.14, 0.35},
+                                                 .angular_velocity = {0.7, 0, 0}});
     for (double x : places)
       graph.add<RevoluteJoint>("hinge " + std::to_string(graph.constraints().size() + 1),
                                {graph.ground().marker({x, 0, 0}, along_x),

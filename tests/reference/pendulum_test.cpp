@@ -36,8 +36,8 @@ std::vector<Row> rows() {
     std::stringstream stream(line);
     for (std::string c; std::getline(stream, c, ',');) cell.push_back(c);
     if (cell.size() != 20) throw std::runtime_error("ffrf_deviation.csv: " + line);
-    if (cell[5] != "no") continue;            // geometric stiffness: not there yet
-    if (cell[2] != "9") continue;             // nine modes; the in-plane bases are of another make
+    if (cell[5] != "no") continue;  // geometric stiffness: not there yet
+    if (cell[2] != "9") continue;   // nine modes; the in-plane bases are of another make
     Row row{cell[0], cell[1], cell[3], cell[4], {}, 2, 2};
     for (int i = 6; i < 18; ++i) row.deviation.push_back(std::stod(cell[i]));
     if (cell[18] != "never") row.first_z = std::stod(cell[18]);
@@ -54,14 +54,17 @@ TEST_P(PendulumDeviation, is_that_of_a_linear_floating_frame_body) {
   const FiniteElementModel model = pendulum_model(row.body);
   const bool hinged = row.frame == "turns about the hinge edge";
   SystemGraph graph;
-  auto& rod = graph.add<FlexibleBody>("rod", {.basis = make_basis(model, frame_of(model, hinged ? "hinge" : row.frame), 9)});
+  auto& rod =
+      graph.add<FlexibleBody>("rod", {.basis = make_basis(model, frame_of(model, hinged ? "hinge" : row.frame), 9)});
   const auto& edge = model.node_set("hinge");
   const Matrix3 along_y = rotation_about({1, 0, 0}, -M_PI / 2);
   if (row.hinge == "all hinge nodes held" && edge.size() == 3) {
-    graph.add<ThreeNodeFixation>("hinge", {graph.ground().marker(), rod.node(edge[0]), rod.node(edge[1]), rod.node(edge[2])});
+    graph.add<ThreeNodeFixation>("hinge",
+                                 {graph.ground().marker(), rod.node(edge[0]), rod.node(edge[1]), rod.node(edge[2])});
   } else if (row.hinge == "all hinge nodes held") {
     for (int id : edge)
-      graph.add<SphericalJoint>("node " + std::to_string(id), {graph.ground().marker(model.nodes.col(model.node_index(id))), rod.node(id)});
+      graph.add<SphericalJoint>("node " + std::to_string(id),
+                                {graph.ground().marker(model.nodes.col(model.node_index(id))), rod.node(id)});
   } else {
     graph.add<RevoluteJoint>("hinge", {graph.ground().marker({0, 0.005, 0}, along_y), rod.average(edge, along_y)});
   }
@@ -106,7 +109,8 @@ TEST(StiffFlexibleBody, swings_like_a_rigid_one) {
   SystemGraph graph;
   auto& rod = graph.add<FlexibleBody>("rod", {.basis = make_basis(model, HingeFrame{model.node_set("hinge")}, 3)});
   const Matrix3 along_y = rotation_about({1, 0, 0}, -M_PI / 2);
-  graph.add<RevoluteJoint>("hinge", {graph.ground().marker({0, 0.005, 0}, along_y), rod.average(model.node_set("hinge"), along_y)});
+  graph.add<RevoluteJoint>(
+      "hinge", {graph.ground().marker({0, 0.005, 0}, along_y), rod.average(model.node_set("hinge"), along_y)});
   const Marker tip = rod.node(model.node_set("tip").front());
   const System system = assemble(graph);
   Assembler equations(system);

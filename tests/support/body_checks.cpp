@@ -74,7 +74,9 @@ void check_body(SystemGraph& graph, const Body& body, const std::vector<Marker>&
     };
     const VectorX work = -jacobian(layout, q, potential).transpose();
     EXPECT_LT(relative(force, work), expected.tolerance);
-    if (frame) EXPECT_LT(relative(force.head<3>(), expected.mass * system.gravity()), 1e-11);
+    if (frame) {
+      EXPECT_LT(relative(force.head<3>(), expected.mass * system.gravity()), 1e-11);
+    }
 
     // The body's own motion: its energy changes by damping alone.
     VectorX a(n), none = no_rows;
@@ -84,10 +86,11 @@ void check_body(SystemGraph& graph, const Body& body, const std::vector<Marker>&
     const double stretch = std::min(1e-3, 1e-3 / (1 + a.cwiseAbs().maxCoeff()));
     const double power = derivative([&](double t) { return energy(motion.position(t), motion.velocity(t)).total(); }, stretch);
     const double traffic = v.cwiseProduct(M * a).cwiseAbs().sum();
-    if (expected.dissipation > 0)
+    if (expected.dissipation > 0) {
       EXPECT_LT(power, 0);
-    else
+    } else {
       EXPECT_LT(std::abs(power), 1e-7 * traffic);
+    }
 
     // Markers.
     for (const Marker& m : markers) {
@@ -119,7 +122,9 @@ void check_body(SystemGraph& graph, const Body& body, const std::vector<Marker>&
       exact.col(j) = derivative([&](double t) -> VectorX { return residual(q, v + t * VectorX::Unit(n, j), a); }, 1e-2);
     D.bottomRightCorner(n - frame, n - frame).setZero();
     exact.bottomRightCorner(n - frame, n - frame).setZero();
-    if (frame) EXPECT_LT((D - exact).cwiseAbs().maxCoeff(), 1e-8 * (1 + exact.cwiseAbs().maxCoeff()));
+    if (frame) {
+      EXPECT_LT((D - exact).cwiseAbs().maxCoeff(), 1e-8 * (1 + exact.cwiseAbs().maxCoeff()));
+    }
   }
 }
 

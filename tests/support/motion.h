@@ -40,14 +40,14 @@ struct SmoothMotion {
 
 /// f'(0) by the four-point difference, error O(h⁴).
 template <class F>
-auto derivative(F&& f, double h = 2e-3) {
+auto derivative(F&& f, double h = 7e-4) {
   using Value = std::decay_t<decltype(f(0.0))>;
   return Value((8 * (f(h) - f(-h)) - (f(2 * h) - f(-2 * h))) / (12 * h));
 }
 
 /// Derivative of f(q) with respect to turns and shifts of q: column j along the j-th velocity.
 template <class F>
-MatrixX jacobian(const Layout& layout, const VectorX& q, F&& f, double h = 2e-3) {
+MatrixX jacobian(const Layout& layout, const VectorX& q, F&& f, double h = 7e-4) {
   MatrixX out;
   for (int j = 0; j < layout.v_count(); ++j) {
     const VectorX column = derivative(

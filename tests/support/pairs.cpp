@@ -21,7 +21,7 @@ Marker draw_rigid(SystemGraph& graph, const std::string& name, const Vector3& po
   const Vector3 offset = random.vector3();
   const Matrix3 turned = random.rotation(), A = orientation * turned.transpose();
   auto& body = graph.add<RigidBody>(name, {.mass = 1.5 + random.number(),
-                                           .inertia = Vector3(0.5, 0.6, 0.7) + 0.1 * random.vector3(),
+                                           .inertia = Vector3(Vector3(0.5, 0.6, 0.7) + 0.1 * random.vector3()),
                                            .position = position - A * offset,
                                            .orientation = A});
   return body.marker(offset, turned);

@@ -7,8 +7,8 @@
 // Equations of a rod, with λ_in, λ_out the multipliers of its two joints and B = A (½ e_x)~:
 //   m (v̇ - g) + λ_in - λ_out = 0
 //   J ω̇ + ω × J ω + Bᵀ (λ_in + λ_out) = 0        and for each joint   p_in end - p_out end of the rod before = 0.
-// A Newton step takes the rods out first, a scalar and a 3x3 matrix each; 3x3 blocks of the joints remain, tied to their
-// neighbours alone, and go from the free end to the pin. One factorization a step serves all its iterations.
+// A Newton step takes the rods out first, a scalar and a 3x3 matrix each; 3x3 blocks of the joints remain, tied to
+// their neighbours alone, and go from the free end to the pin. One factorization a step serves all its iterations.
 #include <Eigen/LU>
 #include <vector>
 
@@ -35,8 +35,8 @@ struct Rod {
   Vector3 old_position;
   Vector4 old_attitude;
   Matrix3 A, B;
-  Matrix3 compliance;    // inverse of the angular block
-  Vector3 force, torque; // residuals; solve() leaves them divided by their blocks
+  Matrix3 compliance;     // inverse of the angular block
+  Vector3 force, torque;  // residuals; solve() leaves them divided by their blocks
 };
 
 /// Block row of one joint: diagonal (inverted when factorised), coupling to the next joint, and that one's share.
@@ -55,7 +55,8 @@ class FallingChain {
       for (Motion* motion : {&rod.linear, &rod.angular})
         motion->rate = motion->acceleration = motion->mean = Vector3::Zero();
     }
-    for (JointRow& joint : joints_) joint.multiplier = joint.correction = Vector3::Zero();  // beyond the tip: always zero
+    for (JointRow& joint : joints_)
+      joint.multiplier = joint.correction = Vector3::Zero();  // beyond the tip: always zero
     start();
   }
 
@@ -128,8 +129,8 @@ class FallingChain {
       const Vector3& w = rod.angular.rate;
       const Vector3 load = rod.A.transpose() * (joints_[i].multiplier + joints_[i + 1].multiplier);
       // ∂/∂ω of the gyroscopic torque, and ∂(Bᵀ λ)/∂θ, the stiffness of the loaded joints.
-      Matrix3 K = velocity_weight * (skew(w) * kInertia.asDiagonal().toDenseMatrix() -
-                                     skew(kInertia.cwiseProduct(w))) - arm * skew(load);
+      Matrix3 K = velocity_weight * (skew(w) * kInertia.asDiagonal().toDenseMatrix() - skew(kInertia.cwiseProduct(w))) -
+                  arm * skew(load);
       K.diagonal() += mass_weight * kInertia;
       rod.compliance = K.inverse();
       const Matrix3 turning = rod.B * rod.compliance * rod.B.transpose();

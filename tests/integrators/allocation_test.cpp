@@ -1,0 +1,72 @@
+// Nothing is allocated in a step.
+#include <array>
+#include <atomic>
+#include <cstddef>
+
+#include "tests/support/methods.h"
+#include "tests/support/scenes.h"
+
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define LITHE_TEST_NO_COUNT
+#endif
+#endif
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || !defined(__GLIBC__)
+#define LITHE_TEST_NO_COUNT
+#endif
+
+namespace {
+std::atomic<long> allocations{0};
+}
+
+#ifndef LITHE_TEST_NO_COUNT
+// Every allocation of this program, operator new and Eigen's included, ends here; glibc keeps its own under these
+// names.
+extern "C" {
+void* __libc_malloc(std::size_t);               // NOLINT
+void* __libc_calloc(std::size_t, std::size_t);  // NOLINT
+void* __libc_realloc(void*, std::size_t);       // NOLINT
+void* malloc(std::size_t size) noexcept {
+  ++allocations;
+  return __libc_malloc(size);
+}
+void* calloc(std::size_t count, std::size_t size) noexcept {
+  ++allocations;
+  return __libc_calloc(count, size);
+}
+void* realloc(void* at, std::size_t size) noexcept {
+  ++allocations;
+  return __libc_realloc(at, size);
+}
+}
+#endif
+
+namespace lithe::test {
+namespace {
+
+TEST(Step, AllocatesNothing) {
+#ifdef LITHE_TEST_NO_COUNT
+  GTEST_SKIP() << "a sanitizer owns malloc";
+#endif
+  const long before_any = allocations;
+  VectorX probe(100);
+  EXPECT_GT(allocations, before_any) << "the counter does not count";
+
+  for (Method& method : std::array<Method, 5>{
+           runge_kutta(1e-6), runge_kutta_fixed(1e-3), index3(1e-3), index2(1e-3),
+           std::make_unique<GeneralizedAlpha>(GeneralizedAlpha::Parameters{.tolerance = {1e-4, 1e-4}})}) {
+    for (bool revolute : {false, true}) {
+      Scene scene = box_chain(8, revolute);
+      scene.run(*method, 0.01);
+      const long before = allocations;
+      bool ok = true;
+      while (scene.state.time < 0.2) ok &= method->step(scene.equations, scene.state, 0.2).ok();
+      const long counted = allocations - before;
+      EXPECT_TRUE(ok);
+      EXPECT_EQ(counted, 0) << method->name() << ", " << method->statistics().steps << " steps";
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lithe::test

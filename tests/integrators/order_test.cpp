@@ -1,0 +1,129 @@
+// Orders of convergence, measured.
+#include "tests/support/methods.h"
+#include "tests/support/scenes.h"
+
+namespace lithe::test {
+namespace {
+
+constexpr double kPeriod = 2.36784194757623744930;  // of the pendulum released horizontally
+
+/// Angle of that pendulum from the downward vertical (Jacobi functions by descending Landen steps).
+double pendulum_angle(double t) {
+  constexpr double k = M_SQRT1_2;
+  double a[8] = {1}, c[8] = {k}, b = k;
+  int n = 0;
+  for (; std::abs(c[n]) > 1e-17 && n < 7; ++n) {
+    a[n + 1] = (a[n] + b) / 2, c[n + 1] = (a[n] - b) / 2;
+    b = std::sqrt(a[n] * b);
+  }
+  double phi = std::ldexp(a[n] * (kPeriod / 4 - t) * std::sqrt(9.81), n);
+  for (; n > 0; --n) phi = (std::asin(c[n] / a[n] * std::sin(phi)) + phi) / 2;
+  return 2 * std::asin(k * std::sin(phi));
+}
+
+struct Errors {
+  double q = 0, v = 0, lambda = 0;
+};
+/// How often the errors halve when steps do.
+Errors order(const Errors& coarse, const Errors& fine) {
+  return {std::log2(coarse.q / fine.q), std::log2(coarse.v / fine.v), std::log2(coarse.lambda / fine.lambda)};
+}
+
+/// Largest errors of the pendulum over one second and a half, at the ends of all steps.
+template <class StepEnd>
+Errors pendulum_errors(Method method, StepEnd&& step_end) {
+  Scene scene = mass_chain({M_PI / 2});
+  Errors worst;
+  for (int i = 1; scene.state.time < 1.5 - 1e-9; ++i) {
+    scene.run(*method, step_end(i));
+    const double angle = pendulum_angle(scene.state.time), speed = -std::sqrt(2 * 9.81 * std::cos(angle));
+    const Vector3 p(std::sin(angle), -std::cos(angle), 0), along(std::cos(angle), std::sin(angle), 0);
+    const double direction = scene.state.time < kPeriod / 2 ? 1 : -1;
+    worst.q = std::max(worst.q, (scene.position(0) - p).norm());
+    worst.v = std::max(worst.v, (scene.state.v.head<3>() - direction * speed * along).norm());
+    worst.lambda = std::max(worst.lambda, std::abs(scene.state.lambda[0] - 3 * 9.81 * std::cos(angle)));
+  }
+  return worst;
+}
+
+void expect_order(const std::string& what, const Errors& measured, double expected, double tolerance) {
+  expect_below(what + ", order of q off by", std::abs(measured.q - expected), tolerance);
+  expect_below(what + ", order of v off by", std::abs(measured.v - expected), tolerance);
+  expect_below(what + ", order of λ off by", std::abs(measured.lambda - expected), tolerance);
+}
+
+TEST(GeneralizedAlphaOrder, IsTwoInPositionVelocityAndMultiplier) {
+  for (auto make : {index3, index2})
+    for (double rho : {0.0, 0.5, 0.8, 0.9}) {
+      const auto errors = [&](double h) { return pendulum_errors(make(h, rho), [&](int i) { return i * h; }); };
+      const std::string name = make(1, rho)->name() + ", rho " + std::to_string(rho).substr(0, 3);
+      const Errors fine = errors(2.5e-3);
+      expect_order(name, order(errors(5e-3), fine), 2, 0.15);
+      expect_below(name + ", error of λ at 2.5 ms (N/m)", fine.lambda, rho < 0.5 ? 2e-2 : 5e-3);
+    }
+}
+
+TEST(GeneralizedAlphaOrder, StaysTwoWhenStepsAlternate) {
+  // Stability laboratory S30: carried over unchanged, the acceleration-like state spoils λ to 17 N/m at 0.01 s.
+  for (auto make : {index3, index2}) {
+    const auto errors = [&](double h) {
+      return pendulum_errors(make(h, 0.8), [&](int i) { return (i / 2) * 1.5 * h + (i % 2) * h; });
+    };
+    const Errors coarse = errors(5e-3), fine = errors(2.5e-3);
+    expect_order(make(1, 0.8)->name() + ", steps h, h/2", order(coarse, fine), 2, 0.35);
+    expect_below("error of λ at alternating steps of 5 ms and 2.5 ms (N/m)", coarse.lambda, 2e-2);
+  }
+}
+
+TEST(GeneralizedAlphaOrder, BearsASliverOfAStep) {
+  for (auto make : {index3, index2}) {
+    const double h = 5e-3;
+    const Errors errors = pendulum_errors(make(h, 0.8), [&](int i) { return (i / 2) * h + (i % 2) * 1e-3 * h; });
+    expect_below(make(1, 0.8)->name() + ", slivers of 5 µs between steps of 5 ms, q (m)", errors.q, 2e-3);
+    expect_below(make(1, 0.8)->name() + ", slivers of 5 µs between steps of 5 ms, λ (N/m)", errors.lambda, 0.3);
+  }
+}
+
+TEST(GeneralizedAlphaOrder, FallsToOneInTheMultiplierWithAnInconsistentStart) {
+  // The detector sees it: without the corrected start λ keeps a first-order transient (EQUATIONS.md 8.1, S06).
+  const auto errors = [&](double h) {
+    return pendulum_errors(std::make_unique<GeneralizedAlpha>(GeneralizedAlpha::Parameters{
+                               .step = h, .spectral_radius = 0.8, .newton_tolerance = 1e-12, .correct_start = false}),
+                           [&](int i) { return i * h; });
+  };
+  EXPECT_NEAR(order(errors(5e-3), errors(2.5e-3)).lambda, 1, 0.25);
+}
+
+/// Error of a chain of revolute joints after 0.25 s, against a run at a tolerance of 1e-13.
+double chain_error(Method method) {
+  static const VectorX exact = [] {
+    Scene scene = box_chain(4, true);
+    scene.run(*runge_kutta(1e-13), 0.25);
+    return scene.state.q;
+  }();
+  Scene scene = box_chain(4, true);
+  scene.run(*method, 0.25);
+  return (scene.state.q - exact).norm();
+}
+
+TEST(ExplicitRungeKuttaOrder, IsFiveOnTheConstraints) {
+  const auto errors = [&](double h) { return pendulum_errors(runge_kutta_fixed(h), [&](int i) { return i * h; }); };
+  expect_order("explicit Runge-Kutta, pendulum", order(errors(1e-2), errors(5e-3)), 5, 0.35);
+  const double coarse = chain_error(runge_kutta_fixed(5e-3)), fine = chain_error(runge_kutta_fixed(2.5e-3));
+  expect_below("explicit Runge-Kutta, chain, order off by", std::abs(std::log2(coarse / fine) - 5), 0.5);
+  expect_below("explicit Runge-Kutta, chain, error at 2.5 ms", fine, 1e-7);
+}
+
+TEST(ExplicitRungeKuttaOrder, IsFiveForAFreeBodyInTheChart) {
+  const auto error = [](double h) {
+    const Vector3 inertia(1, 2, 3), omega(0.4, 1, 0.3);
+    Scene exact = free_body(inertia, omega), scene = free_body(inertia, omega);
+    exact.run(*runge_kutta(1e-14), 2);
+    scene.run(*runge_kutta_fixed(h), 2);
+    return (exact.state.q - scene.state.q).norm();
+  };
+  expect_below("explicit Runge-Kutta, free body, order off by", std::abs(std::log2(error(0.1) / error(0.05)) - 5), 0.4);
+}
+
+}  // namespace
+}  // namespace lithe::test

@@ -1,0 +1,87 @@
+#include "tools/bench/scenes.h"
+
+#include <stdexcept>
+
+#include "bodies/flexible/readers/calculix.h"
+#include "bodies/rigid_body.h"
+#include "joints/revolute_joint.h"
+#include "joints/spherical_joint.h"
+#include "joints/three_node_fixation.h"
+#include "tools/bench/brick_mesh.h"
+
+namespace lithe::bench {
+namespace {
+
+// A hinge turns about the z axes of its markers: here along the world's y axis.
+const Matrix3 kAlongY = rotation_about({1, 0, 0}, -M_PI / 2);
+
+}  // namespace
+
+Marker draw_chain(SystemGraph& graph, int count, ChainJoint joint) {
+  const bool spherical = joint == ChainJoint::spherical;
+  const Matrix3 axes = spherical ? Matrix3(Matrix3::Identity()) : kAlongY;
+  Marker end = graph.ground().marker({0, 0, 0}, axes);
+  for (int i = 0; i < count; ++i) {
+    const std::string number = std::to_string(i + 1);
+    auto& rod = graph.add<RigidBody>(
+        "rod " + number, {.mass = 1, .inertia = {1.25e-3, 1.0 / 12, 1.0 / 12}, .position = {i + 0.5, 0, 0}});
+    const Marker start = rod.marker({-0.5, 0, 0}, axes);
+    if (spherical)
+      graph.add<SphericalJoint>("joint " + number, {end, start});
+    else
+      graph.add<RevoluteJoint>("joint " + number, {end, start});
+    end = rod.marker({0.5, 0, 0}, axes);
+  }
+  return end;
+}
+
+FiniteElementModel rod_model() {
+  return read_calculix(std::string(LITHE_EXAMPLE_DATA) + "/pendulum/hex8i/calculix/matrices");
+}
+
+FiniteElementModel fine_rod_model() {
+  return brick_model(
+      {.bricks = {80, 6, 9}, .size = {0.1, 0.01, 0.015}, .young = 1e7, .poisson = 0.49, .density = 52000.0 / 3});
+}
+
+Marker draw_pendulum(SystemGraph& graph, const FiniteElementModel& model, const PendulumVariant& variant) {
+  const std::vector<int>& edge = model.node_set("hinge");
+  BodyFrame frame = HingeFrame{edge};
+  if (variant.fixation) {
+    const std::vector<int>& nodes = model.node_set("framea");
+    frame = ThreeNodeFrame{nodes.at(0), nodes.at(1), nodes.at(2)};
+  }
+  auto& rod = graph.add<FlexibleBody>("rod", {.basis = make_basis(model, frame, variant.modes)});
+  if (variant.fixation) {
+    graph.add<ThreeNodeFixation>(
+        "hinge", {graph.ground().marker(), rod.node(edge.at(0)), rod.node(edge.at(1)), rod.node(edge.at(2))});
+  } else {
+    Vector3 middle = Vector3::Zero();
+    for (int id : edge) middle += model.nodes.col(model.node_index(id)) / static_cast<double>(edge.size());
+    graph.add<RevoluteJoint>("hinge", {graph.ground().marker(middle, kAlongY), rod.average(edge, kAlongY)});
+  }
+  return rod.node(model.node_set("tip").front());
+}
+
+Cost measure(const Scene& scene, const Stepping& stepping) {
+  Assembler assembler(scene.system);
+  State state = scene.system.initial_state();
+  GeneralizedAlpha integrator({.step = stepping.step,
+                               .spectral_radius = stepping.spectral_radius,
+                               .newton_tolerance = stepping.newton_tolerance,
+                               .correct_start = false});  // as the hand-written programs start: comparable end points
+  integrator.start(assembler, state);
+  const double started = cpu_seconds();
+  for (long i = 1; i <= stepping.steps; ++i) {
+    const StepResult result = integrator.step(assembler, state, static_cast<double>(i) * stepping.step);
+    if (!result.ok()) throw std::runtime_error(result.why);
+  }
+  Cost cost{.seconds = cpu_seconds() - started};
+  const IntegratorStatistics& done = integrator.statistics();
+  cost.steps = done.steps, cost.newton_iterations = done.newton_iterations, cost.factorizations = done.factorizations;
+  assembler.evaluate(state.time, state.q, state.v, Level::position);
+  Eigen::Map<Vector3>(cost.tip) = assembler.marker(scene.tip, Level::position).p;
+  return cost;
+}
+
+}  // namespace lithe::bench
