@@ -14,10 +14,10 @@ RigidBody::RigidBody(Parameters parameters) : parameters_(std::move(parameters))
   require::finite(parameters_.angular_velocity, "angular_velocity");
 }
 
-Marker RigidBody::marker(const Vector3& position, const Matrix3& orientation) {
-  require::finite(position, "marker position on '" + name() + "'");
+Marker RigidBody::marker(const Point& position, const Matrix3& orientation) {
+  require::finite(position.at, "marker position on '" + name() + "'");
   require::rotation(orientation, "marker orientation on '" + name() + "'");
-  markers_.push_back({position, orientation, orientation != Matrix3::Identity()});
+  markers_.push_back({position.at, orientation, orientation != Matrix3::Identity()});
   return {this, marker_count() - 1};
 }
 

@@ -12,8 +12,9 @@
 namespace lithe {
 
 const Layout::RowSlice& System::rows(const Constraint& constraint) const {
-  for (const auto& r : layout_.rows())
-    if (r.name == constraint.name()) return r;
+  const auto& ours = graph_->constraints();
+  for (std::size_t i = 0; i < layout_.rows().size(); ++i)
+    if (ours[i].constraint == &constraint) return layout_.rows()[i];
   throw SceneError("constraint '" + constraint.name() + "' is not in this system", constraint.where(),
                    "use a joint of the graph that was assembled, added before assemble()");
 }

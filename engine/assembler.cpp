@@ -1,5 +1,6 @@
 #include "engine/assembler.h"
 
+#include "engine/block_kernels.h"
 #include "engine/error.h"
 
 namespace lithe {
@@ -53,16 +54,12 @@ void Assembler::add_row_forces(const double* lambda, const double* tension, doub
     if (row.first >= rows && !tension) continue;
     const double* y = row.first < rows ? lambda + row.first : tension + row.first - rows;
     double* to = r + G.velocity;
-    const auto add = [&](const double* values, int columns) {
-      for (int c = 0; c < columns; ++c) {
-        double sum = 0;
-        for (int i = 0; i < row.count; ++i) sum += values[i + row.count * c] * y[i];
-        to[c] += sum;
-      }
-      to += columns;
-    };
-    if (G.frame >= 0) add(work_.values.data() + G.values, 6);
-    if (G.linear >= 0) add(work_.values.data() + G.linear_values, blocks.linears[G.linear].size);
+    if (G.frame >= 0) {
+      kernels::add_transposed(to, work_.values.data() + G.values, y, row.count, 6);
+      to += 6;
+    }
+    if (G.linear >= 0)
+      kernels::add_transposed(to, work_.values.data() + G.linear_values, y, row.count, blocks.linears[G.linear].size);
   }
 }
 
@@ -96,7 +93,7 @@ void Assembler::form(const TangentWeights& weights, ConstVectorRef v_dot, ConstV
                      const VectorX* increment) {
   const auto& blocks = system_.blocks_;
   double* values = work_.values.data();
-  for (const auto& f : blocks.frames) std::fill_n(values + f.values, 36, 0.0);
+  for (const auto& f : blocks.frames) Eigen::Map<Matrix6>(values + f.values).setZero();
   for (const auto& l : blocks.linears) {
     if (l.frame >= 0) std::fill_n(values + l.frame_linear, 12 * l.size, 0.0);
     std::fill_n(values + l.values, l.pattern ? l.pattern->rows.size() : l.size, 0.0);
@@ -108,8 +105,8 @@ void Assembler::form(const TangentWeights& weights, ConstVectorRef v_dot, ConstV
   if (increment) {  // d_dot = Jr⁻¹ omega: corrections of the increment turn the state by Jr(psi)
     for (const auto& f : blocks.frames) {
       const Matrix3 chart = right_jacobian_inverse(increment->segment<3>(f.v + 3));
-      Eigen::Map<Matrix6> S(values + f.values);
-      S.rightCols<3>() = S.rightCols<3>() * chart;
+      auto turning = Eigen::Map<Matrix6>(values + f.values).rightCols<3>();
+      turning = turning.lazyProduct(chart).eval();
     }
     for (const auto& l : blocks.linears) {
       if (l.frame < 0) continue;
@@ -197,7 +194,8 @@ BodyState Assembler::body_state(const Body& body) {
     const auto& slice = system_.layout().bodies()[i - 1];
     return {work_.q.data() + slice.q, work_.v.data() + slice.v, cache};
   }
-  throw SceneError("body '" + body.name() + "' is not in this system", body.where(), "use a body of the assembled graph");
+  throw SceneError("body '" + body.name() + "' is not in this system", body.where(),
+                   "use a body of the assembled graph");
 }
 
 MarkerKinematics Assembler::marker(Marker m, Level level) {

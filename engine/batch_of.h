@@ -55,7 +55,8 @@ class BodyBatchOf final : public BodyBatch {
         frame_linear = values + L.frame_linear, linear_frame = values + L.linear_frame, linear = values + L.values;
       }
       BodyTangent S{Eigen::Map<Matrix6>(frame), Eigen::Map<Matrix6X>(frame_linear, 6, record.frame < 0 ? 0 : size),
-                    Eigen::Map<MatrixX>(linear_frame, record.frame < 0 ? 0 : size, 6), Eigen::Map<VectorX>(linear, entries)};
+                    Eigen::Map<MatrixX>(linear_frame, record.frame < 0 ? 0 : size, 6),
+                    Eigen::Map<VectorX>(linear, entries)};
       bodies_[i]->T::add_tangent(state_of(work, caches, i), v_dot + record.v, work.gravity, weights, S);
     }
   }
@@ -140,7 +141,8 @@ class ConstraintBatchOf final : public ConstraintBatch {
     }
   }
 
-  void add_stiffness(Workspace& work, const BlockStructure& blocks, double weight, const double* lambda) const override {
+  void add_stiffness(Workspace& work, const BlockStructure& blocks, double weight,
+                     const double* lambda) const override {
     for (std::size_t i = 0; i < constraints_.size(); ++i) {
       const ConnectorRecord& record = records_[i];
       const double* multipliers = lambda + record.first_row;
@@ -148,8 +150,7 @@ class ConstraintBatchOf final : public ConstraintBatch {
       ConstraintRows rows(record.slot_count);
       rows.collect_stiffness(multipliers, &K);
       Wrench load[kMaxMarkers];
-      const auto evaluate = [&](const MarkerKinematics* markers, ConstraintRows& into, Wrench* out) {
-        connector::Views views(markers, record.slot_count);
+      const auto evaluate = [&](connector::Views&& views, ConstraintRows& into, Wrench* out) {
         constraints_[i]->T::evaluate(work.time, views, into);
         for (int m = 0; m < record.slot_count; ++m) {
           out[m] = {Vector3::Zero(), Vector3::Zero()};
@@ -159,22 +160,20 @@ class ConstraintBatchOf final : public ConstraintBatch {
           }
         }
       };
-      MarkerKinematics here[kMaxMarkers];
-      for (int m = 0; m < record.slot_count; ++m) here[m] = work.markers[record.slots[m].marker];
-      evaluate(here, rows, load);
+      evaluate({work.markers.data(), record}, rows, load);
       if (rows.written()) {  // its wrenches are differenced over the markers' motions
         K.setZero();
         connector::difference_stiffness(
             work, record,
             [&](const MarkerKinematics* markers, Wrench* out) {
               ConstraintRows moved(record.slot_count);
-              evaluate(markers, moved, out);
+              evaluate({markers, record.slot_count}, moved, out);
             },
             K);
       }
       for (int m = 0; m < record.slot_count; ++m)
         connector::add_load_stiffness(work, blocks, record.slots[m], load[m], weight);
-      if (!K.isZero(0)) connector::add_marker_stiffness(work, blocks, record, K, weight);
+      if (K.squaredNorm() > 0) connector::add_marker_stiffness(work, blocks, record, K, weight);
     }
   }
 

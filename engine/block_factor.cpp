@@ -19,7 +19,8 @@ void BlockFactor::plan() {
   const int frames = static_cast<int>(s.frames.size()), rows = static_cast<int>(s.rows.size()), n = frames + rows;
   std::vector<int> dimension(n), x(n);
   for (int f = 0; f < frames; ++f) dimension[f] = 6, x[f] = s.frames[f].v;
-  for (int r = 0; r < rows; ++r) dimension[frames + r] = s.rows[r].count, x[frames + r] = s.velocity_count + s.rows[r].first;
+  for (int r = 0; r < rows; ++r)
+    dimension[frames + r] = s.rows[r].count, x[frames + r] = s.velocity_count + s.rows[r].first;
 
   // The graph: who has a block with whom before elimination.
   Topology topology{frames, std::vector<std::vector<int>>(rows)};
@@ -45,19 +46,18 @@ void BlockFactor::plan() {
   };
   diagonal_.resize(n);
   for (int v : order) diagonal_[v] = block(v, v);
-  for (int f = 0; f < frames; ++f) copies_.push_back({s.frames[f].values, diagonal_[f], 6, 6, false});
+  for (int f = 0; f < frames; ++f) copies_.push_back({s.frames[f].values, diagonal_[f], -1, 6});
   row_copies_.resize(rows);
   for (const auto& G : s.jacobians) {
     if (G.frame < 0) continue;
     const int r = s.rows[G.rows].count;
-    copies_.push_back({G.values, block(frames + G.rows, G.frame), r, 6, false});
-    row_copies_[G.rows].push_back(copies_.back());
-    copies_.push_back({G.values, block(G.frame, frames + G.rows), r, 6, true});
+    const int row_block = block(frames + G.rows, G.frame);
+    copies_.push_back({G.values, row_block, block(G.frame, frames + G.rows), r});
     row_copies_[G.rows].push_back(copies_.back());
   }
   for (const auto& c : s.couplings) {
-    copies_.push_back({c.ab, block(c.a, c.b), 6, 6, false});
-    copies_.push_back({c.ba, block(c.b, c.a), 6, 6, false});
+    copies_.push_back({c.ab, block(c.a, c.b), -1, 6});
+    copies_.push_back({c.ba, block(c.b, c.a), -1, 6});
   }
   for (auto [a, b] : couplings) block(a, b), block(b, a);
   for (int r = 0; r < rows; ++r)
@@ -72,16 +72,24 @@ void BlockFactor::plan() {
     for (const auto& [w, unused] : at[v])
       if (position[w] > position[v]) rest.push_back(w);
     const int d = dimension[v];
-    Step step{d, diagonal_[v], x[v], static_cast<int>(neighbours_.size()), 0, static_cast<int>(updates_.size()), 0,
-              v < frames ? -1 : s.rows[v - frames].first, kernels::choose_invert(d), kernels::choose_apply_vector(d)};
+    Step step{d,
+              diagonal_[v],
+              x[v],
+              static_cast<int>(neighbours_.size()),
+              0,
+              static_cast<int>(updates_.size()),
+              0,
+              v < frames ? -1 : s.rows[v - frames].first,
+              kernels::choose_invert(d),
+              kernels::choose_apply_vector(d)};
     for (int i : rest)
       neighbours_.push_back({block(i, v), block(v, i), x[i], dimension[i], kernels::choose_apply(d, dimension[i]),
                              kernels::choose_multiply_vector(dimension[i], d),
                              kernels::choose_multiply_vector(d, dimension[i])});
     for (int k : rest)
       for (int i : rest)
-        updates_.push_back({kernels::choose_product(dimension[i], d, dimension[k]), block(i, k), block(i, v), block(v, k),
-                            dimension[i], dimension[k]});
+        updates_.push_back({kernels::choose_product(dimension[i], d, dimension[k]), block(i, k), block(i, v),
+                            block(v, k), dimension[i], dimension[k]});
     step.last_neighbour = static_cast<int>(neighbours_.size());
     step.last_update = static_cast<int>(updates_.size());
     steps_.push_back(step);
@@ -95,9 +103,21 @@ void BlockFactor::plan() {
     for (int r : linear.rows()) vertices.push_back(frames + r);
     schur_targets_.emplace_back();
     for (std::size_t k = 0; k < vertices.size(); ++k)
-      for (std::size_t i = 0; i < vertices.size(); ++i) schur_targets_.back().push_back(block(vertices[i], vertices[k]));
+      for (std::size_t i = 0; i < vertices.size(); ++i)
+        schur_targets_.back().push_back(block(vertices[i], vertices[k]));
   }
   if (static_cast<int>(blocks_.size()) < size) blocks_.resize(size);
+
+  // What elimination fills in starts from zero.
+  std::vector<char> filled(size, 0);
+  for (const Copy& c : copies_)
+    for (int to : {c.to, c.to_transposed})
+      if (to >= 0) std::fill_n(filled.begin() + to, 6 * c.rows, 1);
+  for (int i = 0; i < size; ++i) {
+    if (filled[i]) continue;
+    if (i == 0 || filled[i - 1]) cleared_.emplace_back(i, 0);
+    ++cleared_.back().second;
+  }
   is_dropped_.assign(s.row_count, 0);
 }
 
@@ -108,16 +128,15 @@ void BlockFactor::drop_rows(const std::vector<int>& rows) {
 }
 
 void BlockFactor::load(const std::vector<double>& values) {
-  std::fill(blocks_.begin(), blocks_.end(), 0.0);
+  for (const auto& [first, count] : cleared_)
+    for (double *to = blocks_.data() + first, *end = to + count; to != end; ++to) *to = 0;
   for (const Copy& c : copies_) {
     const double* from = values.data() + c.from;
     double* to = blocks_.data() + c.to;
-    if (!c.transposed) {
-      std::copy_n(from, c.rows * c.columns, to);
-    } else {
-      for (int r = 0; r < c.rows; ++r)
-        for (int k = 0; k < c.columns; ++k) to[k + c.columns * r] = from[r + c.rows * k];
-    }
+    if (c.to_transposed < 0)
+      Eigen::Map<Matrix6>{to} = Eigen::Map<const Matrix6>(from);
+    else
+      kernels::copy_both(from, to, blocks_.data() + c.to_transposed, c.rows);
   }
   for (std::size_t i = 0; i < compliant_.size(); i += 3)
     for (int r = 0, n = compliant_[i + 2]; r < n; ++r)
@@ -146,7 +165,7 @@ void BlockFactor::clear_dropped() {
     for (int r = 0; r < rows.count; ++r) {
       if (!is_dropped_[rows.first + r]) continue;
       for (const Copy& c : row_copies_[v])
-        for (int k = 0; k < 6; ++k) blocks_[c.to + (c.transposed ? k + 6 * r : r + rows.count * k)] = 0;
+        for (int k = 0; k < 6; ++k) blocks_[c.to + r + rows.count * k] = blocks_[c.to_transposed + k + 6 * r] = 0;
       blocks_[diagonal_[frames + v] + r * (rows.count + 1)] = -1;
     }
   }
@@ -187,7 +206,8 @@ std::vector<int> BlockFactor::factorize_revealing(const std::vector<double>& val
       std::vector<int> bad;
       while (!open.empty()) {
         const auto ratio = [&](int r) { return A(r, r) / reference[s.first_row + r]; };
-        const auto best = std::max_element(open.begin(), open.end(), [&](int a, int b) { return ratio(a) < ratio(b) * (1 - 1e-6); });
+        const auto best =
+            std::max_element(open.begin(), open.end(), [&](int a, int b) { return ratio(a) < ratio(b) * (1 - 1e-6); });
         const int p = *best;
         if (!(ratio(p) > tolerance)) {
           bad = open;

@@ -9,8 +9,8 @@
 namespace lithe {
 
 /// Block LU of [S Gᵀ; G -C] in an order taken from the graph. First every body's linear coordinates (LinearBlock), then
-/// frames and rows by a flat list of small fixed-size operations: linear cost for trees, no dense matrix of the system's
-/// size, no allocation after construction.
+/// frames and rows by a flat list of small fixed-size operations: linear cost for trees, no dense matrix of the
+/// system's size, no allocation after construction.
 class BlockFactor {
  public:
   explicit BlockFactor(const BlockStructure& structure);
@@ -44,9 +44,8 @@ class BlockFactor {
     void (*invert)(double*, int);
     void (*apply)(const double*, double*, int);
   };
-  struct Copy {
-    int from, to, rows, columns;
-    bool transposed;
+  struct Copy {  // of a block of the values: rows x 6 at `to`, its transpose at `to_transposed` (-1: not needed)
+    int from, to, to_transposed, rows;
   };
 
   void plan();
@@ -60,13 +59,14 @@ class BlockFactor {
   std::vector<Neighbour> neighbours_;
   std::vector<Update> updates_;
   std::vector<Copy> copies_;
+  std::vector<std::pair<int, int>> cleared_;     // first, count: what no copy fills
   std::vector<int> compliant_;                   // factor diagonal, values index, count: triples
   std::vector<std::vector<int>> schur_targets_;  // of each linear block, by pairs of its parts
   std::vector<double> blocks_;
   std::vector<int> dropped_;
   std::vector<char> is_dropped_;
-  std::vector<int> diagonal_;                    // of each vertex
-  std::vector<std::vector<Copy>> row_copies_;    // of each rows vertex, to drop rows
+  std::vector<int> diagonal_;                  // of each vertex
+  std::vector<std::vector<Copy>> row_copies_;  // of each rows vertex, to drop rows
 };
 
 }  // namespace lithe

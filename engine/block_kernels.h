@@ -5,8 +5,8 @@
 
 #include "engine/math.h"
 
-/// Small dense kernels on column-major blocks, chosen by size once, when the elimination is planned. Sizes 1 to 6 are known
-/// to the compiler; larger blocks (rare: long rows) take the plain loops.
+/// Small dense kernels on column-major blocks, chosen by size once, when the elimination is planned. Sizes 1 to 6 are
+/// known to the compiler; larger blocks (rare: long rows) take the plain loops.
 namespace lithe::kernels {
 
 inline constexpr int kFixed = 6;
@@ -105,6 +105,49 @@ void invert(double* P, int k) {
 template <int K>
 void apply_vector(const double* P, double* y, int k) {
   apply<K, K ? 1 : 0>(P, y, k, 1);
+}
+
+/// to = A, transposed = Aᵀ with A rows x 6.
+template <int Rows>
+void copy_both_fixed(const double* A, double* to, double* transposed, int rows) {
+  if constexpr (Rows > 0) rows = Rows;
+  for (int k = 0; k < 6; ++k)
+    for (int r = 0; r < rows; ++r) to[r + rows * k] = transposed[k + 6 * r] = A[r + rows * k];
+}
+inline void copy_both(const double* A, double* to, double* transposed, int rows) {
+  switch (rows) {
+    case 1:
+      return copy_both_fixed<1>(A, to, transposed, rows);
+    case 3:
+      return copy_both_fixed<3>(A, to, transposed, rows);
+    case 5:
+      return copy_both_fixed<5>(A, to, transposed, rows);
+    default:
+      return copy_both_fixed<0>(A, to, transposed, rows);
+  }
+}
+
+/// y += Aᵀ x with A rows x columns.
+template <int Rows>
+void add_transposed_fixed(double* y, const double* A, const double* x, int rows, int columns) {
+  if constexpr (Rows > 0) rows = Rows;
+  for (int c = 0; c < columns; ++c) {
+    double sum = 0;
+    for (int r = 0; r < rows; ++r) sum += A[r + rows * c] * x[r];
+    y[c] += sum;
+  }
+}
+inline void add_transposed(double* y, const double* A, const double* x, int rows, int columns) {
+  switch (rows) {
+    case 1:
+      return add_transposed_fixed<1>(y, A, x, rows, columns);
+    case 3:
+      return add_transposed_fixed<3>(y, A, x, rows, columns);
+    case 5:
+      return add_transposed_fixed<5>(y, A, x, rows, columns);
+    default:
+      return add_transposed_fixed<0>(y, A, x, rows, columns);
+  }
 }
 
 // ---- choice by size ----

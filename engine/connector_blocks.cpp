@@ -40,10 +40,15 @@ void add_load_stiffness(Workspace& work, const BlockStructure& blocks, const Mar
                         double weight) {
   if (slot.frame < 0) return;
   const MarkerKinematics& k = work.markers[slot.marker];
-  const Matrix3 f = skew(weight * (k.A->transpose() * w.force)), t = skew(weight * (k.A->transpose() * w.torque));
-  Frame S(work.values.data() + blocks.frames[slot.frame].values);
-  S.bottomRightCorner<3, 3>() += skew(k.r) * f + t;
+  const Vector3 force = weight * (k.A->transpose() * w.force), torque = weight * (k.A->transpose() * w.torque);
+  // r~ f~ = f rᵀ - (r·f) E
+  Matrix3 turning = force * k.r.transpose();
+  turning.diagonal().array() -= k.r.dot(force);
+  const Matrix3 t = skew(torque);
+  if (!is_zero(torque)) turning += t;
+  Frame(work.values.data() + blocks.frames[slot.frame].values).bottomRightCorner<3, 3>() += turning;
   if (slot.linear < 0) return;
+  const Matrix3 f = skew(force);
   const auto& L = blocks.linears[slot.linear];
   Eigen::Map<Matrix6X>(work.values.data() + L.frame_linear, 6, L.size).bottomRows<3>() -=
       f.lazyProduct(elastic(k, slot, 0));

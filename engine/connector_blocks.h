@@ -5,6 +5,8 @@
 /// From wrenches at markers to the blocks of G and S: the one place where J of a marker is written out.
 namespace lithe::connector {
 
+inline bool is_zero(const Vector3& a) { return a[0] == 0 && a[1] == 0 && a[2] == 0; }
+
 /// Writes or adds W_m J_m of one marker: rows x 6 of the frame and rows x n of the linear coordinates.
 template <int Rows, class WrenchOf>
 inline void write_jacobian(Workspace& work, const BlockStructure& blocks, const MarkerSlot& slot, int row_count,
@@ -18,9 +20,11 @@ inline void write_jacobian(Workspace& work, const BlockStructure& blocks, const 
   double* linear = slot.linear >= 0 ? work.values.data() + G.linear_values : nullptr;
   for (int row = 0; row < R; ++row) {
     const Wrench& w = wrench(row);
-    const Vector3 f = A.transpose() * w.force, t = A.transpose() * w.torque;
+    const bool pulls = !is_zero(w.force), twists = !is_zero(w.torque);  // a row is seldom both
+    Vector3 f = Vector3::Zero(), t = Vector3::Zero(), turn = Vector3::Zero();
+    if (pulls) f.noalias() = A.transpose() * w.force, turn = k.r.cross(f);
+    if (twists) t.noalias() = A.transpose() * w.torque, turn += t;
     if (frame) {
-      const Vector3 turn = k.r.cross(f) + t;
       if (slot.first_frame)
         for (int i = 0; i < 3; ++i) frame[row + R * i] = w.force[i], frame[row + R * (3 + i)] = turn[i];
       else

@@ -24,8 +24,10 @@ void coincident(const MarkerView& A, const MarkerView& B, ConstraintRows& rows) 
 void perpendicular(const MarkerView& A, const Vector3& a, const MarkerView& B, const Vector3& b, ConstraintRows& rows) {
   const Vector3 n = a.cross(b);
   if (rows.stiffness()) {
-    // δn = b~ a~ θ_A - a~ b~ θ_B
-    const Matrix3 ba = rows.multiplier() * skew(b) * skew(a), ab = rows.multiplier() * skew(a) * skew(b);
+    // δn = b~ a~ θ_A - a~ b~ θ_B, b~ a~ = a bᵀ - (a·b) E
+    Matrix3 ba = (rows.multiplier() * a) * b.transpose();
+    ba.diagonal().array() -= rows.multiplier() * a.dot(b);
+    const Matrix3 ab = ba.transpose();
     add(rows, A.index, 3, A.index, 3, ba);
     add(rows, A.index, 3, B.index, 3, -ab);
     add(rows, B.index, 3, A.index, 3, -ba);

@@ -15,10 +15,10 @@ std::string degrees_between(const Vector3& a, const Vector3& b) {
 }  // namespace
 
 void same_direction(const Vector3& a, const Vector3& b, const std::string& axis) {
-  if (a.dot(b) > 0) return;
-  throw SceneError("the " + axis + " axes of its markers differ by " + degrees_between(a, b) + " as drawn", "",
-                   "orient one marker so that both " + axis +
-                       " axes point the same way: marker(position, orientation)");
+  if (a.dot(b) > 0.1) return;
+  throw SceneError(
+      "the " + axis + " axes of its markers differ by " + degrees_between(a, b) + " as drawn", "",
+      "orient one marker so that both " + axis + " axes point the same way: marker(position, orientation)");
 }
 
 void same_axes(const MarkerView& A, const MarkerView& B) {

@@ -5,10 +5,10 @@
 
 namespace lithe {
 
-Marker Ground::marker(const Vector3& position, const Matrix3& orientation) {
-  require::finite(position, "ground marker position");
+Marker Ground::marker(const Point& position, const Matrix3& orientation) {
+  require::finite(position.at, "ground marker position");
   require::rotation(orientation, "ground marker orientation");
-  markers_.push_back({position, orientation});
+  markers_.push_back({position.at, orientation});
   return {this, marker_count() - 1};
 }
 

@@ -14,7 +14,7 @@ class Ground final : public Body {
   };
 
   /// A frame fixed in the world at `position` (m) with axes `orientation` (marker axes to world axes).
-  Marker marker(const Vector3& position = Vector3::Zero(), const Matrix3& orientation = Matrix3::Identity());
+  Marker marker(const Point& position = {}, const Matrix3& orientation = Matrix3::Identity());
 
   Coordinates coordinates() const override { return {.frame = false, .linear = 0}; }
   std::unique_ptr<BodyCache> make_cache() const override { return std::make_unique<Cache>(*this); }

@@ -9,6 +9,15 @@ class Body;
 /// How much of a state an evaluation needs: each level contains the ones before.
 enum class Level { position, velocity, acceleration };
 
+/// A point, written {x, y, z} or as a vector; {} is the origin (an Eigen vector made of {} holds anything).
+struct Point {
+  Vector3 at = Vector3::Zero();
+  Point() = default;
+  Point(double x, double y, double z) : at(x, y, z) {}
+  template <class Derived>
+  Point(const Eigen::MatrixBase<Derived>& vector) : at(vector) {}  // NOLINT: implicit on purpose
+};
+
 /// A frame on a body: a point, a node, the mean of some nodes. A handle, passed by value; made by its body.
 struct Marker {
   const Body* body = nullptr;

@@ -59,8 +59,9 @@ Matrix3 right_jacobian_inverse(const Vector3& psi) {
     const double half = std::sqrt(t) / 2;
     k = (1 - half / std::tan(half)) / t;
   }
-  const Matrix3 P = skew(psi);
-  return Matrix3::Identity() + 0.5 * P + k * P * P;
+  Matrix3 J = (k * psi) * psi.transpose();  // psi~² = psi psiᵀ - t E
+  J.diagonal().array() += 1 - k * t;
+  return J + skew(0.5 * psi);
 }
 
 Vector4 quaternion_of(const Matrix3& R) {

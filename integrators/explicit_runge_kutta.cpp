@@ -22,8 +22,7 @@ constexpr double kA[7][6] = {
 /// Weights of order 5 less those of order 4.
 constexpr double kError[7] = {71.0 / 57600, 0, -71.0 / 16695, 71.0 / 1920, -17253.0 / 339200, 22.0 / 525, -1.0 / 40};
 
-constexpr double kPositionTolerance =
-    1e-12;  // |g| after a step, in the units of the rows; or round-off, if that is more
+constexpr double kPositionTolerance = 1e-14;  // |g| after a step, in the units of the rows; or round-off if larger
 constexpr int kMaxProjections = 10;
 constexpr int kMaxAttempts = 40;
 constexpr int kMaxSplits = 12;  // a fixed step that gives no numbers is halved that often

@@ -15,11 +15,17 @@
 #include "integrators/stabilized_index2.h"
 
 namespace lithe {
+namespace {
+
+constexpr int kMaxStalled = 10;  // steps in a row that do not move time
+
+}  // namespace
 
 struct Ida::Memory {
   EquationsOfMotion& equations;
   StabilizedIndex2 form;
   Tolerance tolerance;
+  int stalled = 0;
   std::string thrown, said;  // by the engine within a callback; by IDA
   SUNContext context = nullptr;
   N_Vector y = nullptr, y_dot = nullptr, id = nullptr, errors = nullptr, weights = nullptr;
@@ -165,6 +171,11 @@ StepResult Ida::step(EquationsOfMotion& equations, State& state, double t_stop) 
   const int flag = IDASolve(m.ida, t_stop, &reached, m.y, m.y_dot, IDA_ONE_STEP);
   count();
   if (flag < 0) return failed(flag);
+  // Where the equations give no numbers beyond some time, IDA closes in on it with steps that no longer move time.
+  m.stalled = flag != IDA_TSTOP_RETURN && reached - state.time <= 1e-15 * std::abs(reached) ? m.stalled + 1 : 0;
+  if (m.stalled > kMaxStalled)
+    return {StepResult::Outcome::failed,
+            "the step shrinks to nothing: the equations give no numbers just ahead, or jump"};
   state.time = flag == IDA_TSTOP_RETURN ? t_stop : reached;
   m.form.unpack(Memory::map(m.y), Memory::map(m.y_dot), state);
   return {};

@@ -7,12 +7,13 @@
 namespace lithe {
 
 /// Massless rod with a ball at each end: the markers keep their distance; five freedoms are left.
-///   g = ½ (d · d - L²), d = p_B - p_A, one row, L constant or L(t). Its multiplier is the rod's tension over L. (EQUATIONS.md 7.3)
+///   g = ½ (d · d - L²), d = p_B - p_A, one row, L constant or L(t). Its multiplier is the rod's tension over L.
+///   (EQUATIONS.md 7.3)
 class DistanceJoint final : public Joint</*markers=*/2, /*rows=*/1> {
  public:
   struct Parameters {
-    double length = 0;        // L, m; 0: as drawn
-    MotionLaw length_law{};   // L(t), m, instead: a rod that telescopes
+    double length = 0;       // L, m; 0: as drawn
+    MotionLaw length_law{};  // L(t), m, instead: a rod that telescopes
   };
 
   /// Throws SceneError for a length that is negative or no number.

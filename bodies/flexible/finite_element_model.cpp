@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <numeric>
@@ -129,10 +130,13 @@ int find_node_index(const std::string& name, const std::vector<int>& node_ids, i
 
 const std::vector<int>& find_node_set(const std::string& name, const std::map<std::string, std::vector<int>>& node_sets,
                                       const std::string& set) {
-  const auto found = node_sets.find(set);
-  if (found != node_sets.end()) return found->second;
+  // Readers store names in lower case: decks do not distinguish.
+  std::string key = set;
+  for (char& c : key) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  for (const std::string& spelt : {set, key})
+    if (const auto found = node_sets.find(spelt); found != node_sets.end()) return found->second;
   std::string known;
-  for (const auto& [key, members] : node_sets) known += (known.empty() ? "" : ", ") + key;
+  for (const auto& [other, members] : node_sets) known += (known.empty() ? "" : ", ") + other;
   throw SceneError("no node set '" + set + "'.", "model '" + name + "'",
                    known.empty() ? "the model has no node sets; name the nodes by label." : "known are " + known + ".");
 }

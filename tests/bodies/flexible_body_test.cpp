@@ -9,13 +9,6 @@
 namespace lithe::test {
 namespace {
 
-/// Node sets are spelt as their file spells them.
-std::string set_name(const FiniteElementModel& model, std::string name) {
-  if (model.node_sets.contains(name)) return name;
-  for (char& c : name) c = static_cast<char>(std::tolower(c));
-  return name;
-}
-
 struct Case {
   std::string frame;
   int modes;
@@ -27,10 +20,8 @@ class FlexibleBodyKinds : public testing::TestWithParam<Case> {};
 TEST_P(FlexibleBodyKinds, owe_what_every_body_owes) {
   const Case& c = GetParam();
   const FiniteElementModel model = pendulum_model("hex8i");
-  const bool named = c.frame.starts_with("frame");
-  const BodyFrame frame = frame_of(model, named ? set_name(model, c.frame) : c.frame);
   SystemGraph graph{{.gravity = {1, 2, -9.81}}};
-  FlexibleBody::Parameters parameters{.basis = make_basis(model, frame, c.modes)};
+  FlexibleBody::Parameters parameters{.basis = make_basis(model, frame_of(model, c.frame), c.modes)};
   if (c.damped) parameters.damping = {.mass_proportional = 3, .stiffness_proportional = 1e-4, .modal_ratios = {}};
   if (c.damped && c.modes > 0) parameters.damping.modal_ratios = {0.02};
   auto& body = graph.add<FlexibleBody>("rod", parameters);

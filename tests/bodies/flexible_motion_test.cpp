@@ -18,8 +18,7 @@ TEST(FlexibleBody, in_free_flight_keeps_energy_and_momenta_for_ten_seconds) {
   const FiniteElementModel model = pendulum_model("hex8i");
   SystemGraph graph{{.gravity = {0, 0, 0}}};
   // A three-node frame: Ct and C0 do not vanish, so every term of f_v is at work.
-  const auto& n = model.node_sets.contains("frameA") ? model.node_set("frameA") : model.node_set("framea");
-  FlexibleBody::Parameters parameters{.basis = make_basis(model, ThreeNodeFrame{n[0], n[1], n[2]}, 5)};
+  FlexibleBody::Parameters parameters{.basis = make_basis(model, frame_of(model, "frameA"), 5)};
   parameters.velocity = {0.3, -0.2, 0.1};
   parameters.angular_velocity = {8, 5, -6};
   parameters.modal_coordinates = VectorX::Zero(5);

@@ -10,8 +10,8 @@ namespace lithe::test {
 namespace {
 
 /// Planar four-bar of spatial revolute joints (three rows repeat others) with a spring along its diagonal.
-Scene four_bar() {
-  return Scene({0, 0, -9.81}, [](SystemGraph& graph) {
+Scene four_bar(double damping = 3) {
+  return Scene({0, 0, -9.81}, [&](SystemGraph& graph) {
     const Matrix3 y = rotation_about(Vector3::UnitX(), -M_PI / 2);  // marker's z along -y
     const auto link = [&](const char* name, const Vector3& from, const Vector3& to) -> RigidBody& {
       return graph.add<RigidBody>(name, {.mass = 1, .inertia = {0.1, 0.2, 0.15}, .position = (from + to) / 2});
@@ -23,7 +23,7 @@ Scene four_bar() {
     graph.add<RevoluteJoint>("C", {top.marker(C - (B + C) / 2, y), right.marker(C - (C + D) / 2, y)});
     graph.add<RevoluteJoint>("D", {graph.ground().marker(D, y), right.marker(D - (C + D) / 2, y)});
     graph.add<SpringDamper>("spring", {graph.ground().marker(A), top.marker(C - (B + C) / 2)},
-                            {.stiffness = 40, .damping = 3});
+                            {.stiffness = 40, .damping = damping});
   });
 }
 
@@ -43,14 +43,14 @@ TEST(StabilizedIndex2, VanishesAtAConsistentState) {
   EXPECT_LT((back.q - scene.state.q).norm() + (back.v_dot - scene.state.v_dot).norm(), 1e-14);
 }
 
-TEST(StabilizedIndex2, HasTheJacobianOfItsResidual) {
-  Scene scene = four_bar();
+void check_jacobian(double damping, double speed) {
+  Scene scene = four_bar(damping);
   StabilizedIndex2 form(scene.equations);
   const int n = form.size(), nv = scene.system.layout().v_count(), rows = scene.system.layout().row_count();
   RandomNumbers random(3);
   // u = v and μ = 0, where the terms that are left out vanish; quaternions off their norm, all else anywhere.
   VectorX y(n), y_dot(n);
-  scene.state.v = random.vector(nv);
+  scene.state.v = random.vector(nv, speed);
   scene.state.v_dot = random.vector(nv, 5);
   scene.state.lambda = random.vector(rows, 10);
   for (int row : scene.equations.redundant_rows()) scene.state.lambda[row] = 0;
@@ -78,6 +78,12 @@ TEST(StabilizedIndex2, HasTheJacobianOfItsResidual) {
     for (int k = 0; k < n; ++k)
       EXPECT_NEAR(J(i, k), differences(i, k), 1e-5 * (1 + std::abs(differences(i, k))))
           << "row " << i << ", " << form.name(k);
+}
+
+TEST(StabilizedIndex2, HasTheJacobianOfItsResidual) {
+  // What a damper's direction changes with q is left out by the engine: checked at rest, or moving without a damper.
+  check_jacobian(3, 0);
+  check_jacobian(0, 1);
 }
 
 TEST(StabilizedIndex2, BearsRedundantRows) {

@@ -157,7 +157,7 @@ TEST(RedundantRows, OfAFourBarAreThreeOfTwenty) {
   assembler.evaluate(0, system.initial_state().q, system.initial_state().v, Level::velocity);
   EXPECT_NEAR(assembler.energy().total(), 21.4930393769398, 1e-10);
   double residual = 0;
-  const State end = run(system, 1, 2.5e-4, &residual);
+  const State end = run(system, 1, 1e-4, &residual);
   EXPECT_LT(residual, 1e-10);
   assembler.evaluate(end.time, end.q, end.v, Level::velocity);
   const Vector3 p_B = assembler.marker(rocker.end(), Level::position).p;

@@ -32,15 +32,15 @@ void check_chain(int links, bool revolute, Trial run) {
 
 TEST(R06SphericalChain, MeetsTheTableFromOneToSixteenLinks) {
   for (int links : {1, 2, 4, 8, 16}) {
-    check_chain(links, false, {runge_kutta(1e-8), 5e-8, 1e-7});
-    check_chain(links, false, {ida(1e-9), 1e-6, 2e-6});
+    check_chain(links, false, {runge_kutta(1e-8), 2e-8, 2e-8});
+    check_chain(links, false, {ida(1e-9), 2e-7, 5e-7});
   }
 }
 
 TEST(R07RevoluteChain, MeetsTheTableFromOneToSixteenLinks) {
   for (int links : {1, 2, 4, 8, 16}) {
-    check_chain(links, true, {runge_kutta(1e-8), 5e-8, 1e-7});
-    check_chain(links, true, {ida(1e-9), 1e-6, 2e-6});
+    check_chain(links, true, {runge_kutta(1e-8), 2e-8, 2e-8});
+    check_chain(links, true, {ida(1e-9), 2e-7, 5e-7});
   }
 }
 

@@ -49,13 +49,15 @@ void check_top(const Variant& variant, Method method, const Bounds& bounds) {
 }
 
 TEST(R08HeavyTop, MeetsTheTableWithinTheMark) {
-  check_top(kA, runge_kutta(1e-8), {1e-6, 1e-5, 1e-6});
-  check_top(kB, runge_kutta(1e-8), {1e-6, 1e-5, 1e-6});
-  check_top(kA, ida(1e-8), {1e-4, 1e-3, 1e-4});
-  check_top(kB, ida(1e-8), {1e-4, 1e-3, 1e-4});
-  check_top(kA, index2(1e-4), {1e-4, 1e-3, 1e-4});
-  check_top(kB, index2(2e-5), {1e-4, 1e-3, 1e-4});
-  check_top(kB, index3(2e-5), {1e-4, 1e-3, 1e-4});
+  check_top(kA, runge_kutta(1e-8), {3e-7, 1e-6, 4e-7});
+  check_top(kB, runge_kutta(1e-8), {3e-7, 5e-6, 4e-7});
+  check_top(kA, ida(1e-8), {1e-5, 3e-5, 1e-5});
+  check_top(kB, ida(1e-8), {1e-5, 1e-4, 1e-5});
+  check_top(kA, index2(1e-4), {1e-4, 1e-3, 3e-5});
+  check_top(kB, index2(2e-5), {1e-4, 1e-3, 1e-6});
+  // Index 3 turns unstable on this top above h = 2.5e-4 s (rho 0.9, an eighth of a radian of spin a step).
+  // Index 3 turns unstable on this top above some 2.5e-4 s (rho 0.9: an eighth of a radian of spin a step).
+  check_top(kB, index3(2e-5), {1e-4, 5e-3, 1e-6});
 }
 
 TEST(R08HeavyTop, GeneralizedAlphaIsOfSecondOrderInPosition) {
@@ -67,7 +69,9 @@ TEST(R08HeavyTop, GeneralizedAlphaIsOfSecondOrderInPosition) {
       Method method = make(h, 0.9);
       scene.run(*method, 1);
       const double error = (scene.position(0) - exact).norm();
-      if (last > 0) EXPECT_NEAR(std::log2(last / error), 2, 0.1) << method->name() << " at " << h;
+      if (last > 0) {
+        EXPECT_NEAR(std::log2(last / error), 2, 0.1) << method->name() << " at " << h;
+      }
       last = error;
     }
   }
