@@ -152,7 +152,7 @@ void BlockFactor::load(const std::vector<double>& values) {
       for (const auto& i : parts) {
         double* to = blocks_.data() + schur_targets_[l][target++];
         for (int b = 0; b < k.size; ++b)
-          for (int a = 0; a < i.size; ++a) to[a + i.size * b] -= schur(i.column + a, k.column + b);
+          for (int a = 0; a < i.size; ++a) to[a + i.size * b] += schur(i.column + a, k.column + b);
       }
   }
 }

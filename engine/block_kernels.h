@@ -110,9 +110,9 @@ void apply_vector(const double* P, double* y, int k) {
 /// to = A, transposed = Aᵀ with A rows x 6.
 template <int Rows>
 void copy_both_fixed(const double* A, double* to, double* transposed, int rows) {
-  if constexpr (Rows > 0) rows = Rows;
-  for (int k = 0; k < 6; ++k)
-    for (int r = 0; r < rows; ++r) to[r + rows * k] = transposed[k + 6 * r] = A[r + rows * k];
+  const Eigen::Map<const Eigen::Matrix<double, Rows ? Rows : Eigen::Dynamic, 6>> from(A, rows, 6);
+  Eigen::Map<Eigen::Matrix<double, Rows ? Rows : Eigen::Dynamic, 6>>(to, rows, 6) = from;
+  Eigen::Map<Eigen::Matrix<double, 6, Rows ? Rows : Eigen::Dynamic>>(transposed, 6, rows) = from.transpose();
 }
 inline void copy_both(const double* A, double* to, double* transposed, int rows) {
   switch (rows) {

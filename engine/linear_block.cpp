@@ -3,6 +3,28 @@
 #include <algorithm>
 
 namespace lithe {
+namespace {
+
+/// y -= A x with A m x n, columns `stride` apart; M: m if the compiler may know it, else 0.
+template <int M>
+void subtract_product(const double* A, int stride, int m, int n, const double* x, double* y) {
+  if constexpr (M > 0) {
+    double sum[M];
+    for (int a = 0; a < M; ++a) sum[a] = y[a];
+    for (int k = 0; k < n; ++k)
+      for (int a = 0; a < M; ++a) sum[a] -= A[a + stride * k] * x[k];
+    for (int a = 0; a < M; ++a) y[a] = sum[a];
+  } else {
+    for (int k = 0; k < n; ++k)
+      for (int a = 0; a < m; ++a) y[a] -= A[a + stride * k] * x[k];
+  }
+}
+void subtract_product(const double* A, int stride, int m, int n, const double* x, double* y) {
+  if (m == 6) return subtract_product<6>(A, stride, m, n, x, y);  // a frame
+  subtract_product<0>(A, stride, m, n, x, y);
+}
+
+}  // namespace
 
 LinearBlock::LinearBlock(const BlockStructure& structure, int linear)
     : structure_(structure), linear_(structure.linears[linear]) {
@@ -74,15 +96,9 @@ void LinearBlock::factorize(const std::vector<double>& values, const std::vector
     }
     solve_linear(T_);
   }
-  // schur = X T by columns, rank one at a time: short contiguous vectors.
-  for (int b = 0; b < m; ++b) {
-    double* s = schur_.data() + b * m;
-    std::fill(s, s + m, 0.0);
-    for (int k = 0; k < n; ++k) {
-      const double t = T_(k, b), *x = X_.data() + k * m;
-      for (int a = 0; a < m; ++a) s[a] += x[a] * t;
-    }
-  }
+  // schur = -X T by columns, each a sum of short contiguous vectors.
+  schur_.setZero();
+  for (int b = 0; b < m; ++b) subtract_product(X_.data(), m, m, n, T_.data() + n * b, schur_.data() + m * b);
 }
 
 void LinearBlock::solve_linear(Eigen::Ref<MatrixX> columns) const {
@@ -102,10 +118,7 @@ void LinearBlock::forward(double* x) const {
     solve_linear(own);
   const int m = neighbour_size();
   for (const Part& part : parts_)
-    for (int k = 0; k < linear_.size; ++k) {
-      const double t = own[k], *column = X_.data() + k * m + part.column;
-      for (int a = 0; a < part.size; ++a) x[part.x + a] -= column[a] * t;
-    }
+    subtract_product(X_.data() + part.column, m, part.size, linear_.size, own.data(), x + part.x);
 }
 
 void LinearBlock::backward(double* x) const {

@@ -25,7 +25,7 @@ class LinearBlock {
   int neighbour_size() const { return static_cast<int>(schur_.rows()); }
   const std::vector<Part>& parts() const { return parts_; }
 
-  /// Factorises D and forms X D⁻¹ Y.
+  /// Factorises D and forms schur() = -X D⁻¹ Y.
   void factorize(const std::vector<double>& values, const std::vector<char>& dropped_rows);
   const MatrixX& schur() const { return schur_; }
   void forward(double* x) const;   // x_l <- D⁻¹ x_l, x_i -= X_i x_l
