@@ -15,8 +15,10 @@ RigidBody::RigidBody(Parameters parameters) : parameters_(std::move(parameters))
 }
 
 Marker RigidBody::marker(const Point& position, const Matrix3& orientation) {
-  require::finite(position.at, "marker position on '" + name() + "'");
-  require::rotation(orientation, "marker orientation on '" + name() + "'");
+  require::at("'" + name() + "' of " + where(), [&] {
+    require::finite(position.at, "marker position");
+    require::rotation(orientation, "marker orientation");
+  });
   markers_.push_back({position.at, orientation, orientation != Matrix3::Identity()});
   return {this, marker_count() - 1};
 }

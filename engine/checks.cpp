@@ -2,7 +2,6 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "engine/error.h"
 
 namespace lithe::require {
 namespace {

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "engine/error.h"
 #include "engine/math.h"
 
 /// Checks of parameters; each throws SceneError that says which parameter is wrong and how to mend it. SystemGraph::add
@@ -16,5 +17,15 @@ void not_negative(double value, const std::string& parameter);
 void rotation(const Matrix3& value, const std::string& parameter);
 /// Symmetric, positive definite, and principal values that obey the triangle inequality of a real body.
 void inertia(const Matrix3& value, const std::string& parameter);
+
+/// Runs checks whose errors are to name `where` (a line of the scene, a type).
+template <class Checks>
+void at(const std::string& where, Checks&& checks) {
+  try {
+    checks();
+  } catch (const SceneError& error) {
+    throw SceneError(error.problem(), where, error.mend());
+  }
+}
 
 }  // namespace lithe::require

@@ -6,8 +6,10 @@
 namespace lithe {
 
 Marker Ground::marker(const Point& position, const Matrix3& orientation) {
-  require::finite(position.at, "ground marker position");
-  require::rotation(orientation, "ground marker orientation");
+  require::at("ground", [&] {
+    require::finite(position.at, "marker position");
+    require::rotation(orientation, "marker orientation");
+  });
   markers_.push_back({position.at, orientation});
   return {this, marker_count() - 1};
 }

@@ -30,10 +30,12 @@ constexpr int kMaxSplits = 12;  // a fixed step that gives no numbers is halved 
 }  // namespace
 
 ExplicitRungeKutta::ExplicitRungeKutta(Parameters parameters) : parameters_(parameters) {
-  require::not_negative(parameters.step, "step");
-  require::not_negative(parameters.first_step, "first_step");
-  require::not_negative(parameters.max_step, "max_step");
-  require::positive(parameters.tolerance.relative + parameters.tolerance.absolute, "tolerance");
+  require::at("ExplicitRungeKutta", [&] {
+    require::not_negative(parameters.step, "step");
+    require::not_negative(parameters.first_step, "first_step");
+    require::not_negative(parameters.max_step, "max_step");
+    require::positive(parameters.tolerance.relative + parameters.tolerance.absolute, "tolerance");
+  });
 }
 
 void ExplicitRungeKutta::start(EquationsOfMotion& equations, State& state) {

@@ -19,9 +19,13 @@ GeneralizedAlpha::GeneralizedAlpha(Parameters parameters) : parameters_(paramete
   if (!(rho >= 0 && rho < 1))
     throw SceneError("spectral_radius is " + std::to_string(rho), "GeneralizedAlpha",
                      "give 0 <= rho < 1; 0.8 to 0.9 keeps energy well, 1 leaves algebraic modes undamped");
-  require::not_negative(parameters.step, "step");
-  require::not_negative(parameters.max_step, "max_step");
-  require::positive(parameters.tolerance.relative + parameters.tolerance.absolute, "tolerance");
+  require::at("GeneralizedAlpha", [&] {
+    require::not_negative(parameters.step, "step");
+    require::not_negative(parameters.first_step, "first_step");
+    require::not_negative(parameters.max_step, "max_step");
+    require::not_negative(parameters.newton_tolerance, "newton_tolerance");
+    require::positive(parameters.tolerance.relative + parameters.tolerance.absolute, "tolerance");
+  });
   am_ = (2 * rho - 1) / (rho + 1);
   af_ = rho / (rho + 1);
   gamma_ = 0.5 + af_ - am_;

@@ -18,7 +18,7 @@ int FlexibleBody::add_marker(const Vector3& c, const Matrix3X& Bm, const Matrix3
 }
 
 Marker FlexibleBody::node(int id, const Matrix3& orientation) {
-  require::rotation(orientation, "orientation of node marker " + std::to_string(id) + " on '" + name() + "'");
+  require::at("'" + name() + "' of " + where(), [&] { require::rotation(orientation, "orientation of a node marker"); });
   const int i = basis().node_index(id);
   const Matrix3X Bi = modes_ > 0 ? Matrix3X(basis().node_modes(i).leftCols(modes_)) : Matrix3X(3, 0);
   return {this, add_marker(basis().nodes.col(i), Bi, Matrix3X(3, 0), basis().rotation.transpose() * orientation)};
@@ -27,7 +27,7 @@ Marker FlexibleBody::node(int id, const Matrix3& orientation) {
 Marker FlexibleBody::average(const std::vector<int>& ids, const Matrix3& orientation) {
   if (ids.empty())
     throw SceneError("an average marker on '" + name() + "' has no nodes", where(), "name at least one node");
-  require::rotation(orientation, "orientation of an average marker on '" + name() + "'");
+  require::at("'" + name() + "' of " + where(), [&] { require::rotation(orientation, "orientation of an average marker"); });
   const double weight = 1.0 / static_cast<double>(ids.size());
   Vector3 c = Vector3::Zero();
   Matrix3X Bm = Matrix3X::Zero(3, modes_), Theta = Matrix3X::Zero(3, modes_);
@@ -52,14 +52,16 @@ Marker FlexibleBody::average(const std::vector<int>& ids, const Matrix3& orienta
 }
 
 Marker FlexibleBody::frame(const Matrix3& orientation) {
-  require::rotation(orientation, "orientation of the frame marker on '" + name() + "'");
+  require::at("'" + name() + "' of " + where(), [&] { require::rotation(orientation, "orientation of the frame marker"); });
   return {this, add_marker(Vector3::Zero(), Matrix3X::Zero(3, modes_), Matrix3X(3, 0),
                            basis().rotation.transpose() * orientation)};
 }
 
 Marker FlexibleBody::modal_marker(const Vector3& c, const Matrix3X& Bm, const Matrix3X& Theta, const Matrix3& R0) {
-  require::finite(c, "position of a modal marker on '" + name() + "'");
-  require::rotation(R0, "orientation of a modal marker on '" + name() + "'");
+  require::at("'" + name() + "' of " + where(), [&] {
+    require::finite(c, "position of a modal marker");
+    require::rotation(R0, "orientation of a modal marker");
+  });
   if (Bm.cols() != modes_ || (Theta.size() > 0 && Theta.cols() != modes_))
     throw SceneError("a modal marker on '" + name() + "' has " + std::to_string(Bm.cols()) + " columns for " +
                          std::to_string(modes_) + " modes",
