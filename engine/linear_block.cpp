@@ -56,7 +56,8 @@ LinearBlock::LinearBlock(const BlockStructure& structure, int linear)
   sparse_->matrix.resize(n, n);
   sparse_->matrix.setFromTriplets(entries.begin(), entries.end());
   for (int k = 0; k < p.rows.size(); ++k)
-    sparse_->place.push_back(static_cast<int>(&sparse_->matrix.coeffRef(p.rows[k], p.columns[k]) - sparse_->matrix.valuePtr()));
+    sparse_->place.push_back(
+        static_cast<int>(&sparse_->matrix.coeffRef(p.rows[k], p.columns[k]) - sparse_->matrix.valuePtr()));
   sparse_->factor.analyzePattern(sparse_->matrix);
   permuted_.resize(n, std::max(m, 1));
 }
