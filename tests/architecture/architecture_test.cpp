@@ -63,6 +63,8 @@ TEST_F(PlantedTree, ArrowsBetweenFoldersAreKept) {
   EXPECT_TRUE(is_allowed("bodies/flexible/a.cpp", "#include \"bodies/rigid_body.h\""));
   EXPECT_TRUE(is_allowed("joints/a.h", "#include \"engine/constraint.h\""));
   EXPECT_TRUE(is_allowed("examples/01_a.cpp", "#include \"lithe/lithe.h\""));
+  EXPECT_TRUE(is_allowed("examples/02_a.cpp", "#include \"examples/support/study.h\""));
+  EXPECT_TRUE(is_caught("bodies/a.cpp", "#include \"examples/support/study.h\""));
   EXPECT_TRUE(is_allowed("plugins/rod/rod.cpp", "#include \"engine/plugin.h\""));
 
   EXPECT_TRUE(is_caught("engine/a.cpp", "#include \"bodies/rigid_body.h\""));

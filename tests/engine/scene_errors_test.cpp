@@ -63,9 +63,9 @@ TEST(SceneErrors, APoseIsARotationAndFiniteNumbers) {
   expect_error([&] { body({.velocity = {0, kInfinity, 0}}); }, {"'body'", "velocity"});
   expect_error([&] { body({.angular_velocity = {0, kNaN, 0}}); }, {"'body'", "angular_velocity"});
   auto& fine = graph.add<RigidBody>("body");
-  expect_error([&] { fine.marker({kNaN, 0, 0}); }, {"marker position", "'body'"}, "");
-  expect_error([&] { fine.marker({0, 0, 0}, sheared); }, {"marker orientation", "'body'"}, "");
-  expect_error([&] { graph.ground().marker({kNaN, 0, 0}); }, {"marker position"}, "");
+  expect_error([&] { fine.marker({kNaN, 0, 0}); }, {"marker position"}, "'body' of scene_errors_test.cpp:");
+  expect_error([&] { fine.marker({0, 0, 0}, sheared); }, {"marker orientation"}, "'body' of scene_errors_test.cpp:");
+  expect_error([&] { graph.ground().marker({kNaN, 0, 0}); }, {"marker position"}, "ground");
   expect_error([&] { SystemGraph weightless{{.gravity = {0, 0, kNaN}}}; }, {"gravity"}, "SystemGraph");
 }
 
