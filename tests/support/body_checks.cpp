@@ -83,7 +83,7 @@ void check_body(SystemGraph& graph, const Body& body, const std::vector<Marker>&
     Projector(equations).accelerations(0, q, v, a, none);
     EXPECT_LT(residual(q, v, a).cwiseAbs().maxCoeff(), 1e-9 * residual(q, v, still).cwiseAbs().maxCoeff());
     const SmoothMotion motion{layout, q, v, a};
-    const double stretch = std::min(1e-3, 3e-3 / std::sqrt(1 + a.cwiseAbs().maxCoeff()));
+    const double stretch = std::min(1e-3, 3e-4 / std::sqrt(1 + a.cwiseAbs().maxCoeff()));
     const double power = derivative([&](double t) { return energy(motion.position(t), motion.velocity(t)).total(); }, stretch);
     const double traffic = v.cwiseProduct(M * a).cwiseAbs().sum();
     if (expected.dissipation > 0) {
