@@ -78,7 +78,8 @@ MassProperties convex_hull(const std::vector<Vector3>& points, double density) {
   double reach = 0;
   for (const Vector3& p : points) reach = std::max(reach, p.norm());
   if (!(volume > 1e-12 * reach * reach * reach))
-    throw SceneError("the points of the hull enclose no volume", "", "give at least four points that do not lie in one plane");
+    throw SceneError("the points of the hull enclose no volume", "",
+                     "give at least four points that do not lie in one plane");
   const Vector3 center = first / volume;
   const Matrix3 about = second - volume * center * center.transpose();
   const Matrix3 J = density * (about.trace() * Matrix3::Identity() - about);

@@ -7,11 +7,12 @@
 namespace lithe {
 
 /// Mass properties of a solid of uniform density: for RigidBody::Parameters, and to place its centre.
-///   const MassProperties m = box({1, 0.1, 0.1}, 500);   graph.add<RigidBody>("link", {.mass = m.mass, .inertia = m.inertia});
+///   const MassProperties m = box({1, 0.1, 0.1}, 500);   graph.add<RigidBody>("link", {.mass = m.mass, .inertia =
+///   m.inertia});
 struct MassProperties {
-  double mass;     // kg
-  Vector3 center;  // of mass, axes of the shape, m
-  Inertia inertia; // about the centre of mass, axes of the shape, kg m²
+  double mass;      // kg
+  Vector3 center;   // of mass, axes of the shape, m
+  Inertia inertia;  // about the centre of mass, axes of the shape, kg m²
 };
 
 // Sizes in m, density in kg/m³. Each throws SceneError for a size or density that is not above zero.

@@ -102,7 +102,8 @@ class SystemBuilder {
 
   const Layout::BodySlice& slice_of(const Body& body) {
     if (slices_.empty())
-      for (std::size_t i = 0; i < system_.layout_.bodies().size(); ++i) slices_[system_.layout_.bodies()[i].body] = static_cast<int>(i);
+      for (std::size_t i = 0; i < system_.layout_.bodies().size(); ++i)
+        slices_[system_.layout_.bodies()[i].body] = static_cast<int>(i);
     return system_.layout_.bodies()[slices_.at(&body)];
   }
 
@@ -272,7 +273,8 @@ class SystemBuilder {
       const auto& entry = graph_.bodies()[i];
       const auto [it, fresh] = number.try_emplace(entry.type, static_cast<int>(batches.bodies.size()));
       if (fresh) batches.bodies.push_back(entry.make_batch()), batch_sizes_.push_back(0);
-      batches.bodies[it->second]->add(*entry.body, i == 0 ? BodyRecord{0, 0, -1, -1, ground_markers_} : records_[i - 1]);
+      batches.bodies[it->second]->add(*entry.body,
+                                      i == 0 ? BodyRecord{0, 0, -1, -1, ground_markers_} : records_[i - 1]);
       system_.body_places_.push_back({it->second, batch_sizes_[it->second]++});
     }
     number.clear();
@@ -311,7 +313,8 @@ class SystemBuilder {
         mass = Eigen::Map<const VectorX>(values.data() + linear.values, linear.size);
       else
         for (int k = 0; k < linear.pattern->rows.size(); ++k)
-          if (linear.pattern->rows[k] == linear.pattern->columns[k]) mass[linear.pattern->rows[k]] = values[linear.values + k];
+          if (linear.pattern->rows[k] == linear.pattern->columns[k])
+            mass[linear.pattern->rows[k]] = values[linear.values + k];
       sum.segment(rows.first, rows.count) += g.cwiseAbs2() * mass.cwiseInverse();
     }
     return sum;
@@ -365,13 +368,15 @@ class SystemBuilder {
       const int drawn_row = worst_row();
       const double drawn_gap = std::abs(g[drawn_row]);
       if (options_.start == AssembleOptions::Start::refuse && drawn_gap > 1e-9)
-        throw SceneError("the start is not consistent: " + layout.row_name(drawn_row) + " is off by " + std::to_string(drawn_gap),
-                         "assemble", "place the bodies so that the joint closes, or let assemble() move them");
+        throw SceneError(
+            "the start is not consistent: " + layout.row_name(drawn_row) + " is off by " + std::to_string(drawn_gap),
+            "assemble", "place the bodies so that the joint closes, or let assemble() move them");
       const auto result = projector.position(0, q_, options_.position_tolerance, 60);
       const int row = worst_row();
       if (!(std::abs(g[row]) < 1e-8))
         throw SceneError("the joints cannot be assembled: " + layout.row_name(row) + " stays off by " +
-                             std::to_string(std::abs(g[row])) + " after " + std::to_string(result.iterations) + " iterations",
+                             std::to_string(std::abs(g[row])) + " after " + std::to_string(result.iterations) +
+                             " iterations",
                          "assemble", "check lengths and marker positions, or start nearer to a pose that closes");
       VectorX moved(layout.v_count());
       layout.difference(q_drawn, q_, moved);

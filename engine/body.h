@@ -35,8 +35,8 @@ struct TangentWeights {
   double position = 0, velocity = 0, acceleration = 1;
 };
 
-/// Where a body adds its block of the iteration matrix: frame-frame (6 x 6), frame-linear (6 x n), linear-frame (n x 6),
-/// column-major, and linear-linear: n diagonal entries, or one value for each entry of Body::linear_pattern().
+/// Where a body adds its block of the iteration matrix: frame-frame (6 x 6), frame-linear (6 x n), linear-frame (n x
+/// 6), column-major, and linear-linear: n diagonal entries, or one value for each entry of Body::linear_pattern().
 struct BodyTangent {
   Eigen::Map<Matrix6> frame;
   Eigen::Map<Matrix6X> frame_linear;
@@ -73,7 +73,8 @@ class Body : public Element {
   virtual BodyEnergy energy(const BodyState&, const Vector3& gravity) const = 0;
 
   virtual int marker_count() const = 0;
-  /// Null if the linear-linear block is diagonal. The one thing beyond eight: a body with full nodal coordinates needs it.
+  /// Null if the linear-linear block is diagonal. The one thing beyond eight: a body with full nodal coordinates needs
+  /// it.
   virtual const LinearPattern* linear_pattern() const { return nullptr; }
 };
 

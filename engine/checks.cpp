@@ -2,7 +2,6 @@
 
 #include <Eigen/Eigenvalues>
 
-
 namespace lithe::require {
 namespace {
 

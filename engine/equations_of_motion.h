@@ -9,8 +9,8 @@
 
 namespace lithe {
 
-/// M(q) v_dot + G(q, t)ᵀ lambda = f(q, v, t),  g(q, t) = 0: all that an integrator sees of a scene. One object a thread:
-/// it holds the scratch of the state evaluated last, to which everything after evaluate() refers.
+/// M(q) v_dot + G(q, t)ᵀ lambda = f(q, v, t),  g(q, t) = 0: all that an integrator sees of a scene. One object a
+/// thread: it holds the scratch of the state evaluated last, to which everything after evaluate() refers.
 class EquationsOfMotion {
  public:
   virtual ~EquationsOfMotion() = default;

@@ -20,7 +20,8 @@ Graph bipartite(const Topology& t) {
   Graph graph(t.body_count + t.ties.size() + 1);
   const auto ground = boost::num_vertices(graph) - 1;
   for (std::size_t c = 0; c < t.ties.size(); ++c)
-    for (int body : t.ties[c]) boost::add_edge(body < 0 ? ground : static_cast<std::size_t>(body), t.body_count + c, graph);
+    for (int body : t.ties[c])
+      boost::add_edge(body < 0 ? ground : static_cast<std::size_t>(body), t.body_count + c, graph);
   return graph;
 }
 
@@ -37,11 +38,17 @@ class DepthFirstTimes : public boost::default_dfs_visitor {
   DepthFirstTimes(std::vector<int>& discovered, std::vector<int>& last, std::vector<int>& parent, int& clock)
       : discovered_(discovered), last_(last), parent_(parent), clock_(clock) {}
   template <class V, class G>
-  void discover_vertex(V v, const G&) { discovered_[v] = clock_++; }
+  void discover_vertex(V v, const G&) {
+    discovered_[v] = clock_++;
+  }
   template <class V, class G>
-  void finish_vertex(V v, const G&) { last_[v] = clock_; }
+  void finish_vertex(V v, const G&) {
+    last_[v] = clock_;
+  }
   template <class E, class G>
-  void tree_edge(E e, const G& g) { parent_[boost::target(e, g)] = static_cast<int>(boost::source(e, g)); }
+  void tree_edge(E e, const G& g) {
+    parent_[boost::target(e, g)] = static_cast<int>(boost::source(e, g));
+  }
 
  private:
   std::vector<int>&discovered_, &last_, &parent_;
@@ -55,7 +62,8 @@ std::vector<Overhang> overhangs(const Topology& t, std::vector<int>& discovered)
   discovered.assign(n, 0);
   int clock = 0;
   // From ground outwards, so that what lies beyond a constraint never contains ground; floating islands follow.
-  boost::depth_first_search(graph, boost::visitor(DepthFirstTimes(discovered, last, parent, clock)).root_vertex(ground));
+  boost::depth_first_search(graph,
+                            boost::visitor(DepthFirstTimes(discovered, last, parent, clock)).root_vertex(ground));
 
   std::vector<std::size_t> cut;
   boost::articulation_points(graph, std::back_inserter(cut));
@@ -107,7 +115,8 @@ std::vector<int> elimination_order(const Topology& t, const std::vector<int>& di
     if (v < bodies || waiting[v] == 0) return true;
     const Overhang& part = beyond[v - bodies];
     if (!part.exists() || waiting[v] > 1) return false;
-    return std::none_of(neighbours[v].begin(), neighbours[v].end(), [&](int w) { return part.contains(discovered[w]); });
+    return std::none_of(neighbours[v].begin(), neighbours[v].end(),
+                        [&](int w) { return part.contains(discovered[w]); });
   };
   const auto cost = [&](int v) {
     int sum = 0;

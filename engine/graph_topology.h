@@ -16,10 +16,10 @@ struct Topology {
 std::vector<int> islands(const Topology& topology);
 
 /// An order in which Gaussian elimination of [S Gᵀ; G 0] fills in little and never meets a zero block.
-/// Vertices: bodies, then constraints (body_count + c). Trees fill in nothing. `couplings`: pairs of bodies with a block
-/// of their own. A constraint is eliminated after all its bodies, or, where it alone holds a part of the graph that does
-/// not touch ground, after that part: in both cases its pivot block is minus a compliance, definite if its rows are
-/// independent. Among the eligible, the one with the smallest remaining neighbourhood goes first.
+/// Vertices: bodies, then constraints (body_count + c). Trees fill in nothing. `couplings`: pairs of bodies with a
+/// block of their own. A constraint is eliminated after all its bodies, or, where it alone holds a part of the graph
+/// that does not touch ground, after that part: in both cases its pivot block is minus a compliance, definite if its
+/// rows are independent. Among the eligible, the one with the smallest remaining neighbourhood goes first.
 std::vector<int> elimination_order(const Topology& topology, const std::vector<int>& dimensions,
                                    const std::vector<std::pair<int, int>>& couplings);
 

@@ -21,7 +21,8 @@ class Ground final : public Body {
   void initial_state(VectorRef, VectorRef) const override {}
   void evaluate(const BodyState&, Level) const override {}
   void add_residual(const BodyState&, const double*, const Vector3&, double*) const override {}
-  void add_tangent(const BodyState&, const double*, const Vector3&, const TangentWeights&, BodyTangent&) const override {}
+  void add_tangent(const BodyState&, const double*, const Vector3&, const TangentWeights&,
+                   BodyTangent&) const override {}
   void marker_kinematics(const BodyState&, int marker, Level, MarkerKinematics&) const override;
   BodyEnergy energy(const BodyState&, const Vector3&) const override { return {}; }
   int marker_count() const override { return static_cast<int>(markers_.size()); }

@@ -31,11 +31,11 @@ struct Marker {
 ///   J = [E, -A r~, A B; 0, A, A T],   elastic = [B; T] (6 x n, body axes, column-major; null if eta does not move it).
 /// A body without frame has A = E and only the elastic columns.
 struct MarkerKinematics {
-  Vector3 p;             // position
-  Matrix3 R;             // marker axes to world axes
-  Vector3 v, w;          // velocity of the point, angular velocity
+  Vector3 p;     // position
+  Matrix3 R;     // marker axes to world axes
+  Vector3 v, w;  // velocity of the point, angular velocity
   Vector3 bias_v, bias_w;
-  Vector3 r;             // position in body axes
+  Vector3 r;  // position in body axes
   const Matrix3* A = nullptr;
   const double* elastic = nullptr;
 };

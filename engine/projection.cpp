@@ -19,8 +19,9 @@ Projector::Result Projector::position(double time, VectorRef q, double tolerance
     const double before = result.residual;
     result.residual = dl_.cwiseAbs().maxCoeff();
     // Done at the tolerance, or where round-off ends progress.
-    result.converged = result.residual <= tolerance ||
-                       (result.iterations > 0 && moved < 1e-14 * (1 + q.cwiseAbs().maxCoeff()) && result.residual >= 0.5 * before);
+    result.converged =
+        result.residual <= tolerance ||
+        (result.iterations > 0 && moved < 1e-14 * (1 + q.cwiseAbs().maxCoeff()) && result.residual >= 0.5 * before);
     if (result.converged || result.iterations == max_iterations || !std::isfinite(result.residual)) return result;
     if (factor == Factor::fresh || (factor == Factor::first && result.iterations == 0))
       equations_.factorize({0, 0, 1}, zero_v_, zero_rows_, nullptr);

@@ -22,7 +22,8 @@ class Projector {
   Result position(double time, VectorRef q, double tolerance, int max_iterations, Factor factor = Factor::fresh);
   /// Moves v onto G v + ∂g/∂t = 0; the state (time, q) is evaluated and its mass factorised.
   void velocity(double time, ConstVectorRef q, VectorRef v);
-  /// [M Gᵀ; G 0] (v_dot, lambda) = (f, gamma) at (time, q, v). Factor::last: right after velocity() at the same (time, q).
+  /// [M Gᵀ; G 0] (v_dot, lambda) = (f, gamma) at (time, q, v). Factor::last: right after velocity() at the same (time,
+  /// q).
   void accelerations(double time, ConstVectorRef q, ConstVectorRef v, VectorRef v_dot, VectorRef lambda,
                      Factor factor = Factor::fresh);
 

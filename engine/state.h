@@ -7,10 +7,10 @@ namespace lithe {
 /// A snapshot of a system: plain data, a copy is a snapshot. Slices belong to bodies and constraints by Layout.
 struct State {
   double time = 0;  // s
-  VectorX q;        // coordinates; a body with a frame has (p, e, eta): metres, unit quaternion w x y z, modal coordinates
-  VectorX v;        // velocities (p_dot world axes, omega body axes, eta_dot)
-  VectorX v_dot;    // accelerations, as the integrator left them
-  VectorX lambda;   // Lagrange multipliers: M v_dot + Gᵀ lambda = f
+  VectorX q;  // coordinates; a body with a frame has (p, e, eta): metres, unit quaternion w x y z, modal coordinates
+  VectorX v;  // velocities (p_dot world axes, omega body axes, eta_dot)
+  VectorX v_dot;   // accelerations, as the integrator left them
+  VectorX lambda;  // Lagrange multipliers: M v_dot + Gᵀ lambda = f
 };
 
 }  // namespace lithe

@@ -15,9 +15,9 @@ namespace lithe {
 
 /// A row that repeats others: named, left out of the factor, and borne.
 struct RedundantRow {
-  int row;             // number in lambda
-  std::string name;    // "'guide' row 2"
-  std::string repeats; // "'pin' row 5"
+  int row;              // number in lambda
+  std::string name;     // "'guide' row 2"
+  std::string repeats;  // "'pin' row 5"
 };
 
 /// The assembled, unchanging system: layout, batches, sparsity. const, so threads share it; borrows the graph.
@@ -68,8 +68,8 @@ struct AssembleOptions {
   double position_tolerance = 1e-12;  // of consistent positions, in the units of the rows
 };
 
-/// Freezes the topology; finds redundant rows (named in a warning), consistent initial positions and velocities; logs one
-/// line. Throws SceneError: no body, a joint between ground and ground, positions that cannot be assembled.
+/// Freezes the topology; finds redundant rows (named in a warning), consistent initial positions and velocities; logs
+/// one line. Throws SceneError: no body, a joint between ground and ground, positions that cannot be assembled.
 System assemble(SystemGraph& graph, const AssembleOptions& options = {});
 
 }  // namespace lithe

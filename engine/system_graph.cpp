@@ -50,8 +50,10 @@ void SystemGraph::check_markers(const Element& element, const std::vector<Marker
   for (std::size_t i = 0; i < markers.size(); ++i) {
     const Marker& m = markers[i];
     const std::string which = "marker " + std::to_string(i + 1);
-    if (!m.body) refuse(which + " belongs to no body (the joint is disconnected)", "make markers with body.marker(...)");
-    if (!body_set_.contains(m.body)) refuse(which + " belongs to a body of another graph", "tie bodies of one graph only");
+    if (!m.body)
+      refuse(which + " belongs to no body (the joint is disconnected)", "make markers with body.marker(...)");
+    if (!body_set_.contains(m.body))
+      refuse(which + " belongs to a body of another graph", "tie bodies of one graph only");
     if (m.index < 0 || m.index >= m.body->marker_count())
       refuse(which + " does not exist on body '" + m.body->name() + "'", "make markers with body.marker(...)");
   }
@@ -74,7 +76,8 @@ std::string SystemGraph::graphviz() const {
     drawing.nodes.push_back({e.name(), type, false});
     for (const Marker& m : markers) drawing.edges.push_back({number[m.body], node});
   };
-  for (const auto& c : constraints_) connect(*c.constraint, std::to_string(c.constraint->row_count()) + " rows", c.markers);
+  for (const auto& c : constraints_)
+    connect(*c.constraint, std::to_string(c.constraint->row_count()) + " rows", c.markers);
   for (const auto& f : forces_) connect(*f.force, "force", f.markers);
   return ::lithe::graphviz(drawing);
 }

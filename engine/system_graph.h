@@ -31,23 +31,23 @@ class SystemGraph {
 
   /// Adds a body; `more` goes to its constructor. Throws SceneError (name in use, bad parameter), naming the line.
   template <class T, class... More>
-    requires std::derived_from<T, Body>
-  T& add(Located name, typename T::Parameters parameters = {}, More... more) {
+  requires std::derived_from<T, Body> T& add(Located name, typename T::Parameters parameters = {}, More... more) {
     T& body = keep(name, [&] { return std::make_unique<T>(std::move(parameters), std::move(more)...); });
     bodies_.push_back({&body, typeid(T), make_body_batch<T>});
     body_set_.insert(&body);
     return body;
   }
 
-  /// Adds a constraint or a force element between markers. Throws SceneError likewise, and for markers of another graph.
+  /// Adds a constraint or a force element between markers. Throws SceneError likewise, and for markers of another
+  /// graph.
   template <class T>
-    requires(!std::derived_from<T, Body>) && requires { typename T::Parameters; }
+  requires(!std::derived_from<T, Body>) && requires { typename T::Parameters; }
   T& add(Located name, std::vector<Marker> markers, typename T::Parameters parameters = {}) {
     return connect(keep(name, [&] { return std::make_unique<T>(std::move(parameters)); }), std::move(markers));
   }
   template <class T>
-    requires(!std::derived_from<T, Body>) && (!requires { typename T::Parameters; })
-  T& add(Located name, std::vector<Marker> markers) {
+  requires(!std::derived_from<T, Body>) &&
+      (!requires { typename T::Parameters; })T& add(Located name, std::vector<Marker> markers) {
     return connect(keep(name, [] { return std::make_unique<T>(); }), std::move(markers));
   }
 

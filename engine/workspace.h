@@ -8,19 +8,19 @@
 
 namespace lithe {
 
-/// Scratch of one state, sized once; one a thread. Markers are evaluated once a state into one table that joints, forces
-/// and sensors read; blocks are written at their final place.
+/// Scratch of one state, sized once; one a thread. Markers are evaluated once a state into one table that joints,
+/// forces and sensors read; blocks are written at their final place.
 struct Workspace {
   double time = 0;
   VectorX q, v;
   Vector3 gravity;
   std::vector<MarkerKinematics> markers;
-  std::vector<double> values;         // BlockStructure: S, G
-  VectorX residual, rate, bias;       // g, ∂g/∂t, velocity terms of g_dotdot; constraint rows
-  VectorX tension;                    // of compliant rows
-  VectorX row_stiffness, row_damping; // of compliant rows
-  VectorX load;                       // generalized force of loads, v_count
-  VectorX force_energy;               // by force element, joules
+  std::vector<double> values;          // BlockStructure: S, G
+  VectorX residual, rate, bias;        // g, ∂g/∂t, velocity terms of g_dotdot; constraint rows
+  VectorX tension;                     // of compliant rows
+  VectorX row_stiffness, row_damping;  // of compliant rows
+  VectorX load;                        // generalized force of loads, v_count
+  VectorX force_energy;                // by force element, joules
 };
 
 /// Where a connector's marker acts: its place in the marker table and its body's blocks.

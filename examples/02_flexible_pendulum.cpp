@@ -76,7 +76,8 @@ int main() {
                            .revolute_model_frame = early("hex8i_frame_9_modes_revolute")};
   write_report(outcomes, budget, folder + "/report.md");
   write_summary(outcomes, folder + "/summary.json");
-  write_charts({outcome("hex8i_rigid"), outcome("hex8i_1_mode"), outcome("hex8i_9_modes"), outcome("hex8i_frame_9_modes_fixation")},
+  write_charts({outcome("hex8i_rigid"), outcome("hex8i_1_mode"), outcome("hex8i_9_modes"),
+                outcome("hex8i_frame_9_modes_fixation")},
                reference, folder);
 
   // 5. The moving body itself, for ParaView.

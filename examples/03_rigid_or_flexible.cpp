@@ -31,7 +31,8 @@ struct Flexible {
   static FlexibleBody& add(SystemGraph& graph, const FiniteElementModel& model) {
     return graph.add<FlexibleBody>("rod", {.basis = make_basis(model, HingeFrame{model.node_set("hinge")}, 9)});
   }
-  static Marker marker(FlexibleBody& rod, const FiniteElementModel& model, const std::string& set, const Matrix3& axes) {
+  static Marker marker(FlexibleBody& rod, const FiniteElementModel& model, const std::string& set,
+                       const Matrix3& axes) {
     return rod.average(model.node_set(set), axes);
   }
 };
@@ -42,7 +43,8 @@ Table swing(const FiniteElementModel& model) {
   SystemGraph graph;
   auto& rod = Kind::add(graph, model);
   const Matrix3 along_y = rotation_about({1, 0, 0}, -M_PI / 2);
-  graph.add<RevoluteJoint>("pin", {graph.ground().marker({0, 0.005, 0}, along_y), Kind::marker(rod, model, "hinge", along_y)});
+  graph.add<RevoluteJoint>("pin",
+                           {graph.ground().marker({0, 0.005, 0}, along_y), Kind::marker(rod, model, "hinge", along_y)});
   const Marker tip = Kind::marker(rod, model, "tip", Matrix3::Identity());
 
   const System system = assemble(graph);
@@ -66,7 +68,8 @@ int main() {
 
   // 3. Beside each other.
   Chart chart{.title = "Rigid or flexible?", .x_label = "time (s)", .y_label = "tip z (m)"};
-  chart.lines.push_back({.title = Rigid::kName, .x = rigid.column("t"), .y = rigid.column("tip_z"), .style = LineStyle::dashed});
+  chart.lines.push_back(
+      {.title = Rigid::kName, .x = rigid.column("t"), .y = rigid.column("tip_z"), .style = LineStyle::dashed});
   chart.lines.push_back({.title = Flexible::kName, .x = flexible.column("t"), .y = flexible.column("tip_z")});
   write_chart(chart, "results/rigid_or_flexible/tip");
 

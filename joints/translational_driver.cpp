@@ -6,7 +6,8 @@
 namespace lithe {
 
 TranslationalDriver::TranslationalDriver(Parameters parameters) : motion_(std::move(parameters.motion)) {
-  if (!motion_) throw SceneError("has no motion", "", "give .motion = [](double t) { return Motion{value, rate, acceleration}; }");
+  if (!motion_)
+    throw SceneError("has no motion", "", "give .motion = [](double t) { return Motion{value, rate, acceleration}; }");
 }
 
 void TranslationalDriver::evaluate(double time, std::span<const MarkerView> markers, ConstraintRows& rows) const {

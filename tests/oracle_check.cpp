@@ -30,9 +30,9 @@ int main(int argc, char** argv) {
       const auto worst = std::max_element(findings.worst.begin(), findings.worst.end(),
                                           [](const auto& a, const auto& b) { return a.second < b.second; });
       const bool good = findings.largest() <= bound && !findings.worst.empty();
-      std::printf("%-26s %3zu quantities, worst %.1e (%s)%s%s\n", name.c_str(), findings.worst.size(), findings.largest(),
-                  worst == findings.worst.end() ? "none" : worst->first.c_str(), good ? "" : "  OFF",
-                  findings.note.empty() ? "" : ("; " + findings.note).c_str());
+      std::printf("%-26s %3zu quantities, worst %.1e (%s)%s%s\n", name.c_str(), findings.worst.size(),
+                  findings.largest(), worst == findings.worst.end() ? "none" : worst->first.c_str(),
+                  good ? "" : "  OFF", findings.note.empty() ? "" : ("; " + findings.note).c_str());
       off += !good;
       if (!good)
         for (const auto& [quantity, error] : findings.worst)

@@ -15,8 +15,9 @@ void DeformationWriter::observe(Snapshot& snapshot) {
   const auto motion = body_.nodal_motion(state, snapshot.state().v_dot.data() + slice.v);
   const Eigen::Map<const Vector3> origin(state.q);
   const Matrix3X rigid = (state.cache->A * body_.basis().nodes).colwise() + Vector3(origin);
-  series_.add(snapshot.time(), motion.position, cells_,
-              {{"deformation", motion.position - rigid}, {"velocity", motion.velocity}, {"acceleration", motion.acceleration}});
+  series_.add(
+      snapshot.time(), motion.position, cells_,
+      {{"deformation", motion.position - rigid}, {"velocity", motion.velocity}, {"acceleration", motion.acceleration}});
 }
 
 }  // namespace lithe

@@ -18,7 +18,8 @@ int FlexibleBody::add_marker(const Vector3& c, const Matrix3X& Bm, const Matrix3
 }
 
 Marker FlexibleBody::node(int id, const Matrix3& orientation) {
-  require::at("'" + name() + "' of " + where(), [&] { require::rotation(orientation, "orientation of a node marker"); });
+  require::at("'" + name() + "' of " + where(),
+              [&] { require::rotation(orientation, "orientation of a node marker"); });
   const int i = basis().node_index(id);
   const Matrix3X Bi = modes_ > 0 ? Matrix3X(basis().node_modes(i).leftCols(modes_)) : Matrix3X(3, 0);
   return {this, add_marker(basis().nodes.col(i), Bi, Matrix3X(3, 0), basis().rotation.transpose() * orientation)};
@@ -27,7 +28,8 @@ Marker FlexibleBody::node(int id, const Matrix3& orientation) {
 Marker FlexibleBody::average(const std::vector<int>& ids, const Matrix3& orientation) {
   if (ids.empty())
     throw SceneError("an average marker on '" + name() + "' has no nodes", where(), "name at least one node");
-  require::at("'" + name() + "' of " + where(), [&] { require::rotation(orientation, "orientation of an average marker"); });
+  require::at("'" + name() + "' of " + where(),
+              [&] { require::rotation(orientation, "orientation of an average marker"); });
   const double weight = 1.0 / static_cast<double>(ids.size());
   Vector3 c = Vector3::Zero();
   Matrix3X Bm = Matrix3X::Zero(3, modes_), Theta = Matrix3X::Zero(3, modes_);
@@ -52,7 +54,8 @@ Marker FlexibleBody::average(const std::vector<int>& ids, const Matrix3& orienta
 }
 
 Marker FlexibleBody::frame(const Matrix3& orientation) {
-  require::at("'" + name() + "' of " + where(), [&] { require::rotation(orientation, "orientation of the frame marker"); });
+  require::at("'" + name() + "' of " + where(),
+              [&] { require::rotation(orientation, "orientation of the frame marker"); });
   return {this, add_marker(Vector3::Zero(), Matrix3X::Zero(3, modes_), Matrix3X(3, 0),
                            basis().rotation.transpose() * orientation)};
 }

@@ -26,8 +26,8 @@ struct Scene {
       for (int id : edge) middle += model.nodes.col(model.node_index(id)) / static_cast<double>(edge.size());
       graph.add<RevoluteJoint>("hinge", {graph.ground().marker(middle, along_y), rod->average(edge, along_y)});
     } else if (edge.size() == 3) {
-      graph.add<ThreeNodeFixation>("hinge",
-                                   {graph.ground().marker(), rod->node(edge[0]), rod->node(edge[1]), rod->node(edge[2])});
+      graph.add<ThreeNodeFixation>(
+          "hinge", {graph.ground().marker(), rod->node(edge[0]), rod->node(edge[1]), rod->node(edge[2])});
     } else {
       for (int id : edge)
         graph.add<SphericalJoint>("hinge node " + std::to_string(id),

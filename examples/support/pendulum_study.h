@@ -26,7 +26,7 @@ struct Variant {
   std::string name;  // "hex8i_9_modes"
   std::string body;  // folder of examples/data/pendulum
   lithe::BodyFrame frame;
-  int modes;         // number of modes, 0: rigid, lithe::kAllNodal
+  int modes;  // number of modes, 0: rigid, lithe::kAllNodal
   Hinge hinge = Hinge::revolute;
   double step = 5e-5;  // s
 };
@@ -36,7 +36,7 @@ struct Outcome {
   Trajectory trajectory;
   int coordinates = 0;  // elastic coordinates
   lithe::IntegratorStatistics statistics;
-  double cpu = 0;       // s
+  double cpu = 0;                        // s
   double max_dev_z = 0, max_dev_vz = 0;  // m, m/s, over the second
   double within_bounds = 1;              // s, first time at which 4e-4 m or 4e-2 m/s is passed
   double energy_drift = 0;               // relative to the largest kinetic energy

@@ -20,7 +20,8 @@ TEST(DeformationWriter, gives_paraview_the_moving_mesh_with_its_volume_and_its_n
   SystemGraph graph;
   auto& rod = graph.add<FlexibleBody>("rod", {.basis = make_basis(model, HingeFrame{model.node_set("hinge")}, 9)});
   const Matrix3 along_y = rotation_about({1, 0, 0}, -M_PI / 2);
-  graph.add<RevoluteJoint>("hinge", {graph.ground().marker({0, 0.005, 0}, along_y), rod.average(model.node_set("hinge"), along_y)});
+  graph.add<RevoluteJoint>(
+      "hinge", {graph.ground().marker({0, 0.005, 0}, along_y), rod.average(model.node_set("hinge"), along_y)});
   const System system = assemble(graph);
   State state = system.initial_state();
   GeneralizedAlpha integrator({.step = 1e-3});
@@ -31,7 +32,8 @@ TEST(DeformationWriter, gives_paraview_the_moving_mesh_with_its_volume_and_its_n
   simulation.run(state, 0.1);
 
   // Through VTK's own reader: tests/engine/read_vtu.py prints points, cells, volume and sums of the fields.
-  const std::string command = "/usr/bin/python3 '" LITHE_SOURCE_DIR "/tests/engine/read_vtu.py' '" + folder.path("rod_0002.vtu") + "' 2>&1";
+  const std::string command =
+      "/usr/bin/python3 '" LITHE_SOURCE_DIR "/tests/engine/read_vtu.py' '" + folder.path("rod_0002.vtu") + "' 2>&1";
   FILE* pipe = popen(command.c_str(), "r");
   std::string text;
   std::array<char, 4096> part;

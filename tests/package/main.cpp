@@ -16,7 +16,8 @@ int main() {
   Simulation simulation{system, integrator};
   simulation.observe(recorder, every(0.1));
   simulation.run(state, 1.0);
-  const double length = recorder.table().at(10, 1) * recorder.table().at(10, 1) + recorder.table().at(10, 3) * recorder.table().at(10, 3);
+  const double length =
+      recorder.table().at(10, 1) * recorder.table().at(10, 1) + recorder.table().at(10, 3) * recorder.table().at(10, 3);
   std::printf("length² %.12f after %d rows\n", length, recorder.table().row_count());
   return std::abs(length - 1) < 1e-9 ? 0 : 1;
 }

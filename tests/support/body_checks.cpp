@@ -32,7 +32,8 @@ Vector6 twist(const MarkerKinematics& k, const VectorX& v, int frame) {
 
 }  // namespace
 
-void check_body(SystemGraph& graph, const Body& body, const std::vector<Marker>& markers, const BodyExpectation& expected) {
+void check_body(SystemGraph& graph, const Body& body, const std::vector<Marker>& markers,
+                const BodyExpectation& expected) {
   const System system = assemble(graph);
   const Layout& layout = system.layout();
   Assembler equations(system);
@@ -84,7 +85,8 @@ void check_body(SystemGraph& graph, const Body& body, const std::vector<Marker>&
     EXPECT_LT(residual(q, v, a).cwiseAbs().maxCoeff(), 1e-9 * residual(q, v, still).cwiseAbs().maxCoeff());
     const SmoothMotion motion{layout, q, v, a};
     const double stretch = std::min(1e-3, 3e-4 / std::sqrt(1 + a.cwiseAbs().maxCoeff()));
-    const double power = derivative([&](double t) { return energy(motion.position(t), motion.velocity(t)).total(); }, stretch);
+    const double power =
+        derivative([&](double t) { return energy(motion.position(t), motion.velocity(t)).total(); }, stretch);
     const double traffic = v.cwiseProduct(M * a).cwiseAbs().sum();
     if (expected.dissipation > 0) {
       EXPECT_LT(power, 0);

@@ -23,6 +23,7 @@ struct BodyExpectation {
 ///   - J and bias of each marker are the derivatives of its pose and velocity;
 ///   - released at rest, its centre of mass falls with g: the force by translation is m g;
 ///   - the tangent's velocity part, but for the modal-modal block, is the derivative of the residual.
-void check_body(SystemGraph& graph, const Body& body, const std::vector<Marker>& markers, const BodyExpectation& expected);
+void check_body(SystemGraph& graph, const Body& body, const std::vector<Marker>& markers,
+                const BodyExpectation& expected);
 
 }  // namespace lithe::test

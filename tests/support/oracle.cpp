@@ -110,8 +110,10 @@ void compare_state(const nlohmann::json& data, const nlohmann::json& entry, Eval
   const Vector3 force = matrix(entry.at("point_force").at("force")), torque = matrix(entry.at("marker_torque"));
   const int node = entry.at("point_force").at("node");
   f.compare("f_point", body.generalized(body.node_marker(node), force, Vector3::Zero()), matrix(want.at("f_point")));
-  f.compare("f_marker_force", body.generalized(body.marker(), force, Vector3::Zero()), matrix(want.at("f_marker_force")));
-  f.compare("f_marker_torque", body.generalized(body.marker(), Vector3::Zero(), torque), matrix(want.at("f_marker_torque")));
+  f.compare("f_marker_force", body.generalized(body.marker(), force, Vector3::Zero()),
+            matrix(want.at("f_marker_force")));
+  f.compare("f_marker_torque", body.generalized(body.marker(), Vector3::Zero(), torque),
+            matrix(want.at("f_marker_torque")));
   const auto k = body.kinematics(body.marker());
   const Vector6 acceleration = body.acceleration(body.marker());
   const auto& m = want.at("marker");

@@ -38,14 +38,16 @@ InertiaIntegrals listed(const nlohmann::json& d) {
 
 std::shared_ptr<const ModalBasis> basis_of(const nlohmann::json& data) {
   if (data.contains("mass_scalar"))
-    return basis_from_modes(data.at("name"), matrix(data.at("nodes")).transpose(), sparse(matrix(data.at("mass_scalar"))),
-                            sparse(matrix(data.at("K_modal"))), matrix(data.at("B")));
+    return basis_from_modes(data.at("name"), matrix(data.at("nodes")).transpose(),
+                            sparse(matrix(data.at("mass_scalar"))), sparse(matrix(data.at("K_modal"))),
+                            matrix(data.at("B")));
   // Invariants alone, or a full S: nodes and modes serve the nodal motion only.
   auto basis = std::make_shared<ModalBasis>();
   basis->name = data.at("name");
   const MatrixX Mff = matrix(data.at("invariants").at("Mff"));
   basis->modal_mass = sparse(Mff);
-  basis->stiffness = sparse(data.contains("K_modal") ? matrix(data.at("K_modal")) : MatrixX::Identity(Mff.rows(), Mff.cols()));
+  basis->stiffness =
+      sparse(data.contains("K_modal") ? matrix(data.at("K_modal")) : MatrixX::Identity(Mff.rows(), Mff.cols()));
   if (data.contains("nodes")) {
     basis->nodes = matrix(data.at("nodes")).transpose();
     basis->modes = matrix(data.at("B"));

@@ -44,7 +44,8 @@ FlexibleBody& add_marker_body(SystemGraph& graph, const char* name, const Json& 
 }
 
 /// A joint of the file between two markers; the driver's value, rate and acceleration are those of the file.
-const Constraint& add_joint(SystemGraph& graph, const std::string& kind, const std::vector<Marker>& markers, const Json& drive) {
+const Constraint& add_joint(SystemGraph& graph, const std::string& kind, const std::vector<Marker>& markers,
+                            const Json& drive) {
   const lithe::Motion motion{drive[0], drive[1], drive[2]};
   const auto law = [motion](double) { return motion; };
   if (kind == "spherical") return graph.add<SphericalJoint>("joint", markers);
@@ -92,7 +93,8 @@ Findings check_joints(const Json& data) {
     f.compare(kind + " G1", G.leftCols(n1), matrix(want.at("G1")));
     f.compare(kind + " G2", G.rightCols(v.size() - n1), matrix(want.at("G2")));
     f.compare(kind + " gamma", gamma, matrix(want.at("gamma")));
-    const VectorX term = velocity_term.size() == 1 ? VectorX::Constant(rows, velocity_term(0)) : VectorX(Eigen::Map<const VectorX>(velocity_term.data(), rows));
+    const VectorX term = velocity_term.size() == 1 ? VectorX::Constant(rows, velocity_term(0))
+                                                   : VectorX(Eigen::Map<const VectorX>(velocity_term.data(), rows));
     f.compare(kind + " velocity_term", C_dot - G * v, term, (G * v).cwiseAbs().maxCoeff());
     f.compare(kind + " reaction1", reaction.head(n1), matrix(want.at("reaction1")));
     f.compare(kind + " reaction2", reaction.tail(v.size() - n1), matrix(want.at("reaction2")));
@@ -102,7 +104,8 @@ Findings check_joints(const Json& data) {
 
 Findings check_trajectory(const Json& data) {
   Findings f;
-  const auto basis = basis_from_modes(data.at("name"), matrix(data.at("nodes")).transpose(), matrix(data.at("mass_scalar")).sparseView(),
+  const auto basis = basis_from_modes(data.at("name"), matrix(data.at("nodes")).transpose(),
+                                      matrix(data.at("mass_scalar")).sparseView(),
                                       matrix(data.at("K_modal")).sparseView(), matrix(data.at("B")));
   SystemGraph graph({.gravity = matrix(data.at("gravity"))});
   auto& body = graph.add<FlexibleBody>("body", {.basis = basis});
@@ -132,7 +135,8 @@ Findings check_trajectory(const Json& data) {
     f.compare("quaternion", q.segment<4>(3), want.q.segment<4>(3));
     f.compare("eta", q.tail(q.size() - 7), want.q.tail(q.size() - 7), start.q.tail(q.size() - 7).cwiseAbs().maxCoeff());
     f.compare("velocity", state.v.head<6>(), want.v.head<6>(), 1);
-    f.compare("eta rate", state.v.tail(q.size() - 7), want.v.tail(q.size() - 7), start.v_dot.tail(q.size() - 7).cwiseAbs().maxCoeff() * 1e-2);
+    f.compare("eta rate", state.v.tail(q.size() - 7), want.v.tail(q.size() - 7),
+              start.v_dot.tail(q.size() - 7).cwiseAbs().maxCoeff() * 1e-2);
     f.compare("acceleration", state.v_dot, want.v_dot, start.v_dot.cwiseAbs().maxCoeff());
     if (state.lambda.size() > 0) f.compare("multipliers", state.lambda, matrix(entry.at("lambda")));
   }
