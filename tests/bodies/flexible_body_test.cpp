@@ -40,7 +40,16 @@ INSTANTIATE_TEST_SUITE_P(Frames, FlexibleBodyKinds,
                          testing::Values(Case{"frameA", 9}, Case{"frameB", 9, true}, Case{"frameC", 4},
                                          Case{"hinge", 9}, Case{"clamp", 6}, Case{"mean axes", 9},
                                          Case{"mean axes", 5, true}, Case{"frameA", 0}, Case{"frameA", kAllNodal},
-                                         Case{"clamp", kAllNodal}));
+                                         Case{"clamp", kAllNodal}),
+                         [](const auto& test) {
+                           std::string name =
+                               test.param.frame +
+                               (test.param.modes == kAllNodal ? "_nodal" : "_" + std::to_string(test.param.modes)) +
+                               (test.param.damped ? "_damped" : "");
+                           for (char& c : name)
+                             if (c == ' ') c = '_';
+                           return name;
+                         });
 
 TEST(RigidBody, owes_what_every_body_owes) {
   SystemGraph graph{{.gravity = {1, 2, -9.81}}};
