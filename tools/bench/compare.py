@@ -72,8 +72,9 @@ def measure(timed, counted):
         by_size[program] = [(size, found[size]["us_per_step"]) for size in SIZES]
 
     # Both must have solved the same equations to the same point.
-    tight = {program: run(timed, program, "--T", 2, "--newton", 1e-13, "--repeat", 1)
-             for program in ("limit_flexible", "pendulum")}
+    tight = {program: run(timed, program, *arguments, "--T", 2, "--newton", 1e-13, "--repeat", 1)
+             for program, arguments in (("limit_chain", ("--n", 16)), ("chain", ("--n", 16)),
+                                        ("limit_flexible", ()), ("pendulum", ()))}
 
     count = {
         "limit_chain": per_step(counted / "limit_chain", ["--n", str(n)], 10),
@@ -113,7 +114,7 @@ def measure(timed, counted):
             "flexible_over_limit": count["pendulum"]["instructions_per_step"] /
                                    count["limit_flexible"]["instructions_per_step"],
         },
-        "same_answer_m": {"chain": distance(rows["chain"], rows["limit_chain"]),
+        "same_answer_m": {"chain": distance(tight["chain"], tight["limit_chain"]),
                           "flexible": distance(tight["pendulum"], tight["limit_flexible"])},
         "us_per_step_by_links": {program: dict(points) for program, points in by_size.items()},
         "runs": rows,
@@ -138,7 +139,7 @@ pendulum, nine modes     {s['us_per_flexible_step']:.3f} us a step, {s['flexible
                          {count['flexible_per_step']:.0f} instructions a step, {count['flexible_over_limit']:.2f} times
 4,320 or 16 elements     {mesh['time_ratio']:.4f} in time, {mesh['instruction_ratio']:.4f} in instructions a step, \
 {mesh['instruction_ratio_per_iteration']:.4f} an iteration
-same answers within      {s['same_answer_m']['chain']:.1e} m (chain), {s['same_answer_m']['flexible']:.1e} m (pendulum, 2 s, Newton to 1e-13)""")
+same answers within      {s['same_answer_m']['chain']:.1e} m (tip of 16 links), {s['same_answer_m']['flexible']:.1e} m (pendulum); 2 s, Newton to 1e-13""")
 
 
 def main():

@@ -63,7 +63,7 @@ struct Cost {
     const double n = static_cast<double>(steps);
     std::printf(
         "\"us_per_step\": %.5g, \"newton_iterations_per_step\": %.5g, \"factorizations_per_step\": %.5g, "
-        "\"steps\": %ld, \"tip\": [%.12g, %.12g, %.12g]",
+        "\"steps\": %ld, \"tip\": [%.16g, %.16g, %.16g]",
         microseconds_per_step(), static_cast<double>(newton_iterations) / n, static_cast<double>(factorizations) / n,
         steps, tip[0], tip[1], tip[2]);
   }
