@@ -36,4 +36,4 @@ echo
 echo "Charts:"
 find results -newer "$marker" -type f \( "${charts[@]}" \) | sort | sed 's/^/  /'
 echo "Other results:"
-find results -newer "$marker" -type f ! \( "${charts[@]}" \) | sort | sed 's/^/  /'
+find results -newer "$marker" -type f ! \( "${charts[@]}" \) ! -name '*.vtu' | sort | sed 's/^/  /'
