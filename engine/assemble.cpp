@@ -31,13 +31,18 @@ class SystemBuilder {
       throw SceneError("the scene has no body", "assemble", "add one: graph.add<RigidBody>(\"name\", {...})");
     lay_out();
     gather_markers();
+    gather_angles();
     initialize_connectors();
+    find_velocity_rows();
     plan_blocks();
     fill_batches();
     if (options_.start == AssembleOptions::Start::as_drawn) {
-      system_.initial_ = {0, q_, v_, VectorX::Zero(v_.size()), VectorX::Zero(system_.layout_.row_count())};
+      system_.initial_ = {0, q_, v_, VectorX::Zero(v_.size()), VectorX::Zero(system_.layout_.row_count()),
+                          system_.initial_.quadrants};
+      count_quadrants();
       return std::move(system_);
     }
+    count_quadrants();
     find_redundant_rows();
     make_initial_state();
     report();
@@ -79,6 +84,41 @@ class SystemBuilder {
     for (const auto& f : graph_.forces())
       for (const Marker& m : f.markers) use(m);
     system_.marker_count_ = static_cast<int>(used_.size());
+  }
+
+  /// Measured angles, in the order of constraints, then forces.
+  void gather_angles() {
+    const auto gather = [&](const Connector& connector, const std::vector<Marker>& markers) {
+      system_.first_angles_.push_back(static_cast<int>(system_.angles_.size()));
+      for (const MeasuredAngle& a : connector.angles()) {
+        const Marker &A = markers[a.A], &B = markers[a.B];
+        system_.angles_.push_back(
+            {used_.at({A.body, A.index}).place, used_.at({B.body, B.index}).place, a.axis, a.to_point, A, B});
+      }
+    };
+    // Counted from the drawing on, where initialize() measures too: half a turn gets the same sign.
+    for (const auto& c : graph_.constraints()) gather(*c.constraint, c.markers);
+    for (const auto& f : graph_.forces()) gather(*f.force, f.markers);
+    system_.initial_.quadrants.setZero(static_cast<int>(system_.angles_.size()));
+  }
+
+  /// Angles of q_: as drawn first, then followed onto the constraints.
+  void count_quadrants() {
+    if (system_.angles_.empty()) return;
+    Assembler assembler(system_);
+    assembler.evaluate(0, q_, v_, Level::position);
+    assembler.track(system_.initial_.quadrants);
+  }
+
+  void find_velocity_rows() {
+    for (std::size_t i = 0; i < graph_.constraints().size(); ++i) {
+      const auto& c = graph_.constraints()[i];
+      const auto poses = drawn(c.markers);
+      ConstraintRows rows(static_cast<int>(poses.size()));
+      c.constraint->evaluate(0, connector::Views(poses.data(), static_cast<int>(poses.size())), rows);
+      for (int r = 0; r < rows.count(); ++r)
+        if (rows.on_velocity(r)) system_.velocity_rows_.push_back(system_.layout_.rows()[i].first + r);
+    }
   }
 
   MarkerKinematics kinematics(const Marker& m) {
@@ -161,6 +201,7 @@ class SystemBuilder {
       const auto& c = graph_.constraints()[i];
       const auto& rows = layout.rows()[i];
       ConnectorRecord record = connect(c.markers, rows.first, rows.count, -1);
+      record.first_angle = system_.first_angles_[i];
       if (couples(*c.constraint, drawn(c.markers))) add_couplings(record, couplings);
       constraint_records_.push_back(record);
     }
@@ -170,6 +211,8 @@ class SystemBuilder {
       const int compliant = rows > 0 ? b.reserve(rows) : -1;
       ConnectorRecord record = connect(f.markers, b.row_count, rows, compliant);
       record.energy = static_cast<int>(force_records_.size());
+      record.first_angle = system_.first_angles_[graph_.constraints().size() + force_records_.size()];
+      reactions_.push_back(reaction_of(*f.force, record));
       add_couplings(record, couplings);
       force_records_.push_back(record);
       b.row_count += rows;
@@ -237,6 +280,24 @@ class SystemBuilder {
     return record;
   }
 
+  ReactionRecord reaction_of(const ForceElement& force, const ConnectorRecord& record) {
+    ReactionRecord reaction{force.reaction_of(), {}, -1};
+    if (!reaction.joint) return reaction;
+    const auto& joints = graph_.constraints();
+    const auto at = std::find_if(joints.begin(), joints.end(),
+                                 [&](const auto& c) { return c.constraint == reaction.joint; });
+    if (at == joints.end())
+      throw SceneError("'" + force.name() + "' wants the reaction of a joint that is not in this scene", force.where(),
+                       "give a joint of the same graph");
+    BlockStructure& b = system_.blocks_;
+    reaction.record = constraint_records_[at - joints.begin()];
+    reaction.coupling = static_cast<int>(b.row_couplings.size());
+    b.row_couplings.push_back({record.rows, reaction.record.rows,
+                               b.reserve(b.rows[record.rows].count * b.rows[reaction.record.rows].count)});
+    system_.reacts_ = true;
+    return reaction;
+  }
+
   static void add_once(std::vector<std::pair<int, int>>& markers, int index, int place) {
     if (std::none_of(markers.begin(), markers.end(), [&](const auto& p) { return p.second == place; }))
       markers.emplace_back(index, place);
@@ -289,7 +350,7 @@ class SystemBuilder {
       const auto& entry = graph_.forces()[i];
       const auto [it, fresh] = number.try_emplace(entry.type, static_cast<int>(batches.forces.size()));
       if (fresh) batches.forces.push_back(entry.make_batch());
-      batches.forces[it->second]->add(*entry.force, force_records_[i]);
+      batches.forces[it->second]->add(*entry.force, force_records_[i], reactions_[i]);
     }
   }
 
@@ -320,6 +381,46 @@ class SystemBuilder {
     return sum;
   }
 
+  /// Rows that depend on others a small way from q_, along motions which the rows that are independent at q_ admit.
+  std::vector<int> dependent_nearby(double tolerance) {
+    constexpr double kMove = 3e-3;  // rad, or m beside the reach of the largest body
+    const Layout& layout = system_.layout_;
+    Assembler assembler(system_);
+    VectorX move = VectorX::Zero(v_.size()), force = move, rows = VectorX::Zero(layout.row_count());
+    const VectorX still = move, no_load = rows;
+    assembler.evaluate(0, q_, still, Level::velocity);
+    double reach = 0;
+    for (const MarkerKinematics& marker : assembler.work_.markers) reach = std::max(reach, marker.r.norm());
+    if (reach == 0) reach = 1;
+    // 1. Any motion, and what of it the rows admit: x with M x + Gᵀ y = M move, G x = 0.
+    for (const auto& b : layout.bodies())
+      if (b.frame)
+        for (int i = 0; i < 6; ++i) move[b.v + i] = std::sin(1 + 2.4 * (b.v + i)) * (i < 3 ? reach : 1);
+    assembler.residual(move, no_load, force);
+    VectorX load(force.size());
+    assembler.residual(still, no_load, load);
+    force -= load;
+    assembler.form({0, 0, 1}, still, no_load, nullptr);
+    const auto dropped =
+        assembler.factor_.factorize_revealing(assembler.work_.values, row_compliances(assembler), tolerance);
+    assembler.solve(force, rows);
+    double size = 0;
+    for (const auto& b : layout.bodies())
+      if (b.frame)
+        size = std::max({size, force.segment<3>(b.v).cwiseAbs().maxCoeff() / reach,
+                         force.segment<3>(b.v + 3).cwiseAbs().maxCoeff()});
+    if (size < 1e-9) return dropped;  // nothing can move
+    VectorX q = q_;
+    force *= kMove / size;
+    layout.retract(q_, force, q);
+    // 2. Back onto those rows; what was truly redundant holds there too.
+    if (!Projector(assembler).position(0, q, 1e-10 * (1 + reach), 20).converged) return dropped;
+    assembler.evaluate(0, q, still, Level::velocity);
+    assembler.form({0, 0, 1}, still, no_load, nullptr);
+    assembler.factor_.drop_rows({});
+    return assembler.factor_.factorize_revealing(assembler.work_.values, row_compliances(assembler), tolerance);
+  }
+
   void find_redundant_rows() {
     if (system_.layout_.row_count() == 0) return;
     constexpr double kDependent = 1e-9;  // squared sine of the angle to the other rows
@@ -327,8 +428,20 @@ class SystemBuilder {
     const VectorX still = VectorX::Zero(v_.size()), no_load = VectorX::Zero(system_.layout_.row_count());
     assembler.evaluate(0, q_, still, Level::velocity);
     assembler.form({0, 0, 1}, still, no_load, nullptr);
-    const std::vector<int> dependent =
+    std::vector<int> dependent =
         assembler.factor_.factorize_revealing(assembler.work_.values, row_compliances(assembler), kDependent);
+    if (!dependent.empty()) {
+      // A pose that is singular by chance looks the same; out of it, its rows are needed.
+      const std::vector<int> nearby = dependent_nearby(kDependent);
+      if (nearby.size() < dependent.size()) {
+        log::warn("the start is a singular position: " + std::to_string(dependent.size() - nearby.size()) +
+                  " of its rows lose rank there alone\n  mend: none needed where velocities tell the branch to follow; "
+                  "accelerations at t = 0 are not unique.");
+        dependent = nearby;
+        assembler.factor_.drop_rows(dependent);
+        assembler.factorize({0, 0, 1}, still, no_load, nullptr);
+      }
+    }
     for (int row : dependent) system_.redundant_.push_back({row, system_.layout_.row_name(row), ""});
     // Which row each of them repeats: the largest partner in its null vector z, Gᵀ z = 0.
     VectorX rv = still, rl = no_load;
@@ -391,7 +504,10 @@ class SystemBuilder {
         log::warn("velocities were made consistent, most: " + layout.velocity_name(where) + " from " +
                   std::to_string(v_drawn[where]) + " to " + std::to_string(v_[where]));
     }
-    system_.initial_ = {0, q_, v_, VectorX::Zero(v_.size()), VectorX::Zero(layout.row_count())};
+    system_.initial_ = {0, q_, v_, VectorX::Zero(v_.size()), VectorX::Zero(layout.row_count()),
+                        system_.initial_.quadrants};
+    count_quadrants();
+    assembler.recall(system_.initial_.quadrants);
     projector.accelerations(0, q_, v_, system_.initial_.v_dot, system_.initial_.lambda);
     if (!system_.initial_.v_dot.allFinite())
       throw SceneError("the accelerations at t = 0 are no numbers", "assemble",
@@ -417,6 +533,7 @@ class SystemBuilder {
   std::vector<BodyRecord> records_;
   std::vector<std::pair<int, int>> ground_markers_;
   std::vector<ConnectorRecord> constraint_records_, force_records_;
+  std::vector<ReactionRecord> reactions_;
   std::vector<int> batch_sizes_;
 };
 

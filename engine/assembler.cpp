@@ -16,6 +16,8 @@ Assembler::Assembler(const System& system) : system_(system), factor_(system.blo
   for (VectorX* x : {&work_.residual, &work_.rate, &work_.bias}) x->setZero(rows);
   for (VectorX* x : {&work_.tension, &work_.row_stiffness, &work_.row_damping}) x->setZero(compliant);
   work_.load.setZero(layout.v_count());
+  work_.quadrants = system.initial_.quadrants;
+  work_.quadrants.conservativeResize(static_cast<int>(system.angles_.size()));
   work_.force_energy.setZero(static_cast<int>(system.graph().forces().size()));
   for (const auto& batch : system.batches_.bodies) caches_.push_back(batch->make_caches());
   unknowns_.setZero(layout.v_count() + rows + compliant);
@@ -23,6 +25,53 @@ Assembler::Assembler(const System& system) : system_(system), factor_(system.blo
   zero_rows_.setZero(rows);
   for (const RedundantRow& r : system.redundant_) redundant_rows_.push_back(r.row);
   factor_.drop_rows(redundant_rows_);
+}
+
+void Assembler::recall(const VectorX& quadrants) {
+  if (quadrants.size() == work_.quadrants.size()) work_.quadrants = quadrants;
+}
+
+/// The quadrants in which (cos, sin) lies, as a number that grows with the angle: exact at every quarter turn and never
+/// far off between, at the price of a division. With it the turn count needs no arc tangent a step.
+void Assembler::track(VectorX& quadrants) const {
+  quadrants.resize(work_.quadrants.size());
+  for (std::size_t i = 0; i < system_.angles_.size(); ++i) {
+    const System::Angle& angle = system_.angles_[i];
+    const MarkerKinematics &A = work_.markers[angle.A], &B = work_.markers[angle.B];
+    const int next = (angle.axis + 1) % 3;
+    const Vector3 u = angle.to_point ? Vector3(B.p - A.p) : Vector3(B.R.col(next));
+    const double c = u.dot(A.R.col(next)), s = u.dot(A.R.col((angle.axis + 2) % 3));
+    const double sum = std::abs(c) + std::abs(s);
+    const double part = sum > 0 ? s / sum : 0, within = c >= 0 ? part : std::copysign(2, s) - part;
+    // Half a turn from zero keeps its sign, as initialize() measured it: ties go to even, here no turn.
+    quadrants[i] = within + 4 * std::nearbyint((work_.quadrants[i] - within) / 4);
+  }
+}
+
+const double* Assembler::quadrants_of(const Connector& connector) const {
+  const SystemGraph& graph = system_.graph();
+  std::size_t i = 0;
+  while (i < graph.constraints().size() && graph.constraints()[i].constraint != &connector) ++i;
+  if (i == graph.constraints().size())
+    while (i - graph.constraints().size() < graph.forces().size() &&
+           graph.forces()[i - graph.constraints().size()].force != &connector)
+      ++i;
+  return work_.quadrants.data() + system_.first_angles_.at(i);
+}
+
+int Assembler::find_angle(const JointCoordinate& x) const {
+  for (std::size_t i = 0; i < system_.angles_.size(); ++i) {
+    const System::Angle& a = system_.angles_[i];
+    if (a.of_A == x.A && a.of_B == x.B && a.axis == x.axis &&
+        a.to_point == (x.kind == JointCoordinate::Kind::bearing))
+      return static_cast<int>(i);
+  }
+  return -1;
+}
+
+void Assembler::react(ConstVectorRef lambda) {
+  if (!system_.reacts_) return;
+  for (const auto& batch : system_.batches_.forces) batch->react(work_, system_.blocks_, lambda.data());
 }
 
 void Assembler::evaluate(double time, ConstVectorRef q, ConstVectorRef v, Level level) {
@@ -43,6 +92,7 @@ void Assembler::residual(ConstVectorRef v_dot, ConstVectorRef lambda, VectorRef 
     r = -work_.load;
   for (std::size_t b = 0; b < caches_.size(); ++b)
     system_.batches_.bodies[b]->add_residual(work_, *caches_[b], v_dot.data(), r.data());
+  react(lambda);
   add_row_forces(lambda.data(), work_.tension.data(), r.data());
 }
 
@@ -118,8 +168,9 @@ void Assembler::form(const TangentWeights& weights, ConstVectorRef v_dot, ConstV
   if (weights.position != 0) {
     for (const auto& batch : system_.batches_.constraints)
       batch->add_stiffness(work_, blocks, weights.position, lambda.data());
-    for (const auto& batch : system_.batches_.forces) batch->add_stiffness(work_, blocks, weights.position);
   }
+  if (weights.position != 0 || weights.velocity != 0)
+    for (const auto& batch : system_.batches_.forces) batch->add_tangent(work_, blocks, weights);
   const int rows = static_cast<int>(work_.residual.size());
   for (const auto& row : blocks.rows) {
     if (row.compliant < 0) continue;
@@ -129,6 +180,8 @@ void Assembler::form(const TangentWeights& weights, ConstVectorRef v_dot, ConstV
       values[row.compliant + i] = stiffness == 0 ? -1e30 : -1 / stiffness;  // no stiffness: the row gives way
     }
   }
+  if (system_.reacts_)
+    for (const auto& batch : system_.batches_.forces) batch->write_reaction_tangent(work_, blocks, lambda.data());
 }
 
 void Assembler::factorize(const TangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
@@ -179,6 +232,9 @@ void Assembler::visit_blocks(const std::function<void(int, int, ConstMatrixRef)>
     if (G.frame >= 0) both(G.velocity, View(values + G.values, row.count, 6));
     if (G.linear >= 0) both(b.linears[G.linear].v, View(values + G.linear_values, row.count, b.linears[G.linear].size));
   }
+  for (const auto& c : b.row_couplings)
+    visit(b.velocity_count + b.rows[c.rows].first, b.velocity_count + b.rows[c.on].first,
+          View(values + c.values, b.rows[c.rows].count, b.rows[c.on].count));
   for (const auto& row : b.rows)
     for (int i = 0; row.compliant >= 0 && i < row.count; ++i)
       visit(b.velocity_count + row.first + i, b.velocity_count + row.first + i, View(values + row.compliant + i, 1, 1));

@@ -5,6 +5,7 @@
 
 #include "engine/block_factor.h"
 #include "engine/equations_of_motion.h"
+#include "engine/joint_coordinate.h"
 #include "engine/system.h"
 #include "engine/workspace.h"
 
@@ -17,6 +18,10 @@ class Assembler final : public EquationsOfMotion {
 
   const Layout& layout() const override { return system_.layout(); }
   const std::vector<int>& redundant_rows() const override { return redundant_rows_; }
+  bool reacts() const override { return system_.reacts_; }
+  const std::vector<int>& velocity_rows() const override { return system_.velocity_rows(); }
+  void recall(const VectorX& quadrants) override;
+  void track(VectorX& quadrants) const override;
   void evaluate(double time, ConstVectorRef q, ConstVectorRef v, Level level) override;
   void residual(ConstVectorRef v_dot, ConstVectorRef lambda, VectorRef r) override;
   void constraint(Level which, VectorRef out) const override;
@@ -31,6 +36,13 @@ class Assembler final : public EquationsOfMotion {
   MarkerKinematics marker(Marker marker, Level level);
   BodyEnergy energy();                     // of all bodies and force elements (theirs counts as elastic)
   const Workspace& workspace() const { return work_; }
+
+  /// Sets the tensions that joints' reactions make (friction), where no residual() has done so for this lambda.
+  void react(ConstVectorRef lambda);
+  /// A connector's own part of the quadrants.
+  const double* quadrants_of(const Connector& connector) const;
+  /// Place of an angle in State::quadrants; -1 if no connector of the system measures it.
+  int find_angle(const JointCoordinate& coordinate) const;
 
   /// Adds Gᵀ lambda's null part out: the multipliers of least norm with the same Gᵀ lambda. Does nothing without
   /// redundant rows. Factorises M at the state evaluated last.

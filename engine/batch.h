@@ -37,6 +37,7 @@ class BodyBatch {
 struct ConnectorRecord {
   int first_row, rows;             // rows vertex index in BlockStructure::rows
   int energy = -1;                 // force elements: index into Workspace::force_energy
+  int first_angle = 0;             // of the connector's measured angles, in Workspace::quadrants
   int slot_count = 0;
   MarkerSlot slots[kMaxMarkers];
 };
@@ -51,13 +52,25 @@ class ConstraintBatch {
   virtual void add_stiffness(Workspace&, const BlockStructure&, double weight, const double* lambda) const = 0;
 };
 
+/// The joint whose reaction a force element wants.
+struct ReactionRecord {
+  const Constraint* joint = nullptr;  // null: none
+  ConnectorRecord record;             // of the joint
+  int coupling = -1;                  // index into BlockStructure::row_couplings
+};
+
 /// All force elements of one type.
 class ForceBatch {
  public:
   virtual ~ForceBatch() = default;
-  virtual void add(const ForceElement& force, ConnectorRecord record) = 0;
+  virtual void add(const ForceElement& force, ConnectorRecord record, ReactionRecord reaction) = 0;
   virtual void evaluate(Workspace&, const BlockStructure&) const = 0;
-  virtual void add_stiffness(Workspace&, const BlockStructure&, double weight) const = 0;
+  /// Adds the derivatives of loads by positions and velocities, and of the directions of loaded rows, as weighted.
+  virtual void add_tangent(Workspace&, const BlockStructure&, const TangentWeights&) const = 0;
+  /// Tensions that joints' reactions make (friction), for these multipliers.
+  virtual void react(Workspace&, const BlockStructure&, const double* lambda) const = 0;
+  /// Their derivatives by the multipliers; the diagonals of the rows' compliance are there.
+  virtual void write_reaction_tangent(Workspace&, const BlockStructure&, const double* lambda) const = 0;
 };
 
 /// Made for a type where it is added to a graph (engine/batch_of.h); built-in types are instantiated in their own file.

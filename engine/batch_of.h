@@ -119,6 +119,7 @@ class ConstraintBatchOf final : public ConstraintBatch {
     for (std::size_t i = 0; i < constraints_.size(); ++i) {
       const ConnectorRecord& record = records_[i];
       ConstraintRows rows(record.slot_count);
+      rows.recall(work.quadrants.data() + record.first_angle);
       connector::Views views(work.markers.data(), record);
       constraints_[i]->T::evaluate(work.time, views, rows);
       const int count = kRows > 0 ? kRows : rows.count();
@@ -151,6 +152,7 @@ class ConstraintBatchOf final : public ConstraintBatch {
       rows.collect_stiffness(multipliers, &K);
       Wrench load[kMaxMarkers];
       const auto evaluate = [&](connector::Views&& views, ConstraintRows& into, Wrench* out) {
+        into.recall(work.quadrants.data() + record.first_angle);
         constraints_[i]->T::evaluate(work.time, views, into);
         for (int m = 0; m < record.slot_count; ++m) {
           out[m] = {Vector3::Zero(), Vector3::Zero()};
@@ -163,8 +165,8 @@ class ConstraintBatchOf final : public ConstraintBatch {
       evaluate({work.markers.data(), record}, rows, load);
       if (rows.written()) {  // its wrenches are differenced over the markers' motions
         K.setZero();
-        connector::difference_stiffness(
-            work, record,
+        connector::difference(
+            work, record, Level::position,
             [&](const MarkerKinematics* markers, Wrench* out) {
               ConstraintRows moved(record.slot_count);
               evaluate({markers, record.slot_count}, moved, out);
@@ -185,9 +187,12 @@ class ConstraintBatchOf final : public ConstraintBatch {
 template <class T>
 class ForceBatchOf final : public ForceBatch {
  public:
-  void add(const ForceElement& force, ConnectorRecord record) override {
+  void add(const ForceElement& force, ConnectorRecord record, ReactionRecord reaction) override {
     forces_.push_back(static_cast<const T*>(&force));
     records_.push_back(record);
+    if (!reaction.joint) return;
+    reacting_.push_back(static_cast<int>(forces_.size()) - 1);
+    reactions_.push_back(reaction);
   }
 
   void evaluate(Workspace& work, const BlockStructure& blocks) const override {
@@ -196,8 +201,8 @@ class ForceBatchOf final : public ForceBatch {
     for (std::size_t i = 0; i < forces_.size(); ++i) {
       const ConnectorRecord& record = records_[i];
       ForceRows rows(record.slot_count);
-      connector::Views views(work.markers.data(), record);
-      forces_[i]->T::evaluate(work.time, views, rows);
+      if (!reactions_.empty()) rows.set_reaction({Vector3::Zero(), Vector3::Zero()});  // until react()
+      evaluate(work, i, rows);
       for (int r = 0; r < rows.count(); ++r) {
         const int at = record.first_row - constraints + r;
         work.tension[at] = rows.tension(r);
@@ -214,40 +219,104 @@ class ForceBatchOf final : public ForceBatch {
     }
   }
 
-  void add_stiffness(Workspace& work, const BlockStructure& blocks, double weight) const override {
+  void add_tangent(Workspace& work, const BlockStructure& blocks, const TangentWeights& weights) const override {
+    const int constraints = static_cast<int>(work.residual.size());
     for (std::size_t i = 0; i < forces_.size(); ++i) {
       const ConnectorRecord& record = records_[i];
-      const int n = record.slot_count;
-      double tension[kMaxRows];
-      const int first = record.first_row - static_cast<int>(work.residual.size());
+      const int n = record.slot_count, first = record.first_row - constraints;
       // Wrench on the left-hand side: tensions as they are now, loads with the opposite sign.
-      const auto evaluate = [&](const MarkerKinematics* markers, Wrench* out) {
+      bool loads = false;
+      const auto wrenches = [&](const MarkerKinematics* markers, Wrench* out) {
         ForceRows rows(n);
-        connector::Views views(markers, n);
-        forces_[i]->T::evaluate(work.time, views, rows);
-        for (int r = 0; r < rows.count(); ++r) tension[r] = work.tension[first + r];
+        rows.recall(work.quadrants.data() + record.first_angle);
+        rows.set_reaction({Vector3::Zero(), Vector3::Zero()});
+        forces_[i]->T::evaluate(work.time, connector::Views(markers, n), rows);
         for (int m = 0; m < n; ++m) {
           out[m] = {-rows.load(m).force, -rows.load(m).torque};
+          loads |= !connector::is_zero(out[m].force) || !connector::is_zero(out[m].torque);
           for (int r = 0; r < rows.count(); ++r) {
-            out[m].force += tension[r] * rows.wrench(r, m).force;
-            out[m].torque += tension[r] * rows.wrench(r, m).torque;
+            out[m].force += work.tension[first + r] * rows.wrench(r, m).force;
+            out[m].torque += work.tension[first + r] * rows.wrench(r, m).torque;
           }
         }
       };
-      MarkerKinematics here[kMaxMarkers];
-      for (int m = 0; m < n; ++m) here[m] = work.markers[record.slots[m].marker];
-      Wrench load[kMaxMarkers];
-      evaluate(here, load);
-      ConstraintRows::Stiffness K = ConstraintRows::Stiffness::Zero(6 * n, 6 * n);
-      connector::difference_stiffness(work, record, evaluate, K);
-      for (int m = 0; m < n; ++m) connector::add_load_stiffness(work, blocks, record.slots[m], load[m], weight);
-      connector::add_marker_stiffness(work, blocks, record, K, weight);
+      ConstraintRows::Stiffness K;
+      if (weights.position != 0) {
+        MarkerKinematics here[kMaxMarkers];
+        for (int m = 0; m < n; ++m) here[m] = work.markers[record.slots[m].marker];
+        Wrench load[kMaxMarkers];
+        wrenches(here, load);
+        K.setZero(6 * n, 6 * n);
+        connector::difference(work, record, Level::position, wrenches, K);
+        for (int m = 0; m < n; ++m)
+          connector::add_load_stiffness(work, blocks, record.slots[m], load[m], weights.position);
+        connector::add_marker_stiffness(work, blocks, record, K, weights.position);
+      }
+      if (weights.velocity != 0 && (loads || connector::kRowsOf<T> == 0)) {
+        K.setZero(6 * n, 6 * n);
+        connector::difference(work, record, Level::velocity, wrenches, K);
+        connector::add_marker_stiffness(work, blocks, record, K, weights.velocity);
+      }
+    }
+  }
+
+  void react(Workspace& work, const BlockStructure&, const double* lambda) const override {
+    const int constraints = static_cast<int>(work.residual.size());
+    for (std::size_t k = 0; k < reacting_.size(); ++k) {
+      const ConnectorRecord& record = records_[reacting_[k]];
+      ForceRows rows(record.slot_count);
+      evaluate_reacting(work, k, lambda, rows, nullptr);
+      for (int r = 0; r < rows.count(); ++r) {
+        work.tension[record.first_row - constraints + r] = rows.tension(r);
+        work.row_damping[record.first_row - constraints + r] = rows.damping(r);
+      }
+    }
+  }
+
+  void write_reaction_tangent(Workspace& work, const BlockStructure& blocks, const double* lambda) const override {
+    for (std::size_t k = 0; k < reacting_.size(); ++k) {
+      ForceRows rows(records_[reacting_[k]].slot_count);
+      ConstraintRows joint(reactions_[k].record.slot_count);
+      evaluate_reacting(work, k, lambda, rows, &joint);
+      // ∂σ/∂λ_j = -(∂σ/∂reaction) · W_j, over the row's compliance
+      const auto& coupling = blocks.row_couplings[reactions_[k].coupling];
+      const int compliant = blocks.rows[coupling.rows].compliant;
+      for (int j = 0; j < joint.count(); ++j)
+        for (int r = 0; r < rows.count(); ++r) {
+          const Wrench &by = rows.by_reaction(r), &W = joint.wrench(j, 1);
+          work.values[coupling.values + r + rows.count() * j] =
+              work.values[compliant + r] * (by.force.dot(W.force) + by.torque.dot(W.torque));
+        }
     }
   }
 
  private:
+  void evaluate(const Workspace& work, std::size_t i, ForceRows& rows) const {
+    rows.recall(work.quadrants.data() + records_[i].first_angle);
+    forces_[i]->T::evaluate(work.time, connector::Views(work.markers.data(), records_[i]), rows);
+  }
+
+  /// The k-th element that wants a reaction, with the reaction that the multipliers make: -Σ W λ.
+  void evaluate_reacting(const Workspace& work, std::size_t k, const double* lambda, ForceRows& rows,
+                         ConstraintRows* joint_rows) const {
+    const ReactionRecord& reaction = reactions_[k];
+    ConstraintRows own(reaction.record.slot_count);
+    ConstraintRows& joint = joint_rows ? *joint_rows : own;
+    joint.recall(work.quadrants.data() + reaction.record.first_angle);
+    reaction.joint->evaluate(work.time, connector::Views(work.markers.data(), reaction.record), joint);
+    Wrench sum{Vector3::Zero(), Vector3::Zero()};
+    for (int j = 0; j < joint.count(); ++j) {
+      sum.force -= lambda[reaction.record.first_row + j] * joint.wrench(j, 1).force;
+      sum.torque -= lambda[reaction.record.first_row + j] * joint.wrench(j, 1).torque;
+    }
+    rows.set_reaction(sum);
+    evaluate(work, reacting_[k], rows);
+  }
+
   std::vector<const T*> forces_;
   std::vector<ConnectorRecord> records_;
+  std::vector<int> reacting_;  // those that want a joint's reaction
+  std::vector<ReactionRecord> reactions_;
 };
 
 template <class T>

@@ -34,6 +34,8 @@ void BlockFactor::plan() {
     for (int a : block.rows())
       for (int b : block.rows())
         if (a < b) couplings.emplace_back(frames + a, frames + b);
+  for (const auto& c : s.row_couplings) couplings.emplace_back(frames + c.rows, frames + c.on);
+  guarded_ = has_loops(topology);
   const std::vector<int> order = elimination_order(topology, dimension, couplings);
 
   // Factor storage, found by (row vertex, column vertex) while planning only.
@@ -60,6 +62,9 @@ void BlockFactor::plan() {
     copies_.push_back({c.ba, block(c.b, c.a), -1, 6});
   }
   for (auto [a, b] : couplings) block(a, b), block(b, a);
+  for (const auto& c : s.row_couplings)
+    row_coupling_copies_.push_back(
+        {c.values, block(frames + c.rows, frames + c.on), s.rows[c.rows].count * s.rows[c.on].count});
   for (int r = 0; r < rows; ++r)
     if (s.rows[r].compliant >= 0)
       compliant_.insert(compliant_.end(), {diagonal_[frames + r], s.rows[r].compliant, s.rows[r].count});
@@ -119,6 +124,7 @@ void BlockFactor::plan() {
     ++cleared_.back().second;
   }
   is_dropped_.assign(s.row_count, 0);
+  compliance_.setZero(s.row_count);
 }
 
 void BlockFactor::drop_rows(const std::vector<int>& rows) {
@@ -141,6 +147,7 @@ void BlockFactor::load(const std::vector<double>& values) {
   for (std::size_t i = 0; i < compliant_.size(); i += 3)
     for (int r = 0, n = compliant_[i + 2]; r < n; ++r)
       blocks_[compliant_[i] + r * (n + 1)] = values[compliant_[i + 1] + r];
+  for (const RowCopy& c : row_coupling_copies_) std::copy_n(values.data() + c.from, c.count, blocks_.data() + c.to);
   if (!dropped_.empty()) clear_dropped();
   for (std::size_t l = 0; l < linear_.size(); ++l) {
     LinearBlock& linear = linear_[l];
@@ -186,9 +193,54 @@ void BlockFactor::eliminate(const Step& s) {
 
 void BlockFactor::factorize(const std::vector<double>& values) {
   load(values);
+  if (!guarded_) {
+    for (const Step& s : steps_) {
+      s.invert(blocks_.data() + s.diagonal, s.dimension);
+      eliminate(s);
+    }
+    return;
+  }
+  compliance_.setZero();
   for (const Step& s : steps_) {
+    if (s.first_row >= 0) guard(s);
     s.invert(blocks_.data() + s.diagonal, s.dimension);
     eliminate(s);
+    if (s.first_row < 0) add_compliances(s);
+  }
+}
+
+/// What this body adds to g S⁻¹ gᵀ of its rows: the scale on which their pivots are judged.
+void BlockFactor::add_compliances(const Step& s) {
+  for (int i = s.first_neighbour; i < s.last_neighbour; ++i) {
+    const Neighbour& n = neighbours_[i];
+    if (n.x < structure_.velocity_count) continue;
+    const double *g = blocks_.data() + n.row_block, *moved = blocks_.data() + n.column_block;
+    double* sum = compliance_.data() + n.x - structure_.velocity_count;
+    for (int r = 0; r < n.dimension; ++r)
+      for (int k = 0; k < s.dimension; ++k) sum[r] += std::abs(g[r + n.dimension * k] * moved[k + s.dimension * r]);
+  }
+}
+
+/// Gaussian elimination on a copy of minus the pivot block: a pivot that is round-off gets a little compliance.
+void BlockFactor::guard(const Step& s) {
+  constexpr double kRoundOff = 1e-13, kGives = 1e-10;  // of the row's own compliance
+  constexpr int kLargest = 16;
+  const int n = s.dimension;
+  if (n > kLargest) return;
+  double A[kLargest * kLargest];
+  double* P = blocks_.data() + s.diagonal;
+  for (int i = 0; i < n * n; ++i) A[i] = -P[i];
+  for (int p = 0; p < n; ++p) {
+    const double reference = compliance_[s.first_row + p];
+    if (std::abs(A[p + n * p]) < kRoundOff * reference) {
+      A[p + n * p] += kGives * reference;
+      P[p + n * p] -= kGives * reference;
+    }
+    const double inverse = 1 / A[p + n * p];
+    for (int i = p + 1; i < n; ++i) {
+      const double f = A[i + n * p] * inverse;
+      for (int k = p + 1; k < n; ++k) A[i + n * k] -= f * A[p + n * k];
+    }
   }
 }
 

@@ -17,6 +17,8 @@ class BlockFactor {
 
   /// Leaves rows (by number) out from the next factorisation on: their solution is zero.
   void drop_rows(const std::vector<int>& rows);
+  /// Where closed loops pass a singular position and a row's pivot is round-off, that row gives way a little: the
+  /// solution stays finite, and Newton or the next step, off that position, puts it right.
   void factorize(const std::vector<double>& values);
   /// In place; x holds velocities, then rows.
   void solve(double* x) const;
@@ -48,10 +50,16 @@ class BlockFactor {
     int from, to, to_transposed, rows;
   };
 
+  struct RowCopy {  // of a coupling of rows: `count` values
+    int from, to, count;
+  };
+
   void plan();
   void load(const std::vector<double>& values);
   void clear_dropped();
   void eliminate(const Step& step);
+  void add_compliances(const Step& step);
+  void guard(const Step& step);
 
   const BlockStructure& structure_;
   std::vector<LinearBlock> linear_;
@@ -60,9 +68,12 @@ class BlockFactor {
   std::vector<Update> updates_;
   std::vector<Copy> copies_;
   std::vector<std::pair<int, int>> cleared_;     // first, count: what no copy fills
+  std::vector<RowCopy> row_coupling_copies_;
   std::vector<int> compliant_;                   // factor diagonal, values index, count: triples
   std::vector<std::vector<int>> schur_targets_;  // of each linear block, by pairs of its parts
   std::vector<double> blocks_;
+  bool guarded_ = false;  // the graph has loops: rows may lose rank on the way
+  VectorX compliance_;    // g S⁻¹ gᵀ of each row, while a guarded factor is made
   std::vector<int> dropped_;
   std::vector<char> is_dropped_;
   std::vector<int> diagonal_;                  // of each vertex

@@ -35,11 +35,17 @@ struct BlockStructure {
     int a, b;         // frames, a < b; the list is sorted
     int ab, ba;       // 6 x 6 each
   };
+  /// What the tension of compliant rows owes to a joint's multipliers (friction), over the diagonal of C.
+  struct RowCoupling {
+    int rows, on;     // indices into rows
+    int values;       // count of rows x count of on
+  };
   std::vector<Frame> frames;
   std::vector<Linear> linears;
   std::vector<Rows> rows;
   std::vector<Jacobian> jacobians;
   std::vector<Coupling> couplings;
+  std::vector<RowCoupling> row_couplings;
   int value_count = 0, velocity_count = 0, row_count = 0;
 
   int reserve(int count) {

@@ -52,10 +52,11 @@ void add_load_stiffness(Workspace& work, const BlockStructure& blocks, const Mar
 void add_marker_stiffness(Workspace& work, const BlockStructure& blocks, const ConnectorRecord& record,
                           const ConstraintRows::Stiffness& K, double weight);
 
-/// ∂w/∂(marker motions) by central differences; `wrenches(markers, w)` fills one wrench a marker.
+/// ∂w/∂(marker motions) by central differences (Level::position), or ∂w/∂(marker velocities); `wrenches(markers, w)`
+/// fills one wrench a marker.
 template <class WrenchesOf>
-void difference_stiffness(const Workspace& work, const ConnectorRecord& record, WrenchesOf&& wrenches,
-                          ConstraintRows::Stiffness& K) {
+void difference(const Workspace& work, const ConnectorRecord& record, Level by, WrenchesOf&& wrenches,
+                ConstraintRows::Stiffness& K) {
   MarkerKinematics moved[kMaxMarkers];
   const int n = record.slot_count;
   for (int m = 0; m < n; ++m) moved[m] = work.markers[record.slots[m].marker];
@@ -67,11 +68,13 @@ void difference_stiffness(const Workspace& work, const ConnectorRecord& record, 
     for (int a = 0; a < 6; ++a) {
       const MarkerKinematics kept = moved[m];
       const double step = a < 3 ? shift : turn;
-      const auto displaced = [&](double by, Wrench* out) {
-        if (a < 3)
-          moved[m].p[a] = kept.p[a] + by;
+      const auto displaced = [&](double d, Wrench* out) {
+        if (by == Level::velocity)
+          (a < 3 ? moved[m].v[a] : moved[m].w[a - 3]) += d;
+        else if (a < 3)
+          moved[m].p[a] = kept.p[a] + d;
         else
-          moved[m].R = rotation_exp(by * Vector3::Unit(a - 3)) * kept.R;
+          moved[m].R = rotation_exp(d * Vector3::Unit(a - 3)) * kept.R;
         wrenches(moved, out);
         moved[m] = kept;
       };

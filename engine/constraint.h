@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "engine/element.h"
+#include "engine/connector.h"
 #include "engine/marker.h"
 
 namespace lithe {
@@ -17,7 +17,7 @@ inline constexpr int kMaxRows = 12;
 /// The rows of one joint at one state: residual g, the wrench W of a unit multiplier on each marker, the rate ∂g/∂t and
 /// the velocity terms of the second derivative:  g_dot = Σ W·V + rate,  g_dotdot = Σ W·V_dot + bias,  V = (v, w) of the
 /// markers, summed over them. What the markers' own accelerations owe to velocities is the engine's business.
-class ConstraintRows {
+class ConstraintRows : public AngleMemory {
  public:
   explicit ConstraintRows(int markers) : markers_(markers) {}
 
@@ -30,10 +30,27 @@ class ConstraintRows {
     finish(residual, bias, rate);
   }
 
+  /// A row on velocities alone, nonholonomic: g_dot = Σ W·V + rate = 0 where no g exists (rolling). Which of a joint's
+  /// rows are such must not change.
+  void add_velocity(std::initializer_list<Wrench> wrenches, double bias, double rate = 0) {
+    velocity_[count_] = true;
+    add(0, wrenches, bias, rate);
+  }
+
   /// Opens a row with no wrench anywhere; for the composed rows below.
   Wrench* open() {
     for (int m = 0; m < markers_; ++m) set(m, {Vector3::Zero(), Vector3::Zero()});
     return wrench_[count_];
+  }
+  /// Opens a row on velocities alone.
+  Wrench* open_velocity() {
+    velocity_[count_] = true;
+    return open();
+  }
+  /// Closes an open row that brings no stiffness of its own: it is differenced.
+  void finish_written(double residual, double bias, double rate = 0) {
+    written_ = true;
+    finish(residual, bias, rate);
   }
   void finish(double residual, double bias, double rate = 0) {
     residual_[count_] = residual;
@@ -51,12 +68,12 @@ class ConstraintRows {
 
   /// Multiplier of the row being written, while the stiffness of loaded joints is collected; else null stiffness().
   double multiplier() const { return multipliers_[count_]; }
+  const double* multipliers() const { return multipliers_; }  // of all rows
   /// ∂(Σ_rows W λ)/∂(marker motions), 6 rows and columns a marker (translation, rotation; world axes).
   using Stiffness = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6 * kMaxMarkers, 6 * kMaxMarkers>;
   Stiffness* stiffness() const { return stiffness_; }
 
   // The engine's side.
-  void clear() { count_ = 0, written_ = false; }
   void collect_stiffness(const double* multipliers, Stiffness* into) { multipliers_ = multipliers, stiffness_ = into; }
   int count() const { return count_; }
   bool written() const { return written_; }
@@ -64,27 +81,26 @@ class ConstraintRows {
   double residual(int row) const { return residual_[row]; }
   double bias(int row) const { return bias_[row]; }
   double rate(int row) const { return rate_[row]; }
+  bool on_velocity(int row) const { return velocity_[row]; }
 
  private:
   void set(int marker, const Wrench& w) { wrench_[count_][marker] = w; }
 
   int markers_, count_ = 0;
   bool written_ = false;
+  bool velocity_[kMaxRows] = {};
   const double* multipliers_ = nullptr;
   Stiffness* stiffness_ = nullptr;
   Wrench wrench_[kMaxRows][kMaxMarkers];
   double residual_[kMaxRows], bias_[kMaxRows], rate_[kMaxRows];
 };
 
-/// Rows that tie bodies, holonomic: g(q, t) = 0. Knows markers, never bodies.
-class Constraint : public Element {
+/// Rows that tie bodies: g(q, t) = 0, or g_dot = 0 alone. Knows markers, never bodies.
+class Constraint : public Connector {
  public:
-  virtual int marker_count() const = 0;
   virtual int row_count() const = 0;
   /// Writes the rows of one state. Constant size, no allocation.
   virtual void evaluate(double time, std::span<const MarkerView> markers, ConstraintRows& rows) const = 0;
-  /// Called once by assemble() with the markers as drawn: for what the drawing fixes (a distance, an offset).
-  virtual void initialize(std::span<const MarkerView> /*markers*/) {}
 };
 
 /// A constraint with its numbers of markers and rows known to the compiler.

@@ -18,8 +18,16 @@ class EquationsOfMotion {
   virtual const Layout& layout() const = 0;
   /// Rows that repeat others, sorted: borne by solve(), to be left out by codes that factorise for themselves.
   virtual const std::vector<int>& redundant_rows() const = 0;
+  /// Whether f depends on lambda (friction by reactions).
+  virtual bool reacts() const = 0;
+  /// Rows on velocities alone (rolling), sorted: their g is zero always.
+  virtual const std::vector<int>& velocity_rows() const = 0;
+  /// The whole turns of the angles that joints measure: taken over from a state that evaluations will be near, and
+  /// brought up to the state evaluated last. Integrator does both, a step.
+  virtual void recall(const VectorX& quadrants) = 0;
+  virtual void track(VectorX& quadrants) const = 0;
   virtual void evaluate(double time, ConstVectorRef q, ConstVectorRef v, Level level) = 0;
-  /// r = M v_dot + Gᵀ lambda - f. Needs Level::velocity.
+  /// r = M v_dot + Gᵀ lambda - f; f knows lambda where joints rub. Needs Level::velocity.
   virtual void residual(ConstVectorRef v_dot, ConstVectorRef lambda, VectorRef r) = 0;
   /// g (Level::position), g_dot = G v + ∂g/∂t (velocity), or gamma with G v_dot = gamma (acceleration).
   virtual void constraint(Level which, VectorRef out) const = 0;

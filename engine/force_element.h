@@ -4,7 +4,6 @@
 #include <span>
 
 #include "engine/constraint.h"
-#include "engine/element.h"
 #include "engine/marker.h"
 
 namespace lithe {
@@ -13,9 +12,11 @@ namespace lithe {
 /// like the rows of a joint with a multiplier that is a law of the row's own length and speed:
 ///   length' = Σ W·V,   generalized force = -Σ Jᵀ W σ(length, length').
 /// Rows keep stiff springs out of the bodies' blocks: Newton solves them as constraints with compliance.
-class ForceRows {
+class ForceRows : public AngleMemory {
  public:
-  explicit ForceRows(int markers) : markers_(markers) { clear(); }
+  explicit ForceRows(int markers) : markers_(markers) {
+    for (int m = 0; m < markers_; ++m) load_[m] = {Vector3::Zero(), Vector3::Zero()};
+  }
 
   void add_load(const MarkerView& marker, const Wrench& w) {
     load_[marker.index].force += w.force;
@@ -31,12 +32,25 @@ class ForceRows {
     ++count_;
   }
   void add_energy(double energy) { energy_ += energy; }
+  /// Opens a row whose wrenches, one a marker, are all to be filled; and ends it.
+  Wrench* open() { return wrench_[count_]; }
+  void finish(double tension, double stiffness, double damping) {
+    tension_[count_] = tension, stiffness_[count_] = stiffness, damping_[count_] = damping;
+    ++count_;
+  }
+
+  /// What the joint named by ForceElement::reaction_of() does to the body at its second marker, about that marker's
+  /// point: force and moment, world axes.
+  const Wrench& reaction() const { return reaction_; }
+  /// The last row's tension also depends on that reaction: its derivatives ∂σ/∂force, ∂σ/∂moment.
+  void depends_on_reaction(const Wrench& by) { by_reaction_[count_ - 1] = by; }
 
   // The engine's side.
-  void clear() {
-    count_ = 0, energy_ = 0;
-    for (int m = 0; m < markers_; ++m) load_[m] = {Vector3::Zero(), Vector3::Zero()};
+  void set_reaction(const Wrench& reaction) {
+    reaction_ = reaction;
+    for (Wrench& w : by_reaction_) w = {Vector3::Zero(), Vector3::Zero()};
   }
+  const Wrench& by_reaction(int row) const { return by_reaction_[row]; }
   int count() const { return count_; }
   const Wrench& load(int marker) const { return load_[marker]; }
   const Wrench& wrench(int row, int marker) const { return wrench_[row][marker]; }
@@ -51,16 +65,16 @@ class ForceRows {
   Wrench load_[kMaxMarkers];
   Wrench wrench_[kMaxRows][kMaxMarkers];
   double tension_[kMaxRows], stiffness_[kMaxRows], damping_[kMaxRows];
+  Wrench reaction_, by_reaction_[kMaxRows];
 };
 
 /// Wrenches at markers, and their potential where they have one.
-class ForceElement : public Element {
+class ForceElement : public Connector {
  public:
-  virtual int marker_count() const = 0;
   virtual int row_count() const = 0;  // compliant rows
   virtual void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const = 0;
-  /// Called once by assemble() with the markers as drawn: for what the drawing fixes (a natural length).
-  virtual void initialize(std::span<const MarkerView> /*markers*/) {}
+  /// The joint whose reaction this element wants (friction); null: none. Such an element acts by rows, not by loads.
+  virtual const Constraint* reaction_of() const { return nullptr; }
 };
 
 /// A force element with its numbers of markers and compliant rows known to the compiler.

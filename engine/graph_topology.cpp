@@ -96,6 +96,13 @@ std::vector<int> islands(const Topology& t) {
   return component;
 }
 
+bool has_loops(const Topology& t) {
+  const Graph graph = bipartite(t);
+  std::vector<int> component(boost::num_vertices(graph));
+  const int components = boost::connected_components(graph, component.data());
+  return static_cast<int>(boost::num_edges(graph) + components) > static_cast<int>(boost::num_vertices(graph));
+}
+
 std::vector<int> elimination_order(const Topology& t, const std::vector<int>& dimensions,
                                    const std::vector<std::pair<int, int>>& couplings) {
   const int bodies = t.body_count, n = bodies + static_cast<int>(t.ties.size());

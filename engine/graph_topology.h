@@ -15,6 +15,9 @@ struct Topology {
 /// Island number of each body: bodies that no chain of constraints connects (ground does not connect) differ.
 std::vector<int> islands(const Topology& topology);
 
+/// Whether any constraints close a loop (through ground counts too): only then can rows depend on each other's.
+bool has_loops(const Topology& topology);
+
 /// An order in which Gaussian elimination of [S Gᵀ; G 0] fills in little and never meets a zero block.
 /// Vertices: bodies, then constraints (body_count + c). Trees fill in nothing. `couplings`: pairs of bodies with a
 /// block of their own. A constraint is eliminated after all its bodies, or, where it alone holds a part of the graph

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <string>
 
 #include "engine/equations_of_motion.h"
@@ -32,11 +33,24 @@ class Integrator {
   virtual ~Integrator() = default;
   virtual std::string name() const = 0;
   /// Forgets the past and makes state.v_dot, state.lambda consistent with (time, q, v).
-  virtual void start(EquationsOfMotion& equations, State& state) = 0;
+  void start(EquationsOfMotion& equations, State& state);
   /// One step, never past t_stop; t_stop is hit exactly. Trouble inside (no convergence) is met with smaller steps
-  /// first.
-  virtual StepResult step(EquationsOfMotion& equations, State& state, double t_stop) = 0;
+  /// first. Where the angles of joints would pass half a turn in it, by their motion in the last two steps, the step
+  /// is cut, so that turns are counted.
+  StepResult step(EquationsOfMotion& equations, State& state, double t_stop);
   virtual const IntegratorStatistics& statistics() const = 0;
+
+ protected:
+  /// The method's own start and step; angles are counted around them.
+  virtual void prepare(EquationsOfMotion& equations, State& state) = 0;
+  virtual StepResult advance(EquationsOfMotion& equations, State& state, double t_stop) = 0;
+
+ private:
+  void limit_turn(const VectorX& quadrants, double length);
+
+  VectorX quadrants_, turn_rates_;                            // before the step; over the last one, quadrants a second
+  double last_length_ = 0;                                    // s
+  double longest_ = std::numeric_limits<double>::infinity();  // next step, s
 };
 
 /// A step for messages: "2.4e-07 s".

@@ -4,9 +4,10 @@
 
 namespace lithe {
 
-void Layout::add_body(const Body& body) {
-  const Coordinates c = body.coordinates();
-  bodies_.push_back({&body, q_count_, v_count_, c.frame, c.linear});
+void Layout::add_body(const Body& body) { add_body(body.name(), body.coordinates(), &body); }
+
+void Layout::add_body(std::string name, const Coordinates& c, const Body* body) {
+  bodies_.push_back({body, q_count_, v_count_, c.frame, c.linear, std::move(name)});
   q_count_ += c.q_count();
   v_count_ += c.v_count();
 }
@@ -77,7 +78,7 @@ std::string Layout::velocity_name(int index) const {
   for (const BodySlice& b : bodies_) {
     const int local = index - b.v, frame = b.frame ? 6 : 0;
     if (local < 0 || local >= frame + b.linear) continue;
-    return b.body->name() + ": " + (local < frame ? names[local] : "eta_" + std::to_string(local - frame + 1));
+    return b.name + ": " + (local < frame ? names[local] : "eta_" + std::to_string(local - frame + 1));
   }
   return "coordinate " + std::to_string(index);
 }

@@ -16,6 +16,7 @@ class Layout {
     int q, v;  // first index
     bool frame;
     int linear;  // number of linear coordinates
+    std::string name;
   };
   struct RowSlice {
     std::string name;  // of the constraint
@@ -23,6 +24,8 @@ class Layout {
   };
 
   void add_body(const Body& body);
+  /// Where only the coordinates are known: within a plug-in. `body` is null then.
+  void add_body(std::string name, const Coordinates& coordinates, const Body* body = nullptr);
   void add_rows(std::string name, int count);
 
   int q_count() const { return q_count_; }

@@ -57,6 +57,9 @@ struct MarkerView {
 struct Wrench {
   Vector3 force, torque;
 };
+inline Wrench operator+(const Wrench& a, const Wrench& b) { return {a.force + b.force, a.torque + b.torque}; }
+inline Wrench operator-(const Wrench& a, const Wrench& b) { return {a.force - b.force, a.torque - b.torque}; }
+inline Wrench operator*(double s, const Wrench& w) { return {s * w.force, s * w.torque}; }
 inline Wrench force(const Vector3& f) { return {f, Vector3::Zero()}; }
 inline Wrench torque(const Vector3& t) { return {Vector3::Zero(), t}; }
 

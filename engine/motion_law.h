@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <vector>
 
 namespace lithe {
 
@@ -10,5 +11,19 @@ struct Motion {
 };
 /// Motion as a function of time; the derivatives must be those of the value.
 using MotionLaw = std::function<Motion(double time)>;
+
+MotionLaw constant(double value);
+/// start + rate t
+MotionLaw ramp(double start, double rate);
+/// offset + amplitude sin(angular_frequency t + phase)
+MotionLaw harmonic(double amplitude, double angular_frequency, double phase = 0, double offset = 0);
+/// From one value to another between two times, at rest before and after: 10 s³ - 15 s⁴ + 6 s⁵, whose acceleration is
+/// continuous. Throws SceneError for an end not after the begin.
+MotionLaw smooth_step(double from, double to, double begin, double end);
+/// Natural cubic spline through a table; beyond it a straight line. Throws SceneError for fewer than two points, lists
+/// of different lengths, times that do not grow, and what is no number.
+MotionLaw tabulated(std::vector<double> times, std::vector<double> values);
+/// Sum of two motions.
+MotionLaw operator+(MotionLaw a, MotionLaw b);
 
 }  // namespace lithe

@@ -1,5 +1,7 @@
 #include "engine/projection.h"
 
+#include <limits>
+
 namespace lithe {
 
 Projector::Projector(EquationsOfMotion& equations)
@@ -48,11 +50,40 @@ void Projector::velocity(double time, ConstVectorRef q, VectorRef v) {
 void Projector::accelerations(double time, ConstVectorRef q, ConstVectorRef v, VectorRef v_dot, VectorRef lambda,
                               Factor factor) {
   equations_.evaluate(time, q, v, Level::acceleration);
+  if (equations_.reacts()) return iterate_reactions(v_dot, lambda);
   if (factor != Factor::last) equations_.factorize({0, 0, 1}, zero_v_, zero_rows_, nullptr);
   equations_.residual(zero_v_, zero_rows_, v_dot);  // -f
   v_dot = -v_dot;
   equations_.constraint(Level::acceleration, lambda);
   equations_.solve(v_dot, lambda);
+}
+
+/// Newton on M v̇ + Gᵀλ = f(λ), G v̇ = γ. The second is linear and holds from the first correction on.
+void Projector::iterate_reactions(VectorRef v_dot, VectorRef lambda) {
+  constexpr int kMaxIterations = 50;
+  constexpr double kConverged = 1e-12;
+  v_dot.setZero();
+  if (!lambda.allFinite()) lambda.setZero();
+  double last = 0;
+  for (int k = 0; k < kMaxIterations; ++k) {
+    equations_.residual(v_dot, lambda, dv_);
+    dv_ = -dv_;
+    if (k == 0)
+      equations_.constraint(Level::acceleration, dl_);
+    else
+      dl_.setZero();
+    equations_.factorize({0, 0, 1}, v_dot, lambda, nullptr);
+    equations_.solve(dv_, dl_);
+    v_dot += dv_;
+    lambda += dl_;
+    const double size = dl_.cwiseAbs().maxCoeff(), allowed = kConverged * (1 + lambda.cwiseAbs().maxCoeff());
+    if (size <= allowed || (k > 2 && size <= 1e3 * allowed && size >= 0.5 * last)) {  // or round-off ends progress
+      equations_.residual(v_dot, lambda, dv_);  // tensions belong to the last lambda
+      return;
+    }
+    last = size;
+  }
+  v_dot.setConstant(std::numeric_limits<double>::quiet_NaN());  // integrators meet it with a smaller step
 }
 
 }  // namespace lithe

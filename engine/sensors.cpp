@@ -89,6 +89,7 @@ class ConnectorMarkers {
 Wrench wrench_of(Snapshot& now, const Constraint& joint, int marker) {
   const ConnectorMarkers markers(now, entry_of(now.system().graph(), joint).markers);
   ConstraintRows rows(joint.marker_count());
+  rows.recall(now.assembler().quadrants_of(joint));
   joint.evaluate(now.time(), markers, rows);
   const double* multiplier = multipliers_of(now, joint);
   Wrench sum{Vector3::Zero(), Vector3::Zero()};
@@ -99,11 +100,19 @@ Wrench wrench_of(Snapshot& now, const Constraint& joint, int marker) {
   return sum;
 }
 
-/// What a force element does to the body at one of its markers: its load - Σ_rows W σ.
-Wrench wrench_of(Snapshot& now, const ForceElement& force, int marker) {
+/// A force element at a snapshot.
+ForceRows rows_of(Snapshot& now, const ForceElement& force) {
   const ConnectorMarkers markers(now, entry_of(now.system().graph(), force).markers);
   ForceRows rows(force.marker_count());
+  rows.recall(now.assembler().quadrants_of(force));
+  if (const Constraint* joint = force.reaction_of()) rows.set_reaction(wrench_of(now, *joint, 1));
   force.evaluate(now.time(), markers, rows);
+  return rows;
+}
+
+/// What a force element does to the body at one of its markers: its load - Σ_rows W σ.
+Wrench wrench_of(Snapshot& now, const ForceElement& force, int marker) {
+  const ForceRows rows = rows_of(now, force);
   Wrench sum = rows.load(marker);
   for (int r = 0; r < rows.count(); ++r) {
     sum.force -= rows.tension(r) * rows.wrench(r, marker).force;
@@ -125,7 +134,42 @@ Sensor wrench_sensor(const Connector& connector, int marker, const Marker& axes,
                      });
 }
 
+/// Σ wrench · (v, w) over the markers.
+template <class Element>
+Sensor power_sensor(const Element& element, Located name) {
+  return make_sensor(std::move(name), element.name() + "_power", {""},
+                     [&element](Snapshot& now, std::span<double> values) {
+                       values[0] = 0;
+                       for (int m = 0; m < element.marker_count(); ++m) {
+                         const Wrench w = wrench_of(now, element, m);
+                         const MarkerKinematics k = now.marker(element.markers()[m]);
+                         values[0] += w.force.dot(k.v) + w.torque.dot(k.w);
+                       }
+                     });
+}
+
 // ---- coordinates ----
+
+MeasuredCoordinate measured(Snapshot& now, const JointCoordinate& x) {
+  const MarkerKinematics A = now.marker(x.A), B = now.marker(x.B);
+  MeasuredCoordinate measured = measure(x.kind, x.axis, {A, 0}, {B, 1});
+  if (const int place = now.assembler().find_angle(x); place >= 0 && x.is_angle()) {
+    AngleMemory memory;
+    memory.recall(now.state().quadrants.data());
+    measured.value = memory.wound(place, measured.value);
+  }
+  return measured;
+}
+
+template <class ValueOf>
+Sensor coordinate_sensor(const JointCoordinate& x, Located name, ValueOf&& value) {
+  check(x.A, name);
+  check(x.B, name);
+  const std::string otherwise = text_of(x.B) + "_against_" + text_of(x.A);
+  return make_sensor(std::move(name), otherwise, {""}, [x, value](Snapshot& now, std::span<double> values) {
+    values[0] = x.sign * value(now, measured(now, x));
+  });
+}
 
 /// Endings of a body's columns: those of its frame, then "_eta_1" and so on.
 Names endings_of(const Coordinates& c, const Names& frame, const std::string& linear) {
@@ -251,6 +295,30 @@ Sensor applied_force(const ForceElement& element, int marker, Marker axes, Locat
   return wrench_sensor(element, marker, axes, std::move(name));
 }
 
+Sensor joint_reaction(const Constraint& joint, Located name) {
+  if (name.text.empty()) name.text = joint.name();
+  return wrench_sensor(joint, 1, joint.markers().at(0), std::move(name));
+}
+
+Sensor power(const Constraint& joint, Located name) { return power_sensor(joint, std::move(name)); }
+Sensor power(const ForceElement& element, Located name) { return power_sensor(element, std::move(name)); }
+
+Sensor coordinate(const JointCoordinate& coordinate, Located name) {
+  return coordinate_sensor(coordinate, std::move(name),
+                           [](Snapshot&, const MeasuredCoordinate& x) { return x.value; });
+}
+Sensor coordinate_rate(const JointCoordinate& coordinate, Located name) {
+  return coordinate_sensor(coordinate, std::move(name), [](Snapshot&, const MeasuredCoordinate& x) { return x.rate; });
+}
+Sensor coordinate_acceleration(const JointCoordinate& coordinate, Located name) {
+  const Marker A = coordinate.A, B = coordinate.B;
+  return coordinate_sensor(coordinate, std::move(name), [A, B](Snapshot& now, const MeasuredCoordinate& x) {
+    const Vector6 a = now.acceleration(A), b = now.acceleration(B);
+    return x.bias + x.on_A.force.dot(a.head<3>()) + x.on_A.torque.dot(a.tail<3>()) + x.on_B.force.dot(b.head<3>()) +
+           x.on_B.torque.dot(b.tail<3>());
+  });
+}
+
 Sensor multipliers(const Constraint& joint, Located name) {
   Names endings;
   for (int r = 1; r <= joint.row_count(); ++r) endings.push_back("_" + std::to_string(r));
@@ -274,6 +342,10 @@ Sensor elastic_energy(const Body& body, Located name) {
 }
 Sensor potential_energy(const Body& body, Located name) {
   return energy_sensor(&body, std::move(name), "potential_energy", potential);
+}
+Sensor potential_energy(const ForceElement& element, Located name) {
+  return make_sensor(std::move(name), element.name() + "_potential_energy", {""},
+                     [&element](Snapshot& now, std::span<double> values) { values[0] = rows_of(now, element).energy(); });
 }
 Sensor total_energy(const Body& body, Located name) {
   return energy_sensor(&body, std::move(name), "total_energy", total);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/error.h"
+#include "engine/joint_coordinate.h"
 #include "engine/observer.h"
 
 namespace lithe {
@@ -64,10 +65,22 @@ inline constexpr Marker kWorldAxes{};
 /// that marker's point:  -Σ_rows W λ  (EQUATIONS.md 7.4); in world axes, or in the axes of a marker as they turn now.
 /// Columns force_x … moment_z. Where rows are redundant the sharing among them is not unique: it is that of least λ.
 Sensor reaction(const Constraint& joint, int marker, Marker axes = kWorldAxes, Located name = "");
+/// What a joint transmits, in its own frame: force and moment on the body of its second marker, in the axes of the first.
+Sensor joint_reaction(const Constraint& joint, Located name = "");
 /// λ of the joint's rows, 1 … n; of least norm where rows are redundant.
 Sensor multipliers(const Constraint& joint, Located name = "");
 /// Force and moment of a force element on the body at its marker number `marker`, likewise.
 Sensor applied_force(const ForceElement& element, int marker, Marker axes = kWorldAxes, Located name = "");
+
+/// W: what a joint or a force element feeds into the bodies that it ties; a driven joint's is its drive's.
+Sensor power(const Constraint& joint, Located name = "");
+Sensor power(const ForceElement& element, Located name = "");
+
+// ---- joint coordinates: rad or m, whole turns counted where a joint or another element of the scene measures them ----
+
+Sensor coordinate(const JointCoordinate& coordinate, Located name);
+Sensor coordinate_rate(const JointCoordinate& coordinate, Located name);  // rad/s, m/s
+Sensor coordinate_acceleration(const JointCoordinate& coordinate, Located name);
 
 // ---- energies, J; gravity's counted from the origin of the world ----
 
@@ -77,6 +90,7 @@ Sensor elastic_energy(Located name = "");  // of all bodies and force elements
 Sensor elastic_energy(const Body& body, Located name = "");
 Sensor potential_energy(Located name = "");  // elastic and gravity
 Sensor potential_energy(const Body& body, Located name = "");
+Sensor potential_energy(const ForceElement& element, Located name = "");  // zero for what has none
 Sensor total_energy(Located name = "");
 Sensor total_energy(const Body& body, Located name = "");
 

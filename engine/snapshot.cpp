@@ -16,7 +16,9 @@ void Snapshot::evaluate(const State& state) {
                      "Snapshot", "start from system.initial_state(), or let an integrator start from the state first");
   state_ = state;
   has_multipliers_ = false;
+  assembler_.recall(state_.quadrants);
   assembler_.evaluate(state_.time, state_.q, state_.v, Level::acceleration);
+  assembler_.react(state_.lambda);
 }
 
 Vector6 Snapshot::acceleration(const Marker& marker) {

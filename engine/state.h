@@ -11,6 +11,7 @@ struct State {
   VectorX v;  // velocities (p_dot world axes, omega body axes, eta_dot)
   VectorX v_dot;   // accelerations, as the integrator left them
   VectorX lambda;  // Lagrange multipliers: M v_dot + Gᵀ lambda = f
+  VectorX quadrants;  // that each measured angle of a joint has passed since it was zero: where whole turns are kept
 };
 
 }  // namespace lithe

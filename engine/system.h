@@ -29,6 +29,8 @@ class System {
   int rank() const { return layout_.row_count() - static_cast<int>(redundant_.size()); }
   int degrees_of_freedom() const { return layout_.v_count() - rank(); }
   const std::vector<RedundantRow>& redundant_rows() const { return redundant_; }
+  /// Rows on velocities alone (rolling), sorted numbers in lambda.
+  const std::vector<int>& velocity_rows() const { return velocity_rows_; }
 
   /// The state as drawn, projected onto the constraints: consistent positions and velocities at t = 0.
   const State& initial_state() const { return initial_; }
@@ -56,6 +58,16 @@ class System {
   std::vector<Place> body_places_;  // of graph bodies, ground first
   int marker_count_ = 0, compliant_count_ = 0;
   std::vector<RedundantRow> redundant_;
+  std::vector<int> velocity_rows_;
+  struct Angle {
+    int A, B;  // places of the markers in the table
+    int axis;
+    bool to_point;
+    Marker of_A, of_B;
+  };
+  std::vector<Angle> angles_;
+  std::vector<int> first_angles_;  // of the graph's constraints, then its forces
+  bool reacts_ = false;  // a force element wants the reaction of a joint
   State initial_;
 };
 

@@ -11,8 +11,18 @@
 #include "engine/batch.h"
 #include "engine/error.h"
 #include "engine/ground.h"
+#include "engine/joint_coordinate.h"
+#include "engine/parameters.h"
 
 namespace lithe {
+
+// Types by name and what is made of them (engine/registry.h).
+struct JointType;
+struct ForceType;
+struct BodyType;
+class LoadedJoint;
+class LoadedForce;
+class LoadedBody;
 
 /// What the user draws: bodies tied by constraints and force elements at markers. Owns every element; addresses last as
 /// long as the graph. Calls give name, markers, parameters, in that order.
@@ -41,7 +51,7 @@ class SystemGraph {
   /// Adds a constraint or a force element between markers. Throws SceneError likewise, and for markers of another
   /// graph.
   template <class T>
-  requires(!std::derived_from<T, Body>) && requires { typename T::Parameters; }
+  requires(!std::derived_from<T, Body>) && std::constructible_from<T, typename T::Parameters>
   T& add(Located name, std::vector<Marker> markers, typename T::Parameters parameters = {}) {
     return connect(keep(name, [&] { return std::make_unique<T>(std::move(parameters)); }), std::move(markers));
   }
@@ -49,6 +59,27 @@ class SystemGraph {
   requires(!std::derived_from<T, Body>) &&
       (!requires { typename T::Parameters; })T& add(Located name, std::vector<Marker> markers) {
     return connect(keep(name, [] { return std::make_unique<T>(); }), std::move(markers));
+  }
+
+  /// Adds an element of a type known by name, compiled in or loaded: graph.add(registry.joint("massless_rod"), "string",
+  /// {A, B}, {{"length", 0.5}}). Throws SceneError likewise, and for parameters that the type does not have.
+  LoadedJoint& add(const JointType& type, Located name, std::vector<Marker> markers,
+                   const ParameterList& parameters = {});
+  LoadedForce& add(const ForceType& type, Located name, std::vector<Marker> markers,
+                   const ParameterList& parameters = {});
+  LoadedBody& add(const BodyType& type, Located name, const ParameterList& parameters = {});
+
+  /// Adds an element that acts on joint coordinates: {pin.angle()}, {slide.displacement(), screw.angle()}.
+  template <class T>
+  requires std::constructible_from<T, CoordinateSet, typename T::Parameters>
+  T& add(Located name, std::vector<JointCoordinate> coordinates, typename T::Parameters parameters = {}) {
+    std::vector<Marker> markers;
+    T& element = keep(name, [&] {
+      CoordinateSet set(std::move(coordinates));
+      markers = set.markers();
+      return std::make_unique<T>(std::move(set), std::move(parameters));
+    });
+    return connect(element, std::move(markers));
   }
 
   struct BodyEntry {
@@ -93,6 +124,7 @@ class SystemGraph {
   template <class T>
   T& connect(T& element, std::vector<Marker> markers) {
     check_markers(element, markers, element.marker_count());
+    static_cast<Connector&>(element).markers_ = markers;
     if constexpr (std::derived_from<T, Constraint>)
       constraints_.push_back({&element, std::move(markers), typeid(T), make_constraint_batch<T>});
     else

@@ -38,7 +38,7 @@ ExplicitRungeKutta::ExplicitRungeKutta(Parameters parameters) : parameters_(para
   });
 }
 
-void ExplicitRungeKutta::start(EquationsOfMotion& equations, State& state) {
+void ExplicitRungeKutta::prepare(EquationsOfMotion& equations, State& state) {
   const Layout& layout = equations.layout();
   const int nv = layout.v_count(), rows = layout.row_count();
   statistics_ = {};
@@ -148,7 +148,7 @@ double ExplicitRungeKutta::error(const Layout& layout, const State& start, doubl
                   error_ratio(v_error_, v_size_, parameters_.tolerance));
 }
 
-StepResult ExplicitRungeKutta::step(EquationsOfMotion& equations, State& state, double t_stop) {
+StepResult ExplicitRungeKutta::advance(EquationsOfMotion& equations, State& state, double t_stop) {
   if (!(t_stop > state.time)) return {};
   if (equations_ != &equations) {
     equations_ = &equations;

@@ -26,10 +26,12 @@ class ExplicitRungeKutta final : public Integrator {
   explicit ExplicitRungeKutta(Parameters parameters);
 
   std::string name() const override { return "explicit Runge-Kutta 5(4)"; }
-  void start(EquationsOfMotion& equations, State& state) override;
-  StepResult step(EquationsOfMotion& equations, State& state, double t_stop) override;
   const IntegratorStatistics& statistics() const override { return statistics_; }
   double current_step() const { return h_; }
+
+ protected:
+  void prepare(EquationsOfMotion& equations, State& state) override;
+  StepResult advance(EquationsOfMotion& equations, State& state, double t_stop) override;
 
  private:
   static constexpr int kStages = 7;

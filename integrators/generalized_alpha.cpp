@@ -36,7 +36,7 @@ std::string GeneralizedAlpha::name() const {
   return parameters_.form == Form::index3 ? "generalized-alpha, index 3" : "generalized-alpha, stabilized index 2";
 }
 
-void GeneralizedAlpha::start(EquationsOfMotion& equations, State& state) {
+void GeneralizedAlpha::prepare(EquationsOfMotion& equations, State& state) {
   const int nv = equations.layout().v_count(), rows = equations.layout().row_count();
   statistics_ = {};
   for (VectorX* x : {&a_, &v_, &v_dot_, &d_, &v_dot_last_, &jerk_, &delta_, &change_, &rv_, &magnitudes_})
@@ -88,6 +88,7 @@ void GeneralizedAlpha::shift_velocity(EquationsOfMotion& equations, State& state
   equations.evaluate(state.time, state.q, change_, Level::velocity);
   equations.constraint(Level::velocity, rl_);
   rl_ -= rl2_;
+  for (int row : equations.velocity_rows()) rl_[row] = 0;  // velocity rows hold exactly
   equations.factorize({0, 0, 1}, state.v_dot, state.lambda, nullptr);
   equations.solve(rv_, rl_);
   state.v += h_squared * rv_;
@@ -157,7 +158,10 @@ GeneralizedAlpha::Newton GeneralizedAlpha::solve(EquationsOfMotion& equations, c
     rv_ = -rv_;
     equations.constraint(Level::position, rl_);
     double size;
+    const std::vector<int>& rolling = equations.velocity_rows();
     if (!stabilized) {
+      if (!rolling.empty()) equations.constraint(Level::velocity, rl2_);
+      for (int row : rolling) rl_[row] = rl2_[row] / g1;  // their increment is that of the velocity
       rl_ = -rl_;
       equations.solve(rv_, rl_);
       lambda_ += rl_;
@@ -171,6 +175,7 @@ GeneralizedAlpha::Newton GeneralizedAlpha::solve(EquationsOfMotion& equations, c
       equations.constraint(Level::velocity, rl2_);
       rl2_ /= -g1;
       rl_ = -rl_ - rl2_;
+      for (int row : rolling) rl_[row] = 0;
       equations.solve(rv_, rl2_);
       lambda_ += rl2_;
       equations.layout().chart_rates(d_, rv_, delta_);
@@ -185,7 +190,7 @@ GeneralizedAlpha::Newton GeneralizedAlpha::solve(EquationsOfMotion& equations, c
       size = std::max(size, delta_.cwiseAbs().maxCoeff());
     }
     ++statistics_.newton_iterations;
-    if (!std::isfinite(size)) return Newton::failed;
+    if (!std::isfinite(size) || !delta_.allFinite()) return Newton::failed;
     equations.layout().retract(start.q, d_, q_);
     if (size <= tolerance) return Newton::converged;
     const double rate = k > 0 ? size / last : 0;
@@ -216,7 +221,7 @@ double GeneralizedAlpha::error(const Layout& layout, const State& state, double 
   return ratio;
 }
 
-StepResult GeneralizedAlpha::step(EquationsOfMotion& equations, State& state, double t_stop) {
+StepResult GeneralizedAlpha::advance(EquationsOfMotion& equations, State& state, double t_stop) {
   if (!(t_stop > state.time)) return {};
   const bool automatic = parameters_.step == 0;
   double h = natural_step(state, t_stop);

@@ -30,10 +30,12 @@ class GeneralizedAlpha final : public Integrator {
   explicit GeneralizedAlpha(Parameters parameters);
 
   std::string name() const override;
-  void start(EquationsOfMotion& equations, State& state) override;
-  StepResult step(EquationsOfMotion& equations, State& state, double t_stop) override;
   const IntegratorStatistics& statistics() const override { return statistics_; }
   double current_step() const { return h_; }
+
+ protected:
+  void prepare(EquationsOfMotion& equations, State& state) override;
+  StepResult advance(EquationsOfMotion& equations, State& state, double t_stop) override;
 
  private:
   enum class Newton { converged, slow, failed };

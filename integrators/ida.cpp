@@ -122,7 +122,7 @@ Ida::Ida(Parameters parameters) : parameters_(parameters) {
 
 Ida::~Ida() = default;
 
-void Ida::start(EquationsOfMotion& equations, State& state) {
+void Ida::prepare(EquationsOfMotion& equations, State& state) {
   // 1. A consistent start: positions, velocities, accelerations and multipliers.
   statistics_ = {};
   Projector projector(equations);
@@ -163,8 +163,8 @@ void Ida::start(EquationsOfMotion& equations, State& state) {
             "linear solver");
 }
 
-StepResult Ida::step(EquationsOfMotion& equations, State& state, double t_stop) {
-  if (!memory_ || &memory_->equations != &equations) start(equations, state);
+StepResult Ida::advance(EquationsOfMotion& equations, State& state, double t_stop) {
+  if (!memory_ || &memory_->equations != &equations) prepare(equations, state);
   if (!(t_stop > state.time)) return {};
   Memory& m = *memory_;
   m.thrown.clear(), m.said.clear();

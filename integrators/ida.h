@@ -24,9 +24,11 @@ class Ida final : public Integrator {
 
   std::string name() const override { return "SUNDIALS IDA, stabilized index 2"; }
   /// Also moves the state onto the constraints: IDA needs a consistent start.
-  void start(EquationsOfMotion& equations, State& state) override;
-  StepResult step(EquationsOfMotion& equations, State& state, double t_stop) override;
   const IntegratorStatistics& statistics() const override { return statistics_; }
+
+ protected:
+  void prepare(EquationsOfMotion& equations, State& state) override;
+  StepResult advance(EquationsOfMotion& equations, State& state, double t_stop) override;
 
  private:
   struct Memory;  // all that SUNDIALS owns

@@ -17,7 +17,8 @@ StabilizedIndex2::StabilizedIndex2(EquationsOfMotion& equations)
       nq_(equations.layout().q_count()),
       nv_(equations.layout().v_count()),
       rows_(equations.layout().row_count()),
-      redundant_(rows_, 0) {
+      redundant_(rows_, 0),
+      rolling_(rows_, 0) {
   for (const auto& b : equations.layout().bodies()) {
     int q = b.q;
     if (b.frame) {
@@ -29,6 +30,7 @@ StabilizedIndex2::StabilizedIndex2(EquationsOfMotion& equations)
     for (int i = 0; i < b.linear; ++i) coordinates_.push_back({q++, -1, 0});
   }
   for (int row : equations.redundant_rows()) redundant_[row] = 1;
+  for (int row : equations.velocity_rows()) rolling_[row] = 1;
   for (VectorX* x : {&q_, &moved_q_}) x->setZero(nq_);
   for (VectorX* x : {&v_, &u_, &v_dot_, &zero_v_, &force_, &increment_}) x->setZero(nv_);
   for (VectorX* x : {&lambda_, &mu_, &zero_rows_, &rate_, &moved_rate_}) x->setZero(rows_);
@@ -106,9 +108,8 @@ void StabilizedIndex2::residual(double time, ConstVectorRef y, ConstVectorRef y_
   equations_.constraint(Level::position, F.segment(nq_ + nv_, rows_));
   equations_.constraint(Level::velocity, F.tail(rows_));
   for (int row = 0; row < rows_; ++row) {
-    if (!redundant_[row]) continue;
-    F[nq_ + nv_ + row] = mu_[row];
-    F[nq_ + nv_ + rows_ + row] = lambda_[row];
+    if (redundant_[row] || rolling_[row]) F[nq_ + nv_ + row] = mu_[row];
+    if (redundant_[row]) F[nq_ + nv_ + rows_ + row] = lambda_[row];
   }
 }
 
@@ -201,10 +202,14 @@ void StabilizedIndex2::form(double time, double c, ConstVectorRef y) {
   for (const Entry& e : mass_) compliant_rows = std::max(compliant_rows, e.row - nv_ - rows_ + 1);
   compliant_.resize(compliant_rows);
   for (auto& row : compliant_) row.clear();
+  reactive_.clear();
 
   for (std::size_t k = 0; k < mass_.size(); ++k) {
     const auto [row, column, value] = mass_[k];
-    if (column >= nv_ && row != column) continue;  // Gᵀ: written with G
+    if (column >= nv_ && row != column) {  // Gᵀ: written with G
+      if (row >= nv_ + rows_) reactive_.push_back({row - nv_ - rows_, column - nv_, value});
+      continue;
+    }
     if (row < nv_) {
       // 2. M (u - v) and M v̇ - f. The derivatives of M and Gᵀ beside u - v = 0 and μ = 0 are left out.
       const Coordinate& at = coordinates_[column];
@@ -221,7 +226,7 @@ void StabilizedIndex2::form(double time, double c, ConstVectorRef y) {
       // 3. G, four times, and what G v changes with q: h ω beside c G, without it Newton fails on fast tops.
       const int i = row - nv_;
       if (!redundant_[i]) {
-        emit_turn(position + i, coordinates_[column], value);
+        if (!rolling_[i]) emit_turn(position + i, coordinates_[column], value);
         emit(velocity + i, nq_ + column, value);
         emit_turn(velocity + i, coordinates_[column], rates_[k]);
       }
@@ -233,6 +238,9 @@ void StabilizedIndex2::form(double time, double c, ConstVectorRef y) {
       // 4. A compliant row: its block is eliminated, Gᵀ k G.
       const auto& G = compliant_[row - nv_ - rows_];
       for (const Entry& a : G)
+        for (const Entry& r : reactive_)  // visited before the diagonal
+          if (r.row == row - nv_ - rows_) emit(dynamics + a.column, position + r.column, -a.value * r.value / value);
+      for (const Entry& a : G)
         for (const Entry& b : G) {
           emit_turn(dynamics + a.column, coordinates_[b.column], -a.value * b.value / stiffness_[k].value);
           emit(dynamics + a.column, nq_ + b.column, -a.value * b.value / damping_[k].value);
@@ -243,9 +251,8 @@ void StabilizedIndex2::form(double time, double c, ConstVectorRef y) {
   for (std::size_t i = 0; i < rotations_.size(); ++i)
     for (int k = 0; k < 4; ++k) emit(nv_ + static_cast<int>(i), rotations_[i].q + k, 2 * y[rotations_[i].q + k]);
   for (int row = 0; row < rows_; ++row) {
-    if (!redundant_[row]) continue;
-    emit(position + row, velocity + row, 1);
-    emit(velocity + row, position + row, 1);
+    if (redundant_[row] || rolling_[row]) emit(position + row, velocity + row, 1);
+    if (redundant_[row]) emit(velocity + row, position + row, 1);
   }
 }
 

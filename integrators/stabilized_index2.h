@@ -14,7 +14,8 @@ namespace lithe {
 ///   M v̇ + Gᵀ λ - f = 0
 ///   g = 0
 ///   G v + ∂g/∂t = 0
-/// The engine sees e/|e|. A redundant row holds its multipliers at zero in place of g and ġ.
+/// The engine sees e/|e|. A redundant row holds its multipliers at zero in place of g and ġ, a row on velocities alone
+/// its μ in place of g.
 class StabilizedIndex2 {
  public:
   explicit StabilizedIndex2(EquationsOfMotion& equations);
@@ -63,11 +64,12 @@ class StabilizedIndex2 {
   int nq_, nv_, rows_;
   std::vector<Rotation> rotations_;
   std::vector<Coordinate> coordinates_;  // of each velocity
-  std::vector<char> redundant_;
+  std::vector<char> redundant_, rolling_;
   VectorX q_, v_, u_, v_dot_, lambda_, mu_, zero_v_, zero_rows_, force_;
 
   std::vector<Entry> stiffness_, damping_, mass_;  // every block of the engine's tangent: K + M, D + c M, M
   std::vector<std::vector<Entry>> compliant_;      // Jacobian of each compliant row
+  std::vector<Entry> reactive_;                    // ∂σ/∂λ over the compliance: row, multiplier
   // ∂(G v)/∂q by differences: frames that no constraint ties together move at once, in groups.
   struct Shift {
     int entry, row;  // place in mass_ and rates_, constraint row

@@ -45,12 +45,12 @@ class Clock : public Integrator {
   int starts = 0;
 
   std::string name() const override { return "clock"; }
-  void start(EquationsOfMotion& equations, State& state) override {
+  void prepare(EquationsOfMotion& equations, State& state) override {
     ++starts;
     state.v_dot.setZero(equations.layout().v_count());
     state.lambda.setZero(equations.layout().row_count());
   }
-  StepResult step(EquationsOfMotion&, State& state, double t_stop) override {
+  StepResult advance(EquationsOfMotion&, State& state, double t_stop) override {
     if (trouble != Trouble::none && state.time + step_size > end) {
       state.v[0] = 7;  // spoilt on the way
       if (trouble == Trouble::fails) return {StepResult::Outcome::failed, "it strikes thirteen"};

@@ -22,7 +22,7 @@ void check_top(const Variant& variant, Method method, const Bounds& bounds) {
   const Table table = reference("R08_heavy_top/reference_" + variant.name + ".csv");
   Scene scene = heavy_top(variant.mass, variant.length, variant.across, variant.axial, variant.omega);
   const auto vertical_momentum = [&] {
-    const auto& [t, q, v, v_dot, lambda] = scene.state;
+    const VectorX &q = scene.state.q, &v = scene.state.v;
     const Vector3 J(variant.across, variant.axial, variant.across);
     const Vector3 spin = rotation_matrix(q.segment<4>(3)) * J.cwiseProduct(v.segment<3>(3));
     return spin.z() + variant.mass * q.head<3>().cross(v.head<3>()).z();
