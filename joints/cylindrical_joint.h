@@ -2,6 +2,7 @@
 
 #include "engine/batch.h"
 #include "engine/constraint.h"
+#include "engine/joint_coordinate.h"
 
 namespace lithe {
 
@@ -9,6 +10,11 @@ namespace lithe {
 ///   g = (x_A · z_B, y_A · z_B, x_A · d, y_A · d), d = p_B - p_A, four rows. (EQUATIONS.md 7.3)
 class CylindricalJoint final : public Joint</*markers=*/2, /*rows=*/4> {
  public:
+  /// From x_A to x_B about z_A.
+  JointCoordinate angle() const { return {JointCoordinate::Kind::angle, markers()[0], markers()[1]}; }
+  /// Of B along z_A.
+  JointCoordinate displacement() const { return {JointCoordinate::Kind::displacement, markers()[0], markers()[1]}; }
+  std::vector<MeasuredAngle> angles() const override { return {{0, 1, 2}}; }
   void evaluate(double, std::span<const MarkerView> markers, ConstraintRows& rows) const override {
     const auto &A = markers[0], &B = markers[1];
     perpendicular(A, A.x(), B, B.z(), rows);

@@ -2,6 +2,7 @@
 
 #include "engine/batch.h"
 #include "engine/constraint.h"
+#include "engine/joint_coordinate.h"
 
 namespace lithe {
 
@@ -9,6 +10,8 @@ namespace lithe {
 ///   g = (x_A · y_B, y_A · z_B, z_A · x_B, x_A · d, y_A · d), d = p_B - p_A, five rows. (EQUATIONS.md 7.3)
 class PrismaticJoint final : public Joint</*markers=*/2, /*rows=*/5> {
  public:
+  /// Of B along z_A.
+  JointCoordinate displacement() const { return {JointCoordinate::Kind::displacement, markers()[0], markers()[1]}; }
   void evaluate(double, std::span<const MarkerView> markers, ConstraintRows& rows) const override {
     const auto &A = markers[0], &B = markers[1];
     perpendicular(A, A.x(), B, B.y(), rows);

@@ -2,6 +2,7 @@
 
 #include "engine/batch.h"
 #include "engine/constraint.h"
+#include "engine/joint_coordinate.h"
 
 namespace lithe {
 
@@ -10,6 +11,10 @@ namespace lithe {
 ///   g = (p_B - p_A, x_A · y_B), four rows. (EQUATIONS.md 7.3)
 class UniversalJoint final : public Joint</*markers=*/2, /*rows=*/4> {
  public:
+  /// Turn about x_A, from y_A to y_B, and turn about y_B, from z_A to z_B.
+  JointCoordinate first_angle() const { return {JointCoordinate::Kind::angle, markers()[0], markers()[1], 0}; }
+  JointCoordinate second_angle() const { return {JointCoordinate::Kind::angle, markers()[1], markers()[0], 1, -1}; }
+  std::vector<MeasuredAngle> angles() const override { return {{0, 1, 0}, {1, 0, 1}}; }
   void evaluate(double, std::span<const MarkerView> markers, ConstraintRows& rows) const override {
     const auto &A = markers[0], &B = markers[1];
     coincident(A, B, rows);

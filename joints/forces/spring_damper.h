@@ -2,11 +2,12 @@
 
 #include "engine/batch.h"
 #include "engine/force_element.h"
+#include "engine/tension_law.h"
 
 namespace lithe {
 
 /// Spring and damper along the line between two markers.
-///   σ = k (l - l₀) + c l̇ + σ₀,   l = |p_B - p_A|,   V = ½ k (l - l₀)² + σ₀ (l - l₀)
+///   σ = k (l - l₀) + c l̇ + σ₀,   l = |p_B - p_A|,   V = ½ k (l - l₀)² + σ₀ (l - l₀);   or σ(l - l₀, l̇) by a law
 /// σ > 0 pulls the markers together. Where they meet (l = 0) the line has no direction and the force is taken as zero.
 class SpringDamper final : public Force</*markers=*/2, /*rows=*/1> {
  public:
@@ -15,6 +16,7 @@ class SpringDamper final : public Force</*markers=*/2, /*rows=*/1> {
     double damping = 0;          // c, N s/m
     double natural_length = -1;  // l₀, m; negative: as drawn
     double preload = 0;          // σ₀, N: tension at the natural length
+    TensionLaw law{};            // added to these: tabulated_spring(...), or a function of stretch and speed
   };
 
   /// Throws SceneError for a stiffness or damping that is negative, and for what is no number.
@@ -24,12 +26,14 @@ class SpringDamper final : public Force</*markers=*/2, /*rows=*/1> {
 
   void evaluate(double, std::span<const MarkerView> markers, ForceRows& rows) const override {
     const auto &A = markers[0], &B = markers[1];
-    const auto& [k, c, natural_length, preload] = parameters_;
+    const double k = parameters_.stiffness, c = parameters_.damping, preload = parameters_.preload;
     const Vector3 d = B.p - A.p;
     const double length = d.norm();
     const Vector3 n = length > 0 ? Vector3(d / length) : Vector3(0, 0, 0);
-    const double stretch = length - natural_length, speed = n.dot(B.v - A.v);
-    rows.add({force(-n), force(n)}, k * stretch + c * speed + preload, k, c, (0.5 * k * stretch + preload) * stretch);
+    const double stretch = length - parameters_.natural_length, speed = n.dot(B.v - A.v);
+    const Tension more = parameters_.law ? parameters_.law(stretch, speed) : Tension{};
+    rows.add({force(-n), force(n)}, k * stretch + c * speed + preload + more.force, k + more.stiffness,
+             c + more.damping, (0.5 * k * stretch + preload) * stretch + more.energy);
   }
   /// Takes the natural length from the drawing if none was given.
   void initialize(std::span<const MarkerView> markers) override;

@@ -81,11 +81,16 @@ struct Probe {
 void check_joint(SystemGraph& graph, const Constraint& joint, const JointExpectation& expected) {
   SCOPED_TRACE("joint '" + joint.name() + "'");
   Probe p(graph, 7);
+  const double h = expected.difference;
   const auto [name, first, count] = p.system.rows(joint);
   EXPECT_EQ(count, joint.row_count());
   const auto rows = [first = first, count = count](const MatrixX& all) -> MatrixX {
     return all.middleRows(first, count);
   };
+
+  std::vector<int> rolling;  // rows on velocities alone
+  for (int row : p.system.velocity_rows())
+    if (row >= first && row < first + count) rolling.push_back(row - first);
 
   const VectorX start = p.system.initial_state().q;
   EXPECT_EQ(rank(rows(p.matrix({0, 0, 1}, start, p.no_motion(), p.no_load()).G())), expected.rank) << "as drawn";
@@ -98,19 +103,27 @@ void check_joint(SystemGraph& graph, const Constraint& joint, const JointExpecta
     const VectorX gamma = rows(p.constraint(p.time, p.q, p.v, Level::acceleration));
     const VectorX g_dot = rows(p.constraint(p.time, p.q, p.v, Level::velocity));
 
-    const MatrixX differenced = jacobian(p.layout(), p.q, [&](const VectorX& q) -> VectorX {
-      return rows(p.constraint(p.time, q, p.v, Level::position));
-    });
+    MatrixX differenced = jacobian(
+        p.layout(), p.q,
+        [&](const VectorX& q) -> VectorX { return rows(p.constraint(p.time, q, p.v, Level::position)); }, h);
+    for (int row : rolling) {  // no g: g_dot is linear in v, and what it grows by is G
+      EXPECT_EQ(differenced.row(row).norm(), 0) << "a row on velocities has no residual";
+      for (int j = 0; j < differenced.cols(); ++j)
+        differenced(row, j) = derivative([&](double x) {
+          return rows(p.constraint(p.time, p.q, p.v + x * VectorX::Unit(p.v.size(), j), Level::velocity))(row, 0);
+        });
+    }
     EXPECT_TRUE(close(G, differenced, expected.tolerance)) << "G against differences of g";
 
     const SmoothMotion motion{p.layout(), p.q, p.v, p.a};
     const auto along = [&](double t, Level which) -> VectorX {
       return rows(p.constraint(p.time + t, motion.position(t), motion.velocity(t), which));
     };
-    EXPECT_TRUE(close(g_dot, derivative([&](double t) { return along(t, Level::position); }), expected.tolerance))
-        << "g_dot against differences of g along a motion";
+    VectorX along_motion = derivative([&](double t) { return along(t, Level::position); }, h);
+    for (int row : rolling) along_motion[row] = G.row(row).dot(p.v);
+    EXPECT_TRUE(close(g_dot, along_motion, expected.tolerance)) << "g_dot against differences of g along a motion";
     EXPECT_TRUE(
-        close(G * p.a - gamma, derivative([&](double t) { return along(t, Level::velocity); }), expected.tolerance))
+        close(G * p.a - gamma, derivative([&](double t) { return along(t, Level::velocity); }, h), expected.tolerance))
         << "G v_dot - gamma against differences of g_dot along a motion";
 
     // A velocity that the joint allows, by the engine's own g_dot, and the power of the engine's own Gᵀ lambda.
@@ -127,7 +140,7 @@ void check_joint(SystemGraph& graph, const Constraint& joint, const JointExpecta
 
     const MatrixX stiffness =
         p.matrix({1, 0, 1}, p.q, p.no_motion(), lambda).S() - p.matrix({1, 0, 1}, p.q, p.no_motion(), p.no_load()).S();
-    EXPECT_TRUE(close(on_frames(p.layout(), stiffness), on_frames(p.layout(), jacobian(p.layout(), p.q, load)),
+    EXPECT_TRUE(close(on_frames(p.layout(), stiffness), on_frames(p.layout(), jacobian(p.layout(), p.q, load, h)),
                       expected.tolerance))
         << "stiffness of the loaded joint";
   }
@@ -154,25 +167,61 @@ void check_force(SystemGraph& graph, const ForceElement& force, const ForceExpec
     const VectorX in_residual = p.residual(p.time, p.q, still, p.no_load());
     EXPECT_TRUE(in_residual.allFinite());
     if (expected.conservative) {
-      EXPECT_TRUE(close(-at_rest.transpose(), jacobian(p.layout(), p.q, potential), expected.tolerance))
+      EXPECT_TRUE(
+          close(-at_rest.transpose(), jacobian(p.layout(), p.q, potential, expected.difference), expected.tolerance))
           << "force against the loss of potential";
       EXPECT_LE((generalized(p.q, p.v) - at_rest).dot(p.v), 1e-12 * at_rest.norm()) << "damping gives power";
     }
     const MatrixX stiffness = p.matrix({1, 0, 1}, p.q, still, p.no_load()).condensed_S() -
                               p.matrix({0, 0, 1}, p.q, still, p.no_load()).condensed_S();
-    const MatrixX differenced =
-        jacobian(p.layout(), p.q, [&](const VectorX& q) -> VectorX { return -generalized(q, still); });
+    const MatrixX differenced = jacobian(
+        p.layout(), p.q, [&](const VectorX& q) -> VectorX { return -generalized(q, still); }, expected.difference);
     EXPECT_TRUE(close(on_frames(p.layout(), stiffness), on_frames(p.layout(), differenced), 10 * expected.tolerance))
         << "stiffness of the force";
-    if (force.row_count() == 0) continue;
+    if (!expected.exact_damping) continue;
+    // With what the bodies themselves owe to velocities.
     const DenseMatrix moving = p.matrix({0, 1, 1}, p.q, p.v, p.no_load());
-    const MatrixX damping = moving.condensed_S() - moving.S();
+    const MatrixX damping = moving.condensed_S() - p.matrix({0, 0, 1}, p.q, p.v, p.no_load()).condensed_S();
     MatrixX by_velocity(still.size(), still.size());
     for (int j = 0; j < still.size(); ++j)
+      by_velocity.col(j) = derivative(
+          [&](double h) { return p.residual(p.time, p.q, p.v + h * VectorX::Unit(still.size(), j), p.no_load()); });
+    EXPECT_TRUE(close(on_frames(p.layout(), damping), on_frames(p.layout(), by_velocity), 10 * expected.tolerance))
+        << "damping";
+  }
+}
+
+void check_friction(SystemGraph& graph, const ForceElement& force, double tolerance) {
+  SCOPED_TRACE("friction '" + force.name() + "'");
+  Probe p(graph, 13);
+  const int rows = p.layout().row_count();
+  const auto [name, first, count] = p.system.rows(*force.reaction_of());
+  for (int k = 0; k < kStates; ++k) {
+    p.draw_state();
+    VectorX lambda = p.no_load();
+    lambda.segment(first, count) = p.random.vector(count, 5);
+    const auto tensions = [&](const VectorX& v, const VectorX& l) -> VectorX {
+      p.residual(p.time, p.q, v, l);
+      return p.assembler.workspace().tension;
+    };
+    // What it feeds into the bodies is never positive.
+    p.residual(p.time, p.q, p.v, lambda);
+    p.assembler.factorize({0, 1, 1}, p.no_motion(), lambda, nullptr);
+    const DenseMatrix m = dense(p.assembler);
+    const VectorX sigma = tensions(p.v, lambda);
+    EXPECT_LE(-sigma.dot(m.compliant_G() * p.v), 0) << "friction gives power";
+
+    // Its row of the iteration matrix, over its compliance: ∂σ/∂λ, and the compliance itself: ∂σ/∂v = -G / C.
+    const MatrixX C = m.all.bottomRightCorner(m.compliant(), m.compliant());
+    const MatrixX B = m.all.block(m.velocities + rows, m.velocities, m.compliant(), rows);
+    MatrixX by_lambda(m.compliant(), rows), by_velocity(m.compliant(), m.velocities);
+    for (int j = 0; j < rows; ++j)
+      by_lambda.col(j) = derivative([&](double h) { return tensions(p.v, lambda + h * VectorX::Unit(rows, j)); });
+    for (int j = 0; j < m.velocities; ++j)
       by_velocity.col(j) =
-          -derivative([&](double h) { return generalized(p.q, p.v + h * VectorX::Unit(still.size(), j)); });
-    EXPECT_TRUE(close(on_frames(p.layout(), damping), on_frames(p.layout(), by_velocity), expected.tolerance))
-        << "damping of the force's rows";
+          derivative([&](double h) { return tensions(p.v + h * VectorX::Unit(m.velocities, j), lambda); });
+    EXPECT_TRUE(close(-C.inverse() * B, by_lambda, tolerance)) << "tension by the joint's multipliers";
+    EXPECT_TRUE(close(-C.inverse() * m.compliant_G(), by_velocity, tolerance)) << "tension by velocity";
   }
 }
 

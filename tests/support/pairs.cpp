@@ -1,5 +1,6 @@
 #include "tests/support/pairs.h"
 
+#include "bodies/flexible/flexible_body.h"
 #include "bodies/rigid_body.h"
 #include "tests/support/marker_body.h"
 #include "tests/support/motion.h"
@@ -12,6 +13,35 @@ RandomNumbers numbers(const std::string& name) {
   unsigned seed = 1;
   for (char c : name) seed = 31 * seed + static_cast<unsigned char>(c);
   return RandomNumbers(seed);
+}
+
+/// A cube of 1.6 m: a mass in each corner, springs between all of them.
+FiniteElementModel cube() {
+  RandomNumbers random = numbers("cube");
+  FiniteElementModel model;
+  model.name = "cube";
+  model.nodes.resize(3, 8);
+  std::vector<Eigen::Triplet<double>> mass, stiffness;
+  for (int i = 0; i < 8; ++i) {
+    model.node_ids.push_back(i + 1);
+    model.nodes.col(i) = 0.8 * Vector3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
+    const double m = 0.2 + 0.05 * random.number();
+    for (int axis = 0; axis < 3; ++axis) mass.emplace_back(3 * i + axis, 3 * i + axis, m);
+  }
+  for (int i = 0; i < 8; ++i)
+    for (int j = 0; j < i; ++j) {
+      const Vector3 n = (model.nodes.col(i) - model.nodes.col(j)).normalized();
+      const Matrix3 k = (40 + 10 * random.number()) * n * n.transpose();
+      for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < 3; ++b)
+          for (const auto& [row, column, sign] : {std::tuple(i, i, 1), {j, j, 1}, {i, j, -1}, {j, i, -1}})
+            stiffness.emplace_back(3 * row + a, 3 * column + b, sign * k(a, b));
+    }
+  model.mass.resize(24, 24);
+  model.mass.setFromTriplets(mass.begin(), mass.end());
+  model.stiffness.resize(24, 24);
+  model.stiffness.setFromTriplets(stiffness.begin(), stiffness.end());
+  return model;
 }
 
 }  // namespace
@@ -38,6 +68,20 @@ Marker draw_modal(SystemGraph& graph, const std::string& name, const Vector3& po
       .marker();
 }
 
+Marker draw_flexible(SystemGraph& graph, const std::string& name, const Vector3& position, const Matrix3& orientation,
+                     int modes) {
+  static const auto reduced = make_basis(cube(), MeanAxisFrame{}, 5);
+  static const auto nodal = make_basis(cube(), ThreeNodeFrame{1, 2, 3}, kAllNodal);
+  const std::vector<int> nodes = {5, 6, 7, 8};  // far from the frame's
+  const Matrix3 turned = numbers(name).rotation(), A = orientation * turned.transpose();
+  const Vector3 mean(0, 0, 0.8);
+  auto& body = graph.add<FlexibleBody>(name, {.basis = modes == kAllNodal ? nodal : reduced,
+                                              .mode_count = modes == kAllNodal ? FlexibleBody::kAll : modes,
+                                              .position = position - A * mean,
+                                              .orientation = A});
+  return body.average(nodes, turned);
+}
+
 const std::vector<Pair>& pairs() {
   static const Vector3 place(0.3, -0.2, 0.5);
   static const Matrix3 axes = rotation_exp(Vector3(0.4, -0.7, 0.9));
@@ -61,6 +105,23 @@ const std::vector<Pair>& pairs() {
       {"modal - modal",
        [](SystemGraph& graph, const Vector3& gap) -> std::vector<Marker> {
          return {draw_modal(graph, "A", place, axes), draw_modal(graph, "B", place + axes * gap, axes, 2)};
+       }},
+      {"ground - reduced",
+       [](SystemGraph& graph, const Vector3& gap) -> std::vector<Marker> {
+         return {graph.ground().marker(place, axes), draw_flexible(graph, "B", place + axes * gap, axes)};
+       }},
+      {"reduced - rigid",
+       [](SystemGraph& graph, const Vector3& gap) -> std::vector<Marker> {
+         return {draw_flexible(graph, "A", place, axes), draw_rigid(graph, "B", place + axes * gap, axes)};
+       }},
+      {"rigid - nodal",
+       [](SystemGraph& graph, const Vector3& gap) -> std::vector<Marker> {
+         return {draw_rigid(graph, "A", place, axes), draw_flexible(graph, "B", place + axes * gap, axes, kAllNodal)};
+       }},
+      {"nodal - reduced",
+       [](SystemGraph& graph, const Vector3& gap) -> std::vector<Marker> {
+         return {draw_flexible(graph, "A", place, axes, kAllNodal),
+                 draw_flexible(graph, "B", place + axes * gap, axes)};
        }},
   };
   return all;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "bodies/flexible/reduction.h"
 #include "engine/system_graph.h"
 
 /// Scenes of two markers on every pairing of bodies, to hang a joint or a force between. A new kind of body joins them
@@ -16,12 +17,16 @@ struct Pair {
   std::function<std::vector<Marker>(SystemGraph&, const Vector3& gap)> draw;
 };
 
-/// ground - rigid, rigid - ground, rigid - rigid, rigid - modal, modal - modal.
+/// Ground, rigid bodies, markers that modes move in the most general way, flexible bodies reduced and nodal: each as A
+/// and as B.
 const std::vector<Pair>& pairs();
 
 /// One marker of a new body with that pose in the world, off the body's centre and turned against it.
 Marker draw_rigid(SystemGraph& graph, const std::string& name, const Vector3& position, const Matrix3& orientation);
 Marker draw_modal(SystemGraph& graph, const std::string& name, const Vector3& position, const Matrix3& orientation,
                   int modes = 3);
+/// The mean of four nodes of a small finite-element model, reduced to `modes` or nodal (kAllNodal).
+Marker draw_flexible(SystemGraph& graph, const std::string& name, const Vector3& position, const Matrix3& orientation,
+                     int modes = 4);
 
 }  // namespace lithe::test

@@ -1,0 +1,28 @@
+#pragma once
+
+#include "engine/batch.h"
+#include "engine/constraint.h"
+
+namespace lithe {
+
+/// Homokinetic joint of two shafts along z (Rzeppa, Tripod): the markers share their position, and B does not twist
+/// against A about the line that halves the angle of the shafts, so both turn alike at any bend; two freedoms are left.
+///   g = (p_B - p_A, y_A · x_B - x_A · y_B), four rows: the relative rotation has no part about z. Bend below a right
+///   angle.
+class ConstantVelocityJoint final : public Joint</*markers=*/2, /*rows=*/4> {
+ public:
+  void evaluate(double, std::span<const MarkerView> markers, ConstraintRows& rows) const override {
+    const auto &A = markers[0], &B = markers[1];
+    coincident(A, B, rows);
+    const Vector3 n = A.y().cross(B.x()) - A.x().cross(B.y());
+    const Vector3 n_dot = A.w.cross(A.y()).cross(B.x()) + A.y().cross(B.w.cross(B.x())) -
+                          A.w.cross(A.x()).cross(B.y()) - A.x().cross(B.w.cross(B.y()));
+    rows.add(A.y().dot(B.x()) - A.x().dot(B.y()), {torque(n), torque(-n)}, n_dot.dot(A.w - B.w));
+  }
+  /// The last row also vanishes with B twisted by half a turn: refused.
+  void initialize(std::span<const MarkerView> markers) override;
+};
+
+extern template std::unique_ptr<ConstraintBatch> make_constraint_batch<ConstantVelocityJoint>();
+
+}  // namespace lithe

@@ -1,0 +1,33 @@
+#pragma once
+
+#include "engine/batch.h"
+#include "engine/constraint.h"
+#include "engine/joint_coordinate.h"
+#include "engine/motion_law.h"
+
+namespace lithe {
+
+/// Prescribes a joint coordinate: a motor that nothing stops.
+///   g = x - f(t), one row. For angles whole turns do not count, so f may start anywhere near the drawing.
+///   graph.add<CoordinateDrive>("motor", {crank.angle()}, {.motion = ramp(0, 150)});
+/// Its multiplier is minus the force (N) or torque (N m) that it needs: drive_force(drive)
+/// (engine/analysis/kinematics.h).
+class CoordinateDrive final : public Joint</*markers=*/2, /*rows=*/1> {
+ public:
+  struct Parameters {
+    MotionLaw motion;  // f(t), m or rad (engine/motion_law.h)
+  };
+  /// Throws SceneError without a motion, and for more than one coordinate.
+  CoordinateDrive(CoordinateSet coordinate, Parameters parameters);
+
+  std::vector<MeasuredAngle> angles() const override { return coordinate_.angles(); }
+  void evaluate(double time, std::span<const MarkerView> markers, ConstraintRows& rows) const override;
+
+ private:
+  const CoordinateSet coordinate_;
+  const MotionLaw motion_;
+};
+
+extern template std::unique_ptr<ConstraintBatch> make_constraint_batch<CoordinateDrive>();
+
+}  // namespace lithe

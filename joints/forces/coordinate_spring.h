@@ -1,0 +1,39 @@
+#pragma once
+
+#include <optional>
+
+#include "engine/batch.h"
+#include "engine/force_element.h"
+#include "engine/joint_coordinate.h"
+#include "engine/tension_law.h"
+
+namespace lithe {
+
+/// Spring and damper on a joint coordinate: torsional on an angle, whose turns count, translational on a displacement.
+///   σ = k (x - x₀) + c ẋ + σ₀,   V = ½ k (x - x₀)² + σ₀ (x - x₀);   or σ(x - x₀, ẋ) by a law; σ > 0 pulls x down
+///   graph.add<CoordinateSpring>("clock spring", {pin.angle()}, {.stiffness = 0.3});
+class CoordinateSpring final : public Force</*markers=*/2, /*rows=*/1> {
+ public:
+  struct Parameters {
+    double stiffness = 0;                // k, N/m or N m/rad
+    double damping = 0;                  // c, N s/m or N m s/rad
+    std::optional<double> free_value{};  // x₀, m or rad; none: as drawn
+    double preload = 0;                  // σ₀, N or N m
+    TensionLaw law{};                    // added to these
+  };
+  /// Throws SceneError for more than one coordinate, a negative stiffness or damping, and for what is no number.
+  CoordinateSpring(CoordinateSet coordinate, Parameters parameters);
+
+  std::vector<MeasuredAngle> angles() const override { return coordinate_.angles(); }
+  void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const override;
+  void initialize(std::span<const MarkerView> markers) override;
+
+ private:
+  const CoordinateSet coordinate_;
+  const Parameters parameters_;
+  double free_value_ = 0;
+};
+
+extern template std::unique_ptr<ForceBatch> make_force_batch<CoordinateSpring>();
+
+}  // namespace lithe

@@ -1,0 +1,35 @@
+#pragma once
+
+#include "engine/batch.h"
+#include "engine/force_element.h"
+#include "engine/motion_law.h"
+
+namespace lithe {
+
+/// A load spread over nodes of a flexible body: pressure, traction, weight of what it carries. The body turns a field
+/// of nodal forces into at most six forces at weighted means of its nodes, of the same virtual work; see
+/// FlexibleBody::nodal_load().
+///   const NodalLoad wind = blade.nodal_load(nodes, forces);
+///   graph.add<DistributedLoad>("wind", wind.markers, {.forces = wind.forces, .amplitude = ramp(0, 1)});
+class DistributedLoad final : public ForceElement {
+ public:
+  enum class Axes { body, world };
+  struct Parameters {
+    std::vector<Vector3> forces;  // N, one a marker
+    Axes axes = Axes::body;       // the field turns with the body frame, or keeps its direction
+    MotionLaw amplitude{};        // factor over time; none: 1
+  };
+  /// Throws SceneError for no force, more than eight, and for what is no number.
+  explicit DistributedLoad(Parameters parameters);
+
+  int marker_count() const override { return static_cast<int>(parameters_.forces.size()); }
+  int row_count() const override { return 0; }
+  void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const override;
+
+ private:
+  const Parameters parameters_;
+};
+
+extern template std::unique_ptr<ForceBatch> make_force_batch<DistributedLoad>();
+
+}  // namespace lithe

@@ -1,0 +1,66 @@
+#include "joints/forces/joint_friction.h"
+
+#include "engine/batch_of.h"
+#include "engine/checks.h"
+
+namespace lithe {
+
+namespace {
+
+/// A part of the pressing force and its derivative.
+struct Press {
+  double force = 0;
+  Wrench by{Vector3::Zero(), Vector3::Zero()};
+
+  void add(const Vector3& f, double arm, Vector3 Wrench::*of) {
+    const double length = f.norm();
+    if (length == 0) return;
+    force += length / arm;
+    by.*of += f / (length * arm);
+  }
+};
+
+}  // namespace
+
+JointFriction::JointFriction(CoordinateSet coordinate, Parameters parameters)
+    : coordinate_(std::move(coordinate)), parameters_(parameters) {
+  Parameters& p = parameters_;
+  if (coordinate_.count() != 1) throw SceneError("friction acts on one coordinate", "", "add one for each");
+  if (!p.joint) throw SceneError("names no joint", "", "give .joint = &pin: whose reaction presses");
+  for (const auto& [value, name] :
+       {std::pair(p.dynamic, "dynamic"), std::pair(p.still, "still"), std::pair(p.viscous, "viscous"),
+        std::pair(p.radius, "radius"), std::pair(p.bending_arm, "bending_arm"), std::pair(p.preload, "preload")})
+    require::not_negative(value, name);
+  require::positive(p.stribeck_speed, "stribeck_speed");
+  require::positive(p.transition_speed, "transition_speed");
+  if (coordinate_.is_angle(0)) require::positive(p.radius, "radius");
+  if (p.still == 0) p.still = p.dynamic;
+}
+
+void JointFriction::evaluate(double, std::span<const MarkerView> markers, ForceRows& rows) const {
+  const auto& p = parameters_;
+  const MeasuredCoordinate x = coordinate_.measure(0, markers, rows);
+  const bool turns = coordinate_.is_angle(0);
+  const Vector3 axis = coordinate_.axis(0, markers);
+  const auto& [F, T] = rows.reaction();
+
+  Press press;
+  const Vector3 F_axial = axis.dot(F) * axis, T_axial = axis.dot(T) * axis;
+  press.add(F - F_axial, 1, &Wrench::force);
+  if (turns) press.add(F_axial, 1, &Wrench::force);
+  if (p.bending_arm > 0) press.add(T - T_axial, p.bending_arm, &Wrench::torque);
+  if (!turns && p.radius > 0) press.add(T_axial, p.radius, &Wrench::torque);
+  const double N = press.force + p.preload;
+
+  const double arm = turns ? p.radius : 1, s = arm * x.rate;
+  const double drop = (p.still - p.dynamic) * std::exp(-std::pow(s / p.stribeck_speed, 2));
+  const double level = p.dynamic + drop, level_slope = -2 * s / (p.stribeck_speed * p.stribeck_speed) * drop;
+  const double step = std::tanh(s / p.transition_speed), step_slope = (1 - step * step) / p.transition_speed;
+  const double mu = level * step, mu_slope = level_slope * step + level * step_slope;
+  rows.add({x.on_A, x.on_B}, arm * mu * N + p.viscous * x.rate, 0, arm * arm * mu_slope * N + p.viscous, 0);
+  rows.depends_on_reaction((arm * mu) * press.by);
+}
+
+template std::unique_ptr<ForceBatch> make_force_batch<JointFriction>();
+
+}  // namespace lithe

@@ -1,0 +1,44 @@
+#pragma once
+
+#include "engine/batch.h"
+#include "engine/force_element.h"
+#include "engine/joint_coordinate.h"
+
+namespace lithe {
+
+/// Dry friction in a joint, driven by the joint's own reaction: regularized Coulomb with Stribeck's drop, and a viscous
+/// part.
+///   μ(s) = (μ_d + (μ_s - μ_d) exp(-(s / v_s)²)) tanh(s / v_t),   s: sliding speed, m/s
+///   an angle:        torque = r μ(r φ̇) N + c φ̇,   N = |F_lateral| + |F_axial| + |T_lateral| / l + N₀
+///   a displacement:  force  = μ(ẋ) N + c ẋ,        N = |F_lateral| + |T_lateral| / l + |T_axial| / r + N₀
+/// F, T: the joint's reaction at its second marker, along the coordinate's axis and across it; a term whose arm is not
+/// given is left out. Below v_t it creeps: it holds no load at rest. It has no potential.
+///   graph.add<JointFriction>("rub", {pin.angle()}, {.joint = &pin, .dynamic = 0.1, .radius = 0.01});
+class JointFriction final : public Force</*markers=*/2, /*rows=*/1> {
+ public:
+  struct Parameters {
+    const Constraint* joint = nullptr;  // whose reaction presses
+    double dynamic = 0;                 // μ_d
+    double still = 0;                   // μ_s; 0: as dynamic
+    double stribeck_speed = 0.1;        // v_s, m/s
+    double transition_speed = 1e-3;     // v_t, m/s
+    double viscous = 0;                 // c, N m s/rad or N s/m
+    double radius = 0;                  // r, m; an angle needs it
+    double bending_arm = 0;             // l, m: between the bearing's halves; 0: bending does not press
+    double preload = 0;                 // N₀, N
+  };
+  /// Throws SceneError without a joint, for an angle without a radius, and for what is negative or no number.
+  JointFriction(CoordinateSet coordinate, Parameters parameters);
+
+  std::vector<MeasuredAngle> angles() const override { return coordinate_.angles(); }
+  const Constraint* reaction_of() const override { return parameters_.joint; }
+  void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const override;
+
+ private:
+  const CoordinateSet coordinate_;
+  Parameters parameters_;
+};
+
+extern template std::unique_ptr<ForceBatch> make_force_batch<JointFriction>();
+
+}  // namespace lithe

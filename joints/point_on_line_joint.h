@@ -1,0 +1,25 @@
+#pragma once
+
+#include "engine/batch.h"
+#include "engine/constraint.h"
+#include "engine/joint_coordinate.h"
+
+namespace lithe {
+
+/// Bead on a wire: point B keeps on the line through A along z_A; four freedoms are left.
+///   g = (x_A · d, y_A · d), d = p_B - p_A, two rows.
+class PointOnLineJoint final : public Joint</*markers=*/2, /*rows=*/2> {
+ public:
+  /// Displacement along z_A.
+  JointCoordinate displacement() const { return {JointCoordinate::Kind::displacement, markers()[0], markers()[1]}; }
+
+  void evaluate(double, std::span<const MarkerView> markers, ConstraintRows& rows) const override {
+    const auto &A = markers[0], &B = markers[1];
+    in_plane(A, A.x(), B, rows);
+    in_plane(A, A.y(), B, rows);
+  }
+};
+
+extern template std::unique_ptr<ConstraintBatch> make_constraint_batch<PointOnLineJoint>();
+
+}  // namespace lithe

@@ -1,0 +1,9 @@
+#include "joints/point_on_plane_joint.h"
+
+#include "engine/batch_of.h"
+
+namespace lithe {
+
+template std::unique_ptr<ConstraintBatch> make_constraint_batch<PointOnPlaneJoint>();
+
+}  // namespace lithe

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "engine/batch.h"
+#include "engine/constraint.h"
+
+namespace lithe {
+
+/// Ball on a table that never lifts off: point B keeps in the plane through A normal to z_A; five freedoms are left.
+///   g = z_A · (p_B - p_A), one row.
+class PointOnPlaneJoint final : public Joint</*markers=*/2, /*rows=*/1> {
+ public:
+  void evaluate(double, std::span<const MarkerView> markers, ConstraintRows& rows) const override {
+    in_plane(markers[0], markers[0].z(), markers[1], rows);
+  }
+};
+
+extern template std::unique_ptr<ConstraintBatch> make_constraint_batch<PointOnPlaneJoint>();
+
+}  // namespace lithe
