@@ -162,6 +162,18 @@ void fix_signs(MatrixX& X) {
   }
 }
 
+/// K + shift M, positive definite though K may leave rigid motions free.
+SparseMatrix shifted_stiffness(const SparseMatrix& K, const SparseMatrix& M, double& shift) {
+  shift = kShift * K.diagonal().sum() / M.diagonal().sum();
+  return K + shift * M;
+}
+
+void require_positive(const SparseCholesky& factor, const std::string& where) {
+  if (factor.positive_definite()) return;
+  throw SceneError("the supported stiffness is not positive definite.", where,
+                   "hold the body against every rigid motion and check K with require_sound().");
+}
+
 }  // namespace
 
 double eigenvalue_noise(const SparseMatrix& K, const SparseMatrix& M) {
@@ -176,12 +188,9 @@ EigenModes lowest_modes(const SparseMatrix& K, const SparseMatrix& M, const Matr
   const bool most = 3 * count > n;
   if (method == EigenMethod::automatic) method = n <= kDenseBelow || most ? EigenMethod::dense : EigenMethod::lanczos;
 
-  const double shift = kShift * K.diagonal().sum() / M.diagonal().sum();
-  const SparseMatrix shifted = K + shift * M;
-  const SparseCholesky factor(shifted);
-  if (!factor.positive_definite())
-    throw SceneError("the supported stiffness is not positive definite.", where,
-                     "hold the body against every rigid motion and check K with require_sound().");
+  double shift = 0;
+  const SparseCholesky factor(shifted_stiffness(K, M, shift));
+  require_positive(factor, where);
 
   MatrixX X = method == EigenMethod::dense ? dense_modes(K, M, deflation, count)
                                            : lanczos_modes(K, M, deflation, count, shift, factor, where);
@@ -197,6 +206,43 @@ EigenModes lowest_modes(const SparseMatrix& K, const SparseMatrix& M, const Matr
   fix_signs(X);
   modes.vectors = std::move(X);
   return modes;
+}
+
+EigenModes with_static_modes(const SparseMatrix& K, const SparseMatrix& M, const MatrixX& rigid,
+                             const EigenModes& modes, const MatrixX& loads, const std::string& where) {
+  double shift = 0;
+  const SparseCholesky factor(shifted_stiffness(K, M, shift));
+  require_positive(factor, where);
+  const Deflation deflation = deflate(M, rigid);
+  MatrixX F = loads;
+  if (rigid.cols() > 0) F -= deflation.MD * (deflation.D.transpose() * F);
+
+  // K X = F by the shifted factor: each round takes the shift's error, shift/λ, once more off every mode.
+  MatrixX X = MatrixX::Zero(F.rows(), F.cols());
+  for (int round = 0; round < 4; ++round) {
+    MatrixX residual = F - K * X;
+    if (rigid.cols() > 0) residual -= deflation.MD * (deflation.D.transpose() * residual);
+    X += factor.solve(residual);
+    deflation.clean(X);
+  }
+
+  // Unit compliance each, then what the eigenmodes and the other deflections lack: the K-orthonormal rest.
+  const VectorX compliance = X.cwiseProduct(F).colwise().sum().transpose();
+  const double negligible = 1e-20 * compliance.maxCoeff();
+  for (Eigen::Index k = 0; k < X.cols(); ++k) X.col(k) *= compliance[k] > negligible ? 1 / std::sqrt(compliance[k]) : 0;
+  for (int pass = 0; pass < 2; ++pass) X -= modes.vectors * (modes.vectors.transpose() * (M * X));
+  const MatrixX gram = X.transpose() * (K * X);
+  const Eigen::SelfAdjointEigenSolver<MatrixX> parts(0.5 * (gram + gram.transpose()));
+  const auto kept = (parts.eigenvalues().array() > 1e-12).count();
+  const VectorX scale = parts.eigenvalues().tail(kept).cwiseSqrt().cwiseInverse();
+  X = (X * parts.eigenvectors().rightCols(kept) * scale.asDiagonal()).eval();
+  X.colwise().normalize();
+
+  EigenModes both;
+  both.vectors = beside(modes.vectors, X);
+  both.eigenvalues = rotate_to_ritz_vectors(K, M, both.vectors);
+  fix_signs(both.vectors);
+  return both;
 }
 
 }  // namespace lithe

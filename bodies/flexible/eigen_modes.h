@@ -23,6 +23,12 @@ enum class EigenMethod { automatic, dense, lanczos };
 EigenModes lowest_modes(const SparseMatrix& K, const SparseMatrix& M, const MatrixX& rigid, int count,
                         const std::string& where, EigenMethod method = EigenMethod::automatic);
 
+/// `modes` (eigenpairs as above) and the static deflections under `loads` (n x k), as Ritz vectors of both together:
+/// M-orthonormal, K diagonal, ascending. The loads are first rid of what moves the body along `rigid` (inertia relief);
+/// deflections that add less than 1e-12 of a load's compliance to the others are left out.
+EigenModes with_static_modes(const SparseMatrix& K, const SparseMatrix& M, const MatrixX& rigid,
+                             const EigenModes& modes, const MatrixX& loads, const std::string& where);
+
 /// Below this, λ is rounding noise of K: the motion meets no stiffness (1e-12 tr K / tr M).
 double eigenvalue_noise(const SparseMatrix& K, const SparseMatrix& M);
 

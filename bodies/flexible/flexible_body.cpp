@@ -25,12 +25,10 @@ void add_symmetric_product(const LinearPattern& pattern, const VectorX& entries,
 
 }  // namespace
 
-FlexibleBody::Cache::Cache(const FlexibleBody& body)
-    : terms(body.mode_count()), elastic(body.marker_count()) {}
+FlexibleBody::Cache::Cache(const FlexibleBody& body) : terms(body.mode_count()), elastic(body.marker_count()) {}
 
 FlexibleBody::FlexibleBody(Parameters parameters) : parameters_(std::move(parameters)) {
-  if (!parameters_.basis)
-    throw SceneError("has no basis", "", "give .basis = make_basis(model, frame, mode_count)");
+  if (!parameters_.basis) throw SceneError("has no basis", "", "give .basis = make_basis(model, frame, mode_count)");
   const ModalBasis& basis = *parameters_.basis;
   const int available = basis.mode_count();
   if (parameters_.mode_count != kAll && (parameters_.mode_count < 0 || parameters_.mode_count > available))
@@ -71,7 +69,8 @@ void FlexibleBody::set_up() {
   require::finite(p.angular_velocity, "angular_velocity");
   require::not_negative(p.damping.mass_proportional, "damping.mass_proportional");
   require::not_negative(p.damping.stiffness_proportional, "damping.stiffness_proportional");
-  for (const auto& [value, what] : {std::pair(&p.modal_coordinates, "modal_coordinates"), std::pair(&p.modal_velocities, "modal_velocities")}) {
+  for (const auto& [value, what] :
+       {std::pair(&p.modal_coordinates, "modal_coordinates"), std::pair(&p.modal_velocities, "modal_velocities")}) {
     require::finite(*value, what);
     if (value->size() != 0 && value->size() != modes_)
       throw SceneError(std::string(what) + " has " + std::to_string(value->size()) + " entries for " +
@@ -102,7 +101,8 @@ void FlexibleBody::set_up() {
   const auto& ratios = p.damping.modal_ratios;
   if (ratios.empty()) return;
   if (!diagonal_)
-    throw SceneError("modal damping needs an eigenmode basis", "", "use Rayleigh damping with nodal or given coordinates");
+    throw SceneError("modal damping needs an eigenmode basis", "",
+                     "use Rayleigh damping with nodal or given coordinates");
   if (ratios.size() != 1 && static_cast<int>(ratios.size()) != modes_)
     throw SceneError("damping.modal_ratios has " + std::to_string(ratios.size()) + " entries for " +
                          std::to_string(modes_) + " modes",
@@ -155,8 +155,7 @@ void FlexibleBody::add_residual(const BodyState& state, const double* v_dot, con
   Eigen::Map<Vector3>(r + 3) += t.s.cross(lift_body) + t.J * w_dot + t.Cr.lazyProduct(eta_acc) + t.J_rate * w +
                                 w.cross(Vector3(t.J * w + t.h)) + t.Cr_rate_h;
   double* modal = r + 6;
-  for (int k = 0; k < modes_; ++k)
-    modal[k] += Ct.col(k).dot(lift_body) + t.Cr.col(k).dot(w_dot) - t.quadratic[k];
+  for (int k = 0; k < modes_; ++k) modal[k] += Ct.col(k).dot(lift_body) + t.Cr.col(k).dot(w_dot) - t.quadratic[k];
   if (diagonal_) {
     const double *eta = state.q + 7, *rate = state.v + 6;
     for (int k = 0; k < modes_; ++k) modal[k] += eta_acc[k] + damping_[k] * rate[k] + stiffness_[k] * eta[k];

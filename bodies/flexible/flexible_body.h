@@ -14,22 +14,28 @@ namespace lithe {
 /// Damping of deformation alone; rigid motion feels none.
 ///   D = mass_proportional Mff + stiffness_proportional K^ + diag(2 ζ_k ω_k)
 struct FlexibleDamping {
-  double mass_proportional = 0;       // 1/s, Rayleigh's alpha
-  double stiffness_proportional = 0;  // s, Rayleigh's beta
-  std::vector<double> modal_ratios{}; // ζ_k; one number serves all modes; eigenmode bases only
+  double mass_proportional = 0;        // 1/s, Rayleigh's alpha
+  double stiffness_proportional = 0;   // s, Rayleigh's beta
+  std::vector<double> modal_ratios{};  // ζ_k; one number serves all modes; eigenmode bases only
+};
+
+/// A field of nodal forces as at most six forces, one a marker, of the same virtual work: FlexibleBody::nodal_load().
+struct NodalLoad {
+  std::vector<Marker> markers;
+  std::vector<Vector3> forces;  // N
 };
 
 /// Flexible body in the floating frame of reference: a frame that moves far, and small deformation in it.
 ///   q_i = x0 + A (r0_i + B_i η),   M v̇ = f_v + f_gravity - K^ η - D η̇     (Vlasenko & Kasper eqs. 7-10, 23, 40;
 ///   M and f_v with every coupling as corrected in EQUATIONS.md 2.3, 3.2)
-/// Three fidelities by one number, mode_count: all coordinates of a nodal basis, the first modes of a reduced one, or 0:
-/// rigid. Linear in the deformation: no stiffening by spin or load. Its cost a step does not depend on the mesh.
+/// Three fidelities by one number, mode_count: all coordinates of a nodal basis, the first modes of a reduced one, or
+/// 0: rigid. Linear in the deformation: no stiffening by spin or load. Its cost a step does not depend on the mesh.
 class FlexibleBody final : public Body {
  public:
   static constexpr int kAll = std::numeric_limits<int>::max();
   struct Parameters {
     std::shared_ptr<const ModalBasis> basis{};
-    int mode_count = kAll;                      // modes used, lowest first; 0: rigid
+    int mode_count = kAll;  // modes used, lowest first; 0: rigid
     FlexibleDamping damping{};
     Vector3 position{0, 0, 0};                  // of the mesh origin at t = 0, world axes, m
     Matrix3 orientation = Matrix3::Identity();  // mesh axes to world axes
@@ -57,9 +63,20 @@ class FlexibleBody final : public Body {
   // ---- markers; orientations are given in mesh axes ----
   /// A node by its label; translates with the deformation, turns with the body frame (solids have no nodal rotation).
   Marker node(int id, const Matrix3& orientation = Matrix3::Identity());
-  /// The mean of nodes (RBE3): mean position and, for three or more nodes off a line, mean rotation. Nodes on a line turn
-  /// with the body frame about it, with the nodes otherwise.
-  Marker average(const std::vector<int>& ids, const Matrix3& orientation = Matrix3::Identity());
+  /// The mean of nodes (RBE3): mean position and, for three or more nodes off a line, mean rotation. Nodes on a line
+  /// turn with the body frame about it, with the nodes otherwise. Weights, one a node or none, count by their ratios;
+  /// those of the areas that the nodes of a face stand for spread a load evenly over it.
+  Marker average(const std::vector<int>& ids, const Matrix3& orientation = Matrix3::Identity(),
+                 const std::vector<double>& weights = {});
+  /// Nodes that move as one rigid piece (RBE2), at their mean. SceneError for a basis in which they deform, and for
+  /// nodes on a line: make_basis(model, frame, modes, {.rigid = {ids}}) ties them.
+  Marker rigid(const std::vector<int>& ids, const Matrix3& orientation = Matrix3::Identity());
+  /// Forces on nodes, 3 x ids, N, in mesh axes (or world axes for a load that keeps its direction), as forces on
+  /// weighted means of these nodes: of each component b the positive parts together and the negative ones,
+  ///   F = Σ |f_b| e_b at Σ w_i r_i, w_i = |f_i,b| / Σ |f_b|.
+  /// Markers have the mesh's axes and turn with the body frame. For joints/forces/distributed_load.h. SceneError for
+  /// other than one force a node, for what is no number, and for no force at all.
+  NodalLoad nodal_load(const std::vector<int>& ids, const Matrix3X& forces);
   /// The body frame itself; does not follow the deformation.
   Marker frame(const Matrix3& orientation = Matrix3::Identity());
   /// Any point with given modal Jacobians, body axes: c, Bm, Theta (3 x nm each), R0 (EQUATIONS.md 7.1).
@@ -100,6 +117,7 @@ class FlexibleBody final : public Body {
     bool turns;        // Theta is not zero
   };
   void set_up();
+  std::vector<int> indices_of(const std::vector<int>& ids) const;
   int add_marker(const Vector3& c, const Matrix3X& Bm, const Matrix3X& Theta, const Matrix3& R0);
   /// out += (mass Mff + damping D + stiffness K^) x
   void add_modal(double mass, double damping, double stiffness, const double* x, double* out) const;
@@ -108,8 +126,8 @@ class FlexibleBody final : public Body {
   int modes_ = 0;
   bool diagonal_ = true;
   std::unique_ptr<const FlexibleInertia> inertia_;
-  VectorX stiffness_, damping_;                   // diagonal, or entries along the pattern
-  VectorX modal_mass_;                            // entries along the pattern; diagonal bases: ones
+  VectorX stiffness_, damping_;  // diagonal, or entries along the pattern
+  VectorX modal_mass_;           // entries along the pattern; diagonal bases: ones
   LinearPattern pattern_;
   std::vector<MarkerShape> markers_;
 };

@@ -1,6 +1,5 @@
-#include <Eigen/Eigenvalues>
-
 #include "bodies/flexible/flexible_body.h"
+#include "bodies/flexible/node_sets.h"
 #include "engine/checks.h"
 #include "engine/error.h"
 
@@ -17,6 +16,12 @@ int FlexibleBody::add_marker(const Vector3& c, const Matrix3X& Bm, const Matrix3
   return marker_count() - 1;
 }
 
+std::vector<int> FlexibleBody::indices_of(const std::vector<int>& ids) const {
+  std::vector<int> indices;
+  for (int id : ids) indices.push_back(basis().node_index(id));
+  return indices;
+}
+
 Marker FlexibleBody::node(int id, const Matrix3& orientation) {
   require::at("'" + name() + "' of " + where(),
               [&] { require::rotation(orientation, "orientation of a node marker"); });
@@ -25,32 +30,74 @@ Marker FlexibleBody::node(int id, const Matrix3& orientation) {
   return {this, add_marker(basis().nodes.col(i), Bi, Matrix3X(3, 0), basis().rotation.transpose() * orientation)};
 }
 
-Marker FlexibleBody::average(const std::vector<int>& ids, const Matrix3& orientation) {
-  if (ids.empty())
-    throw SceneError("an average marker on '" + name() + "' has no nodes", where(), "name at least one node");
+Marker FlexibleBody::average(const std::vector<int>& ids, const Matrix3& orientation,
+                             const std::vector<double>& weights) {
   require::at("'" + name() + "' of " + where(),
               [&] { require::rotation(orientation, "orientation of an average marker"); });
-  const double weight = 1.0 / static_cast<double>(ids.size());
-  Vector3 c = Vector3::Zero();
+  const NodeAverage mean(basis().nodes, indices_of(ids), weights, "'" + name() + "' of " + where());
   Matrix3X Bm = Matrix3X::Zero(3, modes_), Theta = Matrix3X::Zero(3, modes_);
-  for (int id : ids) c += weight * basis().nodes.col(basis().node_index(id));
-  Matrix3 D = Matrix3::Zero();
-  for (int id : ids) {
-    const int i = basis().node_index(id);
-    const Vector3 rho = basis().nodes.col(i) - c;
-    D += weight * (rho.squaredNorm() * Matrix3::Identity() - rho * rho.transpose());
-    if (modes_ == 0) continue;
-    const Matrix3X Bi = basis().node_modes(i).leftCols(modes_);
-    Bm += weight * Bi;
-    Theta += weight * (skew(rho) * Bi);
+  for (size_t k = 0; k < ids.size() && modes_ > 0; ++k) {
+    const auto column = static_cast<Eigen::Index>(k);
+    const Matrix3X B = mean.weights[column] * basis().node_modes(mean.nodes[k]).leftCols(modes_);
+    Bm += B;
+    Theta += skew(mean.arms.col(column)) * B;
   }
-  // D is singular about the line of collinear nodes: there the marker keeps to the body frame.
-  const Eigen::SelfAdjointEigenSolver<Matrix3> eigen(D);
-  Matrix3 inverse = Matrix3::Zero();
-  for (int a = 0; a < 3; ++a)
-    if (eigen.eigenvalues()[a] > 1e-9 * eigen.eigenvalues()[2])
-      inverse += eigen.eigenvectors().col(a) * eigen.eigenvectors().col(a).transpose() / eigen.eigenvalues()[a];
-  return {this, add_marker(c, Bm, inverse * Theta, basis().rotation.transpose() * orientation)};
+  return {this, add_marker(mean.center, Bm, mean.spread_inverse * Theta, basis().rotation.transpose() * orientation)};
+}
+
+Marker FlexibleBody::rigid(const std::vector<int>& ids, const Matrix3& orientation) {
+  const std::string place = "'" + name() + "' of " + where();
+  if (NodeAverage(basis().nodes, indices_of(ids), {}, place).on_a_line)
+    throw SceneError("the nodes of a rigid marker lie on one line and carry no rotation about it", place,
+                     "add a node off the line, or use average()");
+  Matrix3X nodes(3, static_cast<Eigen::Index>(ids.size()));
+  MatrixX motion(nodes.size(), modes_);
+  for (size_t k = 0; k < ids.size(); ++k) {
+    const auto column = static_cast<Eigen::Index>(k);
+    const int i = basis().node_index(ids[k]);
+    nodes.col(column) = basis().nodes.col(i);
+    if (modes_ > 0) motion.middleRows<3>(3 * column) = basis().node_modes(i).leftCols(modes_);
+  }
+  if (modes_ > 0) {
+    // Round-off of a mode is that of its largest displacement.
+    const VectorX size = basis().nodal ? VectorX(VectorX::Ones(modes_))
+                                       : VectorX(basis().modes.leftCols(modes_).cwiseAbs().colwise().maxCoeff());
+    if ((deformation(nodes, motion).array() > 1e-9 * size.array()).any())
+      throw SceneError(
+          "the basis '" + basis().name + "' deforms the " + std::to_string(ids.size()) + " nodes of a rigid marker",
+          place, "tie them: make_basis(model, frame, modes, {.rigid = {nodes}}), or use average()");
+  }
+  return average(ids, orientation);
+}
+
+NodalLoad FlexibleBody::nodal_load(const std::vector<int>& ids, const Matrix3X& forces) {
+  const std::string place = "'" + name() + "' of " + where();
+  if (forces.cols() != static_cast<Eigen::Index>(ids.size()))
+    throw SceneError(
+        "a nodal load has " + std::to_string(forces.cols()) + " forces on " + std::to_string(ids.size()) + " nodes",
+        place, "give a column of forces a node");
+  if (!forces.allFinite())
+    throw SceneError("a nodal load has a force that is no number", place, "look how the field was computed");
+  const std::vector<int> nodes = indices_of(ids);
+  NodalLoad load;
+  for (int axis = 0; axis < 3; ++axis)
+    for (double sign : {1.0, -1.0}) {
+      const VectorX part = (sign * forces.row(axis)).cwiseMax(0).transpose();
+      const double sum = part.sum();
+      if (sum == 0) continue;
+      Vector3 c = Vector3::Zero();
+      Matrix3X Bm = Matrix3X::Zero(3, modes_);
+      for (size_t k = 0; k < nodes.size(); ++k) {
+        const double weight = part[static_cast<Eigen::Index>(k)] / sum;
+        if (weight == 0) continue;
+        c += weight * basis().nodes.col(nodes[k]);
+        if (modes_ > 0) Bm += weight * basis().node_modes(nodes[k]).leftCols(modes_);
+      }
+      load.markers.push_back({this, add_marker(c, Bm, Matrix3X(3, 0), basis().rotation.transpose())});
+      load.forces.push_back(sign * sum * Vector3::Unit(axis));
+    }
+  if (load.forces.empty()) throw SceneError("a nodal load is zero at every node", place, "leave it out");
+  return load;
 }
 
 Marker FlexibleBody::frame(const Matrix3& orientation) {

@@ -11,6 +11,7 @@
 
 #include "bodies/flexible/eigen_modes.h"
 #include "bodies/flexible/frames.h"
+#include "bodies/flexible/node_sets.h"
 #include "engine/error.h"
 #include "engine/log.h"
 
@@ -20,37 +21,6 @@ namespace {
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
 double hertz(double eigenvalue) { return std::sqrt(std::max(eigenvalue, 0.0)) / (2 * std::numbers::pi); }
-
-std::vector<int> others(int count, const std::vector<int>& fixed) {
-  std::vector<char> is_fixed(static_cast<size_t>(count), 0);
-  for (int dof : fixed) is_fixed[static_cast<size_t>(dof)] = 1;
-  std::vector<int> free;
-  for (int dof = 0; dof < count; ++dof)
-    if (!is_fixed[static_cast<size_t>(dof)]) free.push_back(dof);
-  return free;
-}
-
-/// A(chosen, chosen), both ascending.
-SparseMatrix part(const SparseMatrix& A, const std::vector<int>& chosen) {
-  std::vector<int> position(static_cast<size_t>(A.rows()), -1);
-  for (size_t k = 0; k < chosen.size(); ++k) position[static_cast<size_t>(chosen[k])] = static_cast<int>(k);
-  Triplets entries;
-  for (size_t k = 0; k < chosen.size(); ++k)
-    for (SparseMatrix::InnerIterator entry(A, chosen[k]); entry; ++entry) {
-      const int row = position[static_cast<size_t>(entry.row())];
-      if (row >= 0) entries.emplace_back(row, static_cast<int>(k), entry.value());
-    }
-  const auto n = static_cast<Eigen::Index>(chosen.size());
-  SparseMatrix selected(n, n);
-  selected.setFromTriplets(entries.begin(), entries.end());
-  return selected;
-}
-
-MatrixX rows_of(const MatrixX& A, const std::vector<int>& chosen) {
-  MatrixX selected(static_cast<Eigen::Index>(chosen.size()), A.cols());
-  for (size_t k = 0; k < chosen.size(); ++k) selected.row(static_cast<Eigen::Index>(k)) = A.row(chosen[k]);
-  return selected;
-}
 
 /// K in body axes, A^nT K_A A^n (18). Blocks of scalar mass do not change, K does.
 SparseMatrix turned(const SparseMatrix& K, const Matrix3& rotation) {
@@ -82,21 +52,15 @@ SparseMatrix unit_matrix(Eigen::Index n) {
   return E;
 }
 
-/// What the frame leaves free, its supported problem K_cc a = ω² S_cc a and the rigid motions in it.
+/// What the frame leaves free, u = T z, its supported problem K_zz a = ω² S_zz a and the rigid motions in it.
 struct SupportedProblem {
-  std::vector<int> free;
-  SparseMatrix K, M;
+  SparseMatrix T, K, M;
   MatrixX rigid;
 };
 
-SupportedProblem supported(const SparseMatrix& K, const SparseMatrix& M, const std::vector<int>& fixed,
-                           const MatrixX& rigid) {
-  SupportedProblem problem;
-  problem.free = others(static_cast<int>(K.rows()), fixed);
-  problem.K = part(K, problem.free);
-  problem.M = part(M, problem.free);
-  problem.rigid = rows_of(rigid, problem.free);
-  return problem;
+SupportedProblem supported(const SparseMatrix& K, const SparseMatrix& M, const SparseMatrix& T, const MatrixX& rigid) {
+  const SparseMatrix transposed = T.transpose();
+  return {T, transposed * K * T, transposed * M * T, transposed * rigid};
 }
 
 void require_held(const EigenModes& modes, const SupportedProblem& problem, const std::string& where) {
@@ -118,35 +82,64 @@ std::vector<int> with_swing_held(const FramePlacement& placed) {
   return fixed;
 }
 
-void fill_nodal(const FiniteElementModel& model, const BodyFrame& frame, const FramePlacement& placed,
-                const SparseMatrix& K, ModalBasis& basis) {
+void fill_nodal(const FiniteElementModel& model, const BodyFrame& frame, FramePlacement placed, const SparseMatrix& K,
+                const Interfaces& interfaces, ModalBasis& basis) {
   if (std::holds_alternative<MeanAxisFrame>(frame))
     throw SceneError("mean axes are no selection of nodal coordinates.", placed.where,
                      "use a ThreeNodeFrame (or a tangent or hinge frame) with kAllNodal.");
-  const SupportedProblem problem = supported(K, model.mass, with_swing_held(placed), MatrixX(K.rows(), 0));
+  if (!interfaces.rigid.empty())
+    throw SceneError("a body with all its nodal coordinates keeps no set of nodes rigid.", placed.where,
+                     "ask for as many modes as there are coordinates instead of kAllNodal: it is the same body.");
+  placed.fixed_dofs = with_swing_held(placed);
+  const SupportedProblem problem = supported(K, model.mass, free_motions(placed, {}), MatrixX(K.rows(), 0));
   require_held(lowest_modes(problem.K, problem.M, problem.rigid, 1, placed.where), problem, placed.where);
   basis.nodal = true;
-  basis.free_dofs = problem.free;
+  for (Eigen::Index k = 0; k < problem.T.cols(); ++k)
+    basis.free_dofs.push_back(static_cast<int>(SparseMatrix::InnerIterator(problem.T, k).row()));
   basis.stiffness = problem.K;
   basis.modal_mass = problem.M;
 }
 
+std::vector<std::vector<int>> indices_of(const FiniteElementModel& model, const std::vector<std::vector<int>>& sets) {
+  std::vector<std::vector<int>> indices(sets.size());
+  for (size_t s = 0; s < sets.size(); ++s)
+    for (int id : sets[s]) indices[s].push_back(model.node_index(id));
+  return indices;
+}
+
+/// Nodal forces of unit loads on the interfaces, body axes, 3n x 6 a interface.
+MatrixX unit_loads(const FiniteElementModel& model, const FramePlacement& placed,
+                   const std::vector<WeightedNodes>& interfaces) {
+  const int n = model.node_count();
+  MatrixX F(3 * n, 6 * static_cast<Eigen::Index>(interfaces.size()));
+  for (size_t s = 0; s < interfaces.size(); ++s)
+    F.middleCols<6>(6 * static_cast<Eigen::Index>(s)) =
+        NodeAverage(placed.nodes, indices_of(model, {interfaces[s].ids})[0], interfaces[s].weights, placed.where)
+            .unit_loads(n);
+  return F;
+}
+
 void fill_modes(const FiniteElementModel& model, const FramePlacement& placed, const SparseMatrix& K, int mode_count,
-                ModalBasis& basis) {
-  const SupportedProblem problem = supported(K, model.mass, placed.fixed_dofs, placed.rigid);
-  const auto available = static_cast<int>(problem.free.size()) - static_cast<int>(placed.rigid.cols());
+                const Interfaces& interfaces, ModalBasis& basis) {
+  const SparseMatrix T = free_motions(placed, indices_of(model, interfaces.rigid));
+  const SupportedProblem problem = supported(K, model.mass, T, placed.rigid);
+  const auto available = static_cast<int>(T.cols() - placed.rigid.cols());
   if (mode_count > available)
     throw SceneError(std::to_string(mode_count) + " modes are asked for, but the frame leaves " +
                          std::to_string(available) + " elastic coordinates.",
                      placed.where, "ask for at most " + std::to_string(available) + ", or for kAllNodal.");
   EigenModes modes = lowest_modes(problem.K, problem.M, problem.rigid, mode_count, placed.where);
   require_held(modes, problem, placed.where);
+  if (!interfaces.loaded.empty()) {
+    require_held(lowest_modes(problem.K, problem.M, problem.rigid, 1, placed.where), problem, placed.where);
+    const MatrixX loads = T.transpose() * unit_loads(model, placed, interfaces.loaded);
+    modes = with_static_modes(problem.K, problem.M, problem.rigid, modes, loads, placed.where);
+  }
 
-  basis.modes = MatrixX::Zero(K.rows(), mode_count);
-  for (size_t k = 0; k < problem.free.size(); ++k)
-    basis.modes.row(problem.free[k]) = modes.vectors.row(static_cast<Eigen::Index>(k));
+  const auto count = static_cast<int>(modes.eigenvalues.size());
+  basis.modes = T * modes.vectors;
   basis.stiffness = diagonal_matrix(modes.eigenvalues);
-  basis.modal_mass = unit_matrix(mode_count);
+  basis.modal_mass = unit_matrix(count);
   basis.diagonal = true;
   basis.frequencies = modes.eigenvalues.unaryExpr([](double lambda) { return hertz(lambda); });
 }
@@ -181,7 +174,8 @@ const std::vector<int>& ModalBasis::node_set(const std::string& set) const {
   return find_node_set(name, node_sets, set);
 }
 
-std::shared_ptr<const ModalBasis> make_basis(const FiniteElementModel& model, const BodyFrame& frame, int mode_count) {
+std::shared_ptr<const ModalBasis> make_basis(const FiniteElementModel& model, const BodyFrame& frame, int mode_count,
+                                             const Interfaces& interfaces) {
   require_sound(model);
   const FramePlacement placed = place_frame(model, frame);
   if (mode_count < kAllNodal)
@@ -200,9 +194,9 @@ std::shared_ptr<const ModalBasis> make_basis(const FiniteElementModel& model, co
 
   const SparseMatrix K = turned(model.stiffness, placed.rotation);
   if (mode_count == kAllNodal)
-    fill_nodal(model, frame, placed, K, *basis);
+    fill_nodal(model, frame, placed, K, interfaces, *basis);
   else
-    fill_modes(model, placed, K, mode_count, *basis);
+    fill_modes(model, placed, K, mode_count, interfaces, *basis);
   log_basis(*basis, placed.where);
   return basis;
 }
@@ -267,10 +261,11 @@ VectorX frequencies(const FiniteElementModel& model, const std::vector<int>& fix
       throw SceneError("degree of freedom " + std::to_string(dof) + " of " + std::to_string(dofs) + " is fixed.", where,
                        "count 3 * node index + axis from 0.");
   const MatrixX rigid = rigid_motions_left(model.nodes, fixed_dofs);
-  const SupportedProblem problem = supported(model.stiffness, model.mass, fixed_dofs, rigid);
-  if (count < 0 || count > static_cast<int>(problem.free.size()))
+  const FramePlacement placed{.nodes = model.nodes, .fixed_dofs = fixed_dofs, .rigid = rigid, .where = where};
+  const SupportedProblem problem = supported(model.stiffness, model.mass, free_motions(placed, {}), rigid);
+  if (count < 0 || count > problem.T.cols())
     throw SceneError(
-        std::to_string(count) + " frequencies of " + std::to_string(problem.free.size()) + " free degrees of freedom.",
+        std::to_string(count) + " frequencies of " + std::to_string(problem.T.cols()) + " free degrees of freedom.",
         where, "ask for fewer.");
   VectorX hz = VectorX::Zero(count);
   const int zero = static_cast<int>(rigid.cols());

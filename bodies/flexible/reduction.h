@@ -30,6 +30,22 @@ struct HingeFrame {
 struct MeanAxisFrame {};
 using BodyFrame = std::variant<MeanAxisFrame, ThreeNodeFrame, TangentFrame, HingeFrame>;
 
+/// Nodes by label, and how much each counts in an average; no weights: all alike.
+struct WeightedNodes {
+  std::vector<int> ids;
+  std::vector<double> weights{};
+};
+
+/// Where a body is to be tied or loaded.
+struct Interfaces {
+  /// Sets whose nodes keep their shape, in every mode (RBE2): FlexibleBody::rigid() makes the marker.
+  std::vector<std::vector<int>> rigid{};
+  /// Each gets six static modes, the deflections under unit forces and torques spread as by FlexibleBody::average():
+  /// what is tied or loaded there yields exactly as the mesh does at rest, however few eigenmodes there are. What a
+  /// free body cannot bear at rest is balanced by its inertia (inertia relief).
+  std::vector<WeightedNodes> loaded{};
+};
+
 inline constexpr int kAllNodal = -1;  // mode count: every nodal coordinate that the frame leaves free
 
 /// Everything a flexible body needs from its finite-element model, in body axes; frozen and shared.
@@ -48,7 +64,7 @@ struct ModalBasis {
   SparseMatrix stiffness;           // K^ = Bᵀ K B, nm x nm (diagonal matrix for eigenmodes)
   SparseMatrix modal_mass;          // Mff = Bᵀ S B, nm x nm (identity for eigenmodes)
   bool diagonal = false;            // K^ diagonal and Mff = E
-  VectorX frequencies;              // Hz, eigenfrequencies with the frame's supports (size nm; empty when nodal)
+  VectorX frequencies;              // Hz, of the modes with the frame's supports (size nm; empty when nodal)
   bool free_swing_dropped = false;  // HingeFrame: zero-frequency motion (one swing, or three turns) left out
 
   int mode_count() const { return static_cast<int>(stiffness.rows()); }
@@ -58,13 +74,16 @@ struct ModalBasis {
   const std::vector<int>& node_set(const std::string& set) const;
 };
 
-/// Reduces a model to `mode_count` eigenmodes of the frame (or kAllNodal, or 0 for a rigid body).
-/// kAllNodal: B selects the degrees of freedom that the frame leaves free; under a HingeFrame one more row is held for
-/// each free rigid motion, where that motion is largest (farthest from the axis, along the swing). Not with mean axes.
+/// Reduces a model to `mode_count` eigenmodes of the frame (or kAllNodal, or 0 for a rigid body), and static modes of
+/// the loaded interfaces. Both together are made orthogonal, lowest first: K^ stays diagonal and Mff = E (Craig &
+/// Kurdila, Fundamentals of Structural Dynamics, 17.6-17.8). kAllNodal: B selects the degrees of freedom that the frame
+/// leaves free; under a HingeFrame one more row is held for each free rigid motion, where that motion is largest
+/// (farthest from the axis, along the swing). Not with mean axes, not with rigid sets; it contains all static modes.
 /// Mass-orthonormal modes, shift-invert Lanczos (Spectra) over a sparse Cholesky factor (CHOLMOD).
 /// Throws SceneError for unknown nodes, collinear frame nodes, more modes than coordinates, a support that leaves a
-/// mechanism, or a model that require_sound() refuses.
-std::shared_ptr<const ModalBasis> make_basis(const FiniteElementModel& model, const BodyFrame& frame, int mode_count);
+/// mechanism, a node in two rigid sets, or a model that require_sound() refuses.
+std::shared_ptr<const ModalBasis> make_basis(const FiniteElementModel& model, const BodyFrame& frame, int mode_count,
+                                             const Interfaces& interfaces = {});
 
 /// A basis given column by column (modes from a file, a test): Mff is computed, nothing is orthogonalised.
 /// nodes, modes, mass (scalar m_ij, n x n) and stiffness already in body axes; the stiffness is K^ = Bᵀ K B, nm x nm,
