@@ -1,0 +1,66 @@
+#pragma once
+
+#include <complex>
+#include <vector>
+
+#include "engine/analysis/perturbation.h"
+#include "engine/observer.h"
+
+namespace lithe {
+
+/// A free small motion of the whole mechanism: q = base ⊕ Re(a shape e^{s t}).
+struct Mode {
+  std::complex<double> eigenvalue;  // s, 1/s; of a conjugate pair the one with Im s > 0
+  Eigen::VectorXcd shape;           // v_count long: (δp world axes, turn in body axes, δη); its largest entry is 1
+
+  double frequency() const { return eigenvalue.imag() / (2 * M_PI); }  // Hz, of the damped oscillation
+  double growth() const { return eigenvalue.real(); }                  // 1/s; positive: unstable
+  double damping_ratio() const { return std::abs(eigenvalue) > 0 ? -eigenvalue.real() / std::abs(eigenvalue) : 0; }
+};
+
+/// Small motions about a state, in minimal coordinates. Positions ζ = Z_p y and velocities ξ = Z_v w + P y span what
+/// the rows allow (Z: orthonormal); y and w differ in number where rows restrict velocities alone (rolling).
+///   ẏ = B_w w + B_y y,   M₁ ẇ + C₁ w + K₁ y = 0           the general form, E ẋ = A x with x = (y, w)
+///   M ÿ + C ẏ + K y = 0                                   if all rows are holonomic, ξ = ζ̇ + transport(ζ)
+/// Friction by reactions is taken at the reactions of the base.
+/// Gyroscopic, centrifugal and follower terms, the geometric stiffness of loaded joints and moving drives are all in:
+/// the engine's own residual is differenced. Where the motion is not steady in the chosen axes the coefficients are
+/// those of the instant.
+struct Linearization {
+  State state;              // the base, with consistent accelerations and multipliers
+  MatrixX position_basis;   // Z_p, in the axes of the perturbation
+  MatrixX velocity_basis;   // Z_v
+  MatrixX E, A;             // of the first-order form
+  MatrixX M, C, K;          // of the second-order form; empty with nonholonomic rows
+  VectorX undamped;         // ω² of (K + Kᵀ)/2 and M, ascending, 1/s²; negative: an unstable stiffness
+  std::vector<Mode> modes;  // by frequency, those that do not oscillate first
+  double unsteadiness = 0;  // 1/s: how fast Z turns among the coordinates; 0 at rest and in relative equilibria
+
+  /// Hz of the undamped modes, 0 for those that no stiffness holds.
+  VectorX undamped_frequencies() const;
+  /// Smallest ω²: a static equilibrium is stable if it is positive.
+  double lowest_stiffness() const { return undamped.size() > 0 ? undamped[0] : 0; }
+  /// Largest Re s.
+  double largest_growth() const;
+};
+
+struct LinearizeOptions {
+  PerturbationAxes axes = PerturbationAxes::body;
+  int mode_count = 0;  // eigenvalues from so many undamped modes, lowest first (holonomic rows); 0: from all
+};
+
+/// Linearizes about `state` (positions and velocities that satisfy the rows). M, C, K have some ten digits:
+/// fourth-order differences with a step of a thousandth of the bodies' size. Dense: for up to some thousand velocities.
+/// Throws SceneError for a state of another system or one off its constraints.
+Linearization linearize(const System& system, const State& state, const LinearizeOptions& options = {});
+
+/// The base displaced along a mode: by Re(amplitude shape e^{i phase}), moving with the velocity of the mode.
+/// Amplitude: of the largest entry of the shape (m, rad or the unit of η). Then moved onto the constraints.
+State displaced(const System& system, const Linearization& about, const Mode& mode, double amplitude, double phase);
+
+/// Tells an observer of `frames` states through one period of a mode, at times 0 … 1/frequency (a mode that does not
+/// oscillate: there and back in one second), for recorders and writers of pictures.
+void animate(const System& system, const Linearization& about, const Mode& mode, double amplitude, int frames,
+             Observer& observer);
+
+}  // namespace lithe
