@@ -1,0 +1,20 @@
+#pragma once
+
+#include <CLI/App.hpp>
+#include <string>
+#include <vector>
+
+/// The sub-commands of `lithe`, one a file. Each adds itself to the command line; its callback sets the exit code and
+/// throws lithe::Error. A new one is a new file, a line here and a line in main.cpp.
+namespace lithe::command {
+
+/// lithe new DIR: a scene project that is ready to build.
+void add_new(CLI::App& app, int& exit_code);
+/// lithe run FILE.cpp [arguments]: compiles one scene, runs it.
+void add_run(CLI::App& app, int& exit_code);
+/// Marks all that follows the scene as the scene's own: "run --verbose -- scene.cpp --verbose".
+std::vector<std::string> with_scene_arguments_apart(std::vector<std::string> arguments);
+/// lithe prepare: the precompiled header that makes `lithe run` quick; `run` starts it by itself.
+void add_prepare(CLI::App& app, int& exit_code);
+
+}  // namespace lithe::command
