@@ -1,0 +1,85 @@
+// R02: N four-bar windows in a row; where the uprights lie flat the Jacobian drops rank by N and branches meet.
+#include "tests/reference/benchmark.h"
+#include "tests/reference/mechanism.h"
+
+namespace lithe::test {
+namespace {
+
+/// N + 1 uprights (bodies 0 .. N) from ground pins (i, 0) and N couplers, all links 1 m and 1 kg; 3-D hinges about z.
+Scene four_bars(int windows) {
+  return Scene({0, -9.81, 0}, [&](SystemGraph& graph) {
+    const auto at = [](double x, double y) { return Vector3(x, y, 0); };
+    const auto link = [&](const std::string& name, const Vector3& a, const Vector3& b, double speed_a) {
+      return rod(graph, name, a, b, 1, 0, at(speed_a, 0), at(1, 0));
+    };
+    std::vector<Part> uprights, couplers;
+    for (int i = 0; i <= windows; ++i) uprights.push_back(link("upright " + std::to_string(i), at(i, 0), at(i, 1), 0));
+    for (int i = 0; i < windows; ++i)
+      couplers.push_back(link("coupler " + std::to_string(i), at(i, 1), at(i + 1, 1), 1));
+    for (int i = 0; i <= windows; ++i) {
+      const std::string number = std::to_string(i);
+      graph.add<RevoluteJoint>("pin " + number, {graph.ground().marker(at(i, 0)), uprights[i].at(at(i, 0))});
+      if (i < windows)
+        graph.add<RevoluteJoint>("right " + number, {uprights[i].at(at(i, 1)), couplers[i].at(at(i, 1))});
+      if (i > 0) graph.add<RevoluteJoint>("left " + number, {uprights[i].at(at(i, 1)), couplers[i - 1].at(at(i, 1))});
+    }
+  });
+}
+
+struct Run {
+  double tip = 0, speed = 0, lim = 0, energy = 0, spread = 0, gap = 0;
+};
+
+/// Uprights' angles are compared: where a window leaves the parallelogram branch they differ.
+Run follow_uprights(int windows, Integrator& method, double end) {
+  const Table table = reference("R02_n_four_bar/reference_N" + std::to_string(windows) + ".csv");
+  Scene scene = four_bars(windows);
+  EXPECT_EQ(scene.system.redundant_rows().size(), 3u * windows);
+  EXPECT_EQ(scene.system.degrees_of_freedom(), 1);
+  const double start = scene.energy();
+  Run run;
+  double sum = 0;
+  int count = 0;
+  follow(scene, method, table, end, [&](std::span<const double> row) {
+    const Vector3 B = 2 * scene.position(0), v = 2 * scene.state.v.head<3>();
+    const double seen[] = {B.x(), B.y(), v.x(), v.y()};
+    for (int j = 0; j < 4; ++j, ++count)
+      sum += std::pow((seen[j] - row[j + 2]) / std::max(std::abs(row[j + 2]), 1e-3), 2);
+    run.tip = std::max(run.tip, std::hypot(seen[0] - row[2], seen[1] - row[3]));
+    run.speed = std::max(run.speed, std::hypot(seen[2] - row[4], seen[3] - row[5]));
+    for (int i = 1; i <= windows; ++i)
+      run.spread = std::max(run.spread, (scene.position(i) - scene.position(0) - Vector3(i, 0, 0)).norm());
+    run.energy = std::max(run.energy, std::abs(scene.energy() - start));
+    run.gap = std::max(run.gap, scene.violation(Level::position));
+  });
+  run.lim = std::sqrt(sum / count);
+  return run;
+}
+
+struct Bounds {
+  double tip, lim, energy;  // m, LIM error, J
+};
+
+void check(int windows, Method method, const Bounds& bounds) {
+  const Run run = follow_uprights(windows, *method, windows == 2 ? 10 : 20);
+  const std::string name = "R02 N = " + std::to_string(windows) + ", " + method->name();
+  expect_below(name + ", B_0 (m)", run.tip, bounds.tip);
+  expect_below(name + ", velocity of B_0 (m/s)", run.speed, 10 * bounds.tip);
+  expect_below(name + ", LIM error (high precision 1e-3)", run.lim, bounds.lim);
+  expect_below(name + ", energy (J)", run.energy, bounds.energy);
+  expect_below(name + ", uprights leave their parallels (m)", run.spread, 1e-10);
+  expect_below(name + ", |g| of all rows", run.gap, 1e-10);
+}
+
+TEST(R02FourBars, TwoWindowsPassTheirSingularPositionsForTenSeconds) {
+  check(2, runge_kutta(1e-8), {3e-6, 3e-5, 2e-6});
+  check(2, index3(1e-3), {4e-4, 4e-3, 2e-3});  // published: 1.14e-3 J at this step
+  check(2, index2(1e-3), {4e-4, 4e-3, 2e-3});
+}
+
+TEST(R02FourBars, FortyWindowsPassTheirSingularPositionsForTwentySeconds) {
+  check(40, runge_kutta(1e-8), {2e-5, 1e-4, 5e-5});
+}
+
+}  // namespace
+}  // namespace lithe::test

@@ -1,0 +1,56 @@
+// R04: Bricard's closed 6R loop, 30 rows of rank 29 all along; marks 1e-4 m and 1e-4 J over 10 s, |g| < 1e-8.
+#include "tests/reference/benchmark.h"
+#include "tests/reference/mechanism.h"
+
+namespace lithe::test {
+namespace {
+
+/// Rods P1P2 ... P5P6 (bodies 0 .. 4), hinges 1 .. 6; the first and the last on ground.
+Scene bricard() {
+  return Scene({0, -9.81, 0}, [](SystemGraph& graph) {
+    const Vector3 P[] = {{0, 0, 0}, {1, 0, 0}, {1, -1, 0}, {1, -1, 1}, {0, -1, 1}, {0, 0, 1}};
+    const Vector3 axis[] = {Vector3::UnitY(), Vector3::UnitZ(), Vector3::UnitX(),
+                            Vector3::UnitY(), Vector3::UnitZ(), Vector3::UnitX()};
+    std::vector<Part> rods;
+    for (int i = 0; i < 5; ++i) rods.push_back(rod(graph, "rod " + std::to_string(i + 1), P[i], P[i + 1], 1, 0.1));
+    for (int i = 0; i < 6; ++i) {
+      const Matrix3 axes = axes_with_z(axis[i]);
+      const Marker before = i > 0 ? rods[i - 1].at(P[i], axes) : graph.ground().marker(P[i], axes);
+      const Marker after = i < 5 ? rods[i].at(P[i], axes) : graph.ground().marker(P[i], axes);
+      graph.add<RevoluteJoint>("hinge " + std::to_string(i + 1), {before, after});
+    }
+  });
+}
+
+void check(Method method, double position, double energy) {
+  const Table table = reference("R04_bricard/reference.csv");
+  Scene scene = bricard();
+  EXPECT_EQ(scene.system.rank(), 29);
+  EXPECT_EQ(scene.system.degrees_of_freedom(), 1);
+  const double start = scene.energy();
+  EXPECT_NEAR(start, -29.43, 1e-12);
+  const RigidBody& second = *static_cast<const RigidBody*>(scene.graph.bodies()[2].body);
+  double p = 0, v = 0, e = 0, g = 0;
+  follow(scene, *method, table, 10, [&](std::span<const double> row) {
+    e = std::max(e, std::abs(scene.energy() - start));
+    const MarkerKinematics end = scene.equations.marker({&second, 1}, Level::velocity);
+    p = std::max(p, (end.p - Vector3(row[0], row[1], row[2])).norm());
+    v = std::max(v, (end.v - Vector3(row[3], row[4], row[5])).norm());
+    g = std::max(g, scene.violation(Level::position));
+  });
+  const std::string name = "R04, " + method->name();
+  expect_below(name + ", P3 (m; mark 1e-4)", p, position);
+  expect_below(name + ", velocity of P3 (m/s)", v, 30 * position);
+  expect_below(name + ", energy (J; mark 1e-4)", e, energy);
+  expect_below(name + ", |g| of all rows (mark 1e-8)", g, 1e-9);
+}
+
+TEST(R04Bricard, FollowsTheTableWithItsRedundantRow) {
+  check(runge_kutta(1e-9), 1e-8, 1e-7);
+  check(index3(1e-3), 2e-5, 2e-5);
+  check(index2(1e-3), 2e-5, 2e-5);
+  check(ida(1e-9), 1e-5, 1e-5);
+}
+
+}  // namespace
+}  // namespace lithe::test
