@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <sstream>
 
 #include "engine/assembler.h"
@@ -37,8 +38,8 @@ class SystemBuilder {
     plan_blocks();
     fill_batches();
     if (options_.start == AssembleOptions::Start::as_drawn) {
-      system_.initial_ = {0, q_, v_, VectorX::Zero(v_.size()), VectorX::Zero(system_.layout_.row_count()),
-                          system_.initial_.quadrants};
+      system_.initial_ = {
+          0, q_, v_, VectorX::Zero(v_.size()), VectorX::Zero(system_.layout_.row_count()), system_.initial_.quadrants};
       count_quadrants();
       return std::move(system_);
     }
@@ -284,16 +285,16 @@ class SystemBuilder {
     ReactionRecord reaction{force.reaction_of(), {}, -1};
     if (!reaction.joint) return reaction;
     const auto& joints = graph_.constraints();
-    const auto at = std::find_if(joints.begin(), joints.end(),
-                                 [&](const auto& c) { return c.constraint == reaction.joint; });
+    const auto at =
+        std::find_if(joints.begin(), joints.end(), [&](const auto& c) { return c.constraint == reaction.joint; });
     if (at == joints.end())
       throw SceneError("'" + force.name() + "' wants the reaction of a joint that is not in this scene", force.where(),
                        "give a joint of the same graph");
     BlockStructure& b = system_.blocks_;
     reaction.record = constraint_records_[at - joints.begin()];
     reaction.coupling = static_cast<int>(b.row_couplings.size());
-    b.row_couplings.push_back({record.rows, reaction.record.rows,
-                               b.reserve(b.rows[record.rows].count * b.rows[reaction.record.rows].count)});
+    b.row_couplings.push_back(
+        {record.rows, reaction.record.rows, b.reserve(b.rows[record.rows].count * b.rows[reaction.record.rows].count)});
     system_.reacts_ = true;
     return reaction;
   }
@@ -354,6 +355,15 @@ class SystemBuilder {
     }
   }
 
+  static VectorX linear_mass(const BlockStructure::Linear& linear, const double* values) {
+    if (!linear.pattern) return Eigen::Map<const VectorX>(values + linear.values, linear.size);
+    VectorX mass = VectorX::Zero(linear.size);
+    for (int k = 0; k < linear.pattern->rows.size(); ++k)
+      if (linear.pattern->rows[k] == linear.pattern->columns[k])
+        mass[linear.pattern->rows[k]] = values[linear.values + k];
+    return mass;
+  }
+
   /// g M⁻¹ gᵀ of each row: the scale on which its pivot is judged.
   VectorX row_compliances(Assembler& assembler) const {
     const auto& b = system_.blocks_;
@@ -369,14 +379,7 @@ class SystemBuilder {
       if (G.linear < 0) continue;
       const auto& linear = b.linears[G.linear];
       const Eigen::Map<const MatrixX> g(values.data() + G.linear_values, rows.count, linear.size);
-      VectorX mass = VectorX::Zero(linear.size);
-      if (!linear.pattern)
-        mass = Eigen::Map<const VectorX>(values.data() + linear.values, linear.size);
-      else
-        for (int k = 0; k < linear.pattern->rows.size(); ++k)
-          if (linear.pattern->rows[k] == linear.pattern->columns[k])
-            mass[linear.pattern->rows[k]] = values[linear.values + k];
-      sum.segment(rows.first, rows.count) += g.cwiseAbs2() * mass.cwiseInverse();
+      sum.segment(rows.first, rows.count) += g.cwiseAbs2() * linear_mass(linear, values.data()).cwiseInverse();
     }
     return sum;
   }
@@ -421,6 +424,69 @@ class SystemBuilder {
     return assembler.factor_.factorize_revealing(assembler.work_.values, row_compliances(assembler), tolerance);
   }
 
+  /// Whether bodies and constraints make a tree: then rows of one joint never depend on those of another, however small
+  /// a pivot of a long chain becomes.
+  bool is_tree() const {
+    Topology topology{static_cast<int>(system_.layout_.bodies().size()), {}};
+    std::map<const Body*, int> number{{&graph_.ground(), -1}};
+    for (const auto& s : system_.layout_.bodies()) number.emplace(s.body, static_cast<int>(number.size()) - 1);
+    for (const auto& c : graph_.constraints()) {
+      std::vector<int> tie;
+      for (const Marker& m : c.markers) {
+        if (m.body != &graph_.ground() && !m.body->coordinates().frame) return false;  // it may lack what a joint asks
+        tie.push_back(number.at(m.body));
+      }
+      std::sort(tie.begin(), tie.end());
+      tie.erase(std::unique(tie.begin(), tie.end()), tie.end());
+      topology.ties.push_back(tie);
+    }
+    return !has_loops(topology);
+  }
+
+  /// Rows that depend on other rows of their own joint.
+  std::vector<int> dependent_within_joints(Assembler& assembler, double tolerance) const {
+    const auto& b = system_.blocks_;
+    const double* values = assembler.work_.values.data();
+    std::vector<MatrixX> gram(b.rows.size());  // g M⁻¹ gᵀ
+    for (const auto& G : b.jacobians) {
+      const int count = b.rows[G.rows].count;
+      MatrixX& A = gram[G.rows];
+      if (A.size() == 0) A.setZero(count, count);
+      if (G.frame >= 0) {
+        const Eigen::Map<const MatrixX> g(values + G.values, count, 6);
+        A += g * Eigen::Map<const Matrix6>(values + b.frames[G.frame].values).inverse() * g.transpose();
+      }
+      if (G.linear >= 0) {
+        const Eigen::Map<const MatrixX> g(values + G.linear_values, count, b.linears[G.linear].size);
+        A += g * linear_mass(b.linears[G.linear], values).cwiseInverse().asDiagonal() * g.transpose();
+      }
+    }
+    std::vector<int> dependent;
+    for (std::size_t k = 0; k < b.rows.size(); ++k) {
+      MatrixX& A = gram[k];
+      if (b.rows[k].compliant >= 0 || A.size() == 0) continue;
+      // Gaussian elimination, largest relative pivot first.
+      const VectorX reference = A.diagonal();
+      std::vector<int> open(A.rows());
+      std::iota(open.begin(), open.end(), 0);
+      const auto ratio = [&](int r) { return reference[r] > 0 ? A(r, r) / reference[r] : 0; };
+      while (!open.empty()) {
+        const auto best =
+            std::max_element(open.begin(), open.end(), [&](int i, int j) { return ratio(i) < ratio(j) * (1 - 1e-6); });
+        const int p = *best;
+        if (!(ratio(p) > tolerance)) break;
+        open.erase(best);
+        for (int i : open) {
+          const double f = A(i, p) / A(p, p);
+          for (int j : open) A(i, j) -= f * A(p, j);
+        }
+      }
+      for (int r : open) dependent.push_back(b.rows[k].first + r);
+    }
+    std::sort(dependent.begin(), dependent.end());
+    return dependent;
+  }
+
   void find_redundant_rows() {
     if (system_.layout_.row_count() == 0) return;
     constexpr double kDependent = 1e-9;  // squared sine of the angle to the other rows
@@ -428,9 +494,14 @@ class SystemBuilder {
     const VectorX still = VectorX::Zero(v_.size()), no_load = VectorX::Zero(system_.layout_.row_count());
     assembler.evaluate(0, q_, still, Level::velocity);
     assembler.form({0, 0, 1}, still, no_load, nullptr);
+    const bool tree = is_tree();
     std::vector<int> dependent =
-        assembler.factor_.factorize_revealing(assembler.work_.values, row_compliances(assembler), kDependent);
-    if (!dependent.empty()) {
+        tree ? dependent_within_joints(assembler, kDependent)
+             : assembler.factor_.factorize_revealing(assembler.work_.values, row_compliances(assembler), kDependent);
+    if (tree && !dependent.empty()) {
+      assembler.factor_.drop_rows(dependent);
+      assembler.factorize({0, 0, 1}, still, no_load, nullptr);
+    } else if (!dependent.empty()) {
       // A pose that is singular by chance looks the same; out of it, its rows are needed.
       const std::vector<int> nearby = dependent_nearby(kDependent);
       if (nearby.size() < dependent.size()) {
@@ -504,8 +575,8 @@ class SystemBuilder {
         log::warn("velocities were made consistent, most: " + layout.velocity_name(where) + " from " +
                   std::to_string(v_drawn[where]) + " to " + std::to_string(v_[where]));
     }
-    system_.initial_ = {0, q_, v_, VectorX::Zero(v_.size()), VectorX::Zero(layout.row_count()),
-                        system_.initial_.quadrants};
+    system_.initial_ = {
+        0, q_, v_, VectorX::Zero(v_.size()), VectorX::Zero(layout.row_count()), system_.initial_.quadrants};
     count_quadrants();
     assembler.recall(system_.initial_.quadrants);
     projector.accelerations(0, q_, v_, system_.initial_.v_dot, system_.initial_.lambda);

@@ -89,7 +89,8 @@ bool Kinematics::reach(EquationsOfMotion& equations, double time, State& state) 
   const double speed = trial_.v.lpNorm<Eigen::Infinity>(), former = state.v.lpNorm<Eigen::Infinity>();
   const bool solved = trial_.v.allFinite() && rate_error(trial_.v) <= kRateTolerance * (asked + 1e-9 * speed) + 1e-12;
   const bool smooth = h == 0 || former <= kFromRest * speed ||
-                      (trial_.v - v_expected).lpNorm<Eigen::Infinity>() <= kVelocityJump * former;
+                      (trial_.v - v_expected).lpNorm<Eigen::Infinity>() <=
+                          kVelocityJump * (former + h * state.v_dot.lpNorm<Eigen::Infinity>());  // it may come to rest
 
   // 3. Accelerations and the forces of drives and joints.
   if (solved && smooth) {

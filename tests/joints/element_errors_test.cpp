@@ -183,5 +183,12 @@ TEST(ElementErrors, CoordinatesBelongToTheScene) {
   expect_error([&] { bench.graph.add<CoordinateSpring>("bad", {other.angle()}, {.stiffness = 1}); }, {"'bad'"});
 }
 
+TEST(ElementErrors, CoordinatesHaveAnAxis) {
+  Bench bench;
+  JointCoordinate broken = bench.angle();
+  broken.axis = 3;
+  expect_error([&] { bench.graph.add<CoordinateSpring>("bad", {broken}, {.stiffness = 1}); }, {"'bad'", "axis 3"});
+}
+
 }  // namespace
 }  // namespace lithe::test

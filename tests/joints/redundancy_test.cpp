@@ -165,5 +165,21 @@ TEST(RedundantRows, OfAFourBarAreThreeOfTwenty) {
   EXPECT_NEAR(p_B.z(), 0, 1e-12);
 }
 
+/// Pivots of a long chain of hinges become small without any row being redundant: out of the plane it is a bar of many
+/// pieces that hardly bends.
+TEST(Redundancy, IsNotSeenInALongChainOfHinges) {
+  constexpr int kLinks = 1000;
+  SystemGraph graph;
+  Marker end = graph.ground().marker();
+  for (int i = 0; i < kLinks; ++i) {
+    auto& link = graph.add<RigidBody>("link " + std::to_string(i),
+                                      {.mass = 1, .inertia = {1e-3, 1.0 / 12, 1.0 / 12}, .position = {i + 0.5, 0, 0}});
+    graph.add<RevoluteJoint>("hinge " + std::to_string(i), {end, link.marker({-0.5, 0, 0})});
+    end = link.marker({0.5, 0, 0});
+  }
+  const System system = assemble(graph);
+  EXPECT_EQ(system.rank(), 5 * kLinks);
+}
+
 }  // namespace
 }  // namespace lithe::test
