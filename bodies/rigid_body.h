@@ -20,9 +20,9 @@ struct Inertia {
 class RigidBody final : public Body {
  public:
   struct Parameters {
-    double mass = 1;             // kg
-    Inertia inertia{1, 1, 1};    // kg m², about the centre of mass, body axes
-    Vector3 position{0, 0, 0};   // of the centre of mass, world axes, m
+    double mass = 1;                            // kg
+    Inertia inertia{1, 1, 1};                   // kg m², about the centre of mass, body axes
+    Vector3 position{0, 0, 0};                  // of the centre of mass, world axes, m
     Matrix3 orientation = Matrix3::Identity();  // body axes to world axes
     Vector3 velocity{0, 0, 0};                  // of the centre of mass, world axes, m/s
     Vector3 angular_velocity{0, 0, 0};          // body axes, rad/s

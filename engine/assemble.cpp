@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <map>
-#include <numeric>
 #include <sstream>
 
 #include "engine/assembler.h"
@@ -8,6 +7,7 @@
 #include "engine/error.h"
 #include "engine/log.h"
 #include "engine/projection.h"
+#include "engine/redundancy.h"
 #include "engine/system.h"
 
 namespace lithe {
@@ -355,35 +355,6 @@ class SystemBuilder {
     }
   }
 
-  static VectorX linear_mass(const BlockStructure::Linear& linear, const double* values) {
-    if (!linear.pattern) return Eigen::Map<const VectorX>(values + linear.values, linear.size);
-    VectorX mass = VectorX::Zero(linear.size);
-    for (int k = 0; k < linear.pattern->rows.size(); ++k)
-      if (linear.pattern->rows[k] == linear.pattern->columns[k])
-        mass[linear.pattern->rows[k]] = values[linear.values + k];
-    return mass;
-  }
-
-  /// g M⁻¹ gᵀ of each row: the scale on which its pivot is judged.
-  VectorX row_compliances(Assembler& assembler) const {
-    const auto& b = system_.blocks_;
-    const std::vector<double>& values = assembler.work_.values;
-    VectorX sum = VectorX::Zero(b.row_count);
-    for (const auto& G : b.jacobians) {
-      const auto& rows = b.rows[G.rows];
-      if (G.frame >= 0) {
-        const Eigen::Map<const MatrixX> g(values.data() + G.values, rows.count, 6);
-        const Matrix6 M = Eigen::Map<const Matrix6>(values.data() + b.frames[G.frame].values);
-        sum.segment(rows.first, rows.count) += (g * M.inverse()).cwiseProduct(g).rowwise().sum();
-      }
-      if (G.linear < 0) continue;
-      const auto& linear = b.linears[G.linear];
-      const Eigen::Map<const MatrixX> g(values.data() + G.linear_values, rows.count, linear.size);
-      sum.segment(rows.first, rows.count) += g.cwiseAbs2() * linear_mass(linear, values.data()).cwiseInverse();
-    }
-    return sum;
-  }
-
   /// Rows that depend on others a small way from q_, along motions which the rows that are independent at q_ admit.
   std::vector<int> dependent_nearby(double tolerance) {
     constexpr double kMove = 3e-3;  // rad, or m beside the reach of the largest body
@@ -404,8 +375,8 @@ class SystemBuilder {
     assembler.residual(still, no_load, load);
     force -= load;
     assembler.form({0, 0, 1}, still, no_load, nullptr);
-    const auto dropped =
-        assembler.factor_.factorize_revealing(assembler.work_.values, row_compliances(assembler), tolerance);
+    const auto dropped = assembler.factor_.factorize_revealing(
+        assembler.work_.values, row_compliances(system_.blocks_, assembler.work_.values), tolerance);
     assembler.solve(force, rows);
     double size = 0;
     for (const auto& b : layout.bodies())
@@ -421,70 +392,8 @@ class SystemBuilder {
     assembler.evaluate(0, q, still, Level::velocity);
     assembler.form({0, 0, 1}, still, no_load, nullptr);
     assembler.factor_.drop_rows({});
-    return assembler.factor_.factorize_revealing(assembler.work_.values, row_compliances(assembler), tolerance);
-  }
-
-  /// Whether bodies and constraints make a tree: then rows of one joint never depend on those of another, however small
-  /// a pivot of a long chain becomes.
-  bool is_tree() const {
-    Topology topology{static_cast<int>(system_.layout_.bodies().size()), {}};
-    std::map<const Body*, int> number{{&graph_.ground(), -1}};
-    for (const auto& s : system_.layout_.bodies()) number.emplace(s.body, static_cast<int>(number.size()) - 1);
-    for (const auto& c : graph_.constraints()) {
-      std::vector<int> tie;
-      for (const Marker& m : c.markers) {
-        if (m.body != &graph_.ground() && !m.body->coordinates().frame) return false;  // it may lack what a joint asks
-        tie.push_back(number.at(m.body));
-      }
-      std::sort(tie.begin(), tie.end());
-      tie.erase(std::unique(tie.begin(), tie.end()), tie.end());
-      topology.ties.push_back(tie);
-    }
-    return !has_loops(topology);
-  }
-
-  /// Rows that depend on other rows of their own joint.
-  std::vector<int> dependent_within_joints(Assembler& assembler, double tolerance) const {
-    const auto& b = system_.blocks_;
-    const double* values = assembler.work_.values.data();
-    std::vector<MatrixX> gram(b.rows.size());  // g M⁻¹ gᵀ
-    for (const auto& G : b.jacobians) {
-      const int count = b.rows[G.rows].count;
-      MatrixX& A = gram[G.rows];
-      if (A.size() == 0) A.setZero(count, count);
-      if (G.frame >= 0) {
-        const Eigen::Map<const MatrixX> g(values + G.values, count, 6);
-        A += g * Eigen::Map<const Matrix6>(values + b.frames[G.frame].values).inverse() * g.transpose();
-      }
-      if (G.linear >= 0) {
-        const Eigen::Map<const MatrixX> g(values + G.linear_values, count, b.linears[G.linear].size);
-        A += g * linear_mass(b.linears[G.linear], values).cwiseInverse().asDiagonal() * g.transpose();
-      }
-    }
-    std::vector<int> dependent;
-    for (std::size_t k = 0; k < b.rows.size(); ++k) {
-      MatrixX& A = gram[k];
-      if (b.rows[k].compliant >= 0 || A.size() == 0) continue;
-      // Gaussian elimination, largest relative pivot first.
-      const VectorX reference = A.diagonal();
-      std::vector<int> open(A.rows());
-      std::iota(open.begin(), open.end(), 0);
-      const auto ratio = [&](int r) { return reference[r] > 0 ? A(r, r) / reference[r] : 0; };
-      while (!open.empty()) {
-        const auto best =
-            std::max_element(open.begin(), open.end(), [&](int i, int j) { return ratio(i) < ratio(j) * (1 - 1e-6); });
-        const int p = *best;
-        if (!(ratio(p) > tolerance)) break;
-        open.erase(best);
-        for (int i : open) {
-          const double f = A(i, p) / A(p, p);
-          for (int j : open) A(i, j) -= f * A(p, j);
-        }
-      }
-      for (int r : open) dependent.push_back(b.rows[k].first + r);
-    }
-    std::sort(dependent.begin(), dependent.end());
-    return dependent;
+    return assembler.factor_.factorize_revealing(assembler.work_.values,
+                                                 row_compliances(system_.blocks_, assembler.work_.values), tolerance);
   }
 
   void find_redundant_rows() {
@@ -494,10 +403,11 @@ class SystemBuilder {
     const VectorX still = VectorX::Zero(v_.size()), no_load = VectorX::Zero(system_.layout_.row_count());
     assembler.evaluate(0, q_, still, Level::velocity);
     assembler.form({0, 0, 1}, still, no_load, nullptr);
-    const bool tree = is_tree();
+    const bool tree = is_tree(graph_, system_.layout_);
     std::vector<int> dependent =
-        tree ? dependent_within_joints(assembler, kDependent)
-             : assembler.factor_.factorize_revealing(assembler.work_.values, row_compliances(assembler), kDependent);
+        tree ? dependent_within_joints(system_.blocks_, assembler.work_.values, kDependent)
+             : assembler.factor_.factorize_revealing(
+                   assembler.work_.values, row_compliances(system_.blocks_, assembler.work_.values), kDependent);
     if (tree && !dependent.empty()) {
       assembler.factor_.drop_rows(dependent);
       assembler.factorize({0, 0, 1}, still, no_load, nullptr);

@@ -62,8 +62,7 @@ const double* Assembler::quadrants_of(const Connector& connector) const {
 int Assembler::find_angle(const JointCoordinate& x) const {
   for (std::size_t i = 0; i < system_.angles_.size(); ++i) {
     const System::Angle& a = system_.angles_[i];
-    if (a.of_A == x.A && a.of_B == x.B && a.axis == x.axis &&
-        a.to_point == (x.kind == JointCoordinate::Kind::bearing))
+    if (a.of_A == x.A && a.of_B == x.B && a.axis == x.axis && a.to_point == (x.kind == JointCoordinate::Kind::bearing))
       return static_cast<int>(i);
   }
   return -1;

@@ -34,7 +34,7 @@ class Assembler final : public EquationsOfMotion {
   const System& system() const { return system_; }
   BodyState body_state(const Body& body);
   MarkerKinematics marker(Marker marker, Level level);
-  BodyEnergy energy();                     // of all bodies and force elements (theirs counts as elastic)
+  BodyEnergy energy();  // of all bodies and force elements (theirs counts as elastic)
   const Workspace& workspace() const { return work_; }
 
   /// Sets the tensions that joints' reactions make (friction), where no residual() has done so for this lambda.

@@ -13,7 +13,7 @@ namespace lithe {
 
 /// Where a body's blocks lie.
 struct BodyRecord {
-  int q, v, frame, linear;               // frame, linear: indices into BlockStructure, -1: none
+  int q, v, frame, linear;                   // frame, linear: indices into BlockStructure, -1: none
   std::vector<std::pair<int, int>> markers;  // (marker of the body, place in the table): those that connectors use
 };
 
@@ -31,13 +31,14 @@ class BodyBatch {
   virtual std::unique_ptr<Caches> make_caches() const = 0;
   virtual void evaluate(Workspace&, Caches&, Level) const = 0;
   virtual void add_residual(Workspace&, Caches&, const double* v_dot, double* r) const = 0;
-  virtual void add_tangent(Workspace&, Caches&, const BlockStructure&, const double* v_dot, const TangentWeights&) const = 0;
+  virtual void add_tangent(Workspace&, Caches&, const BlockStructure&, const double* v_dot,
+                           const TangentWeights&) const = 0;
 };
 
 struct ConnectorRecord {
-  int first_row, rows;             // rows vertex index in BlockStructure::rows
-  int energy = -1;                 // force elements: index into Workspace::force_energy
-  int first_angle = 0;             // of the connector's measured angles, in Workspace::quadrants
+  int first_row, rows;  // rows vertex index in BlockStructure::rows
+  int energy = -1;      // force elements: index into Workspace::force_energy
+  int first_angle = 0;  // of the connector's measured angles, in Workspace::quadrants
   int slot_count = 0;
   MarkerSlot slots[kMaxMarkers];
 };

@@ -67,7 +67,7 @@ class BlockFactor {
   std::vector<Neighbour> neighbours_;
   std::vector<Update> updates_;
   std::vector<Copy> copies_;
-  std::vector<std::pair<int, int>> cleared_;     // first, count: what no copy fills
+  std::vector<std::pair<int, int>> cleared_;  // first, count: what no copy fills
   std::vector<RowCopy> row_coupling_copies_;
   std::vector<int> compliant_;                   // factor diagonal, values index, count: triples
   std::vector<std::vector<int>> schur_targets_;  // of each linear block, by pairs of its parts

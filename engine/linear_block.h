@@ -21,7 +21,7 @@ class LinearBlock {
 
   LinearBlock(const BlockStructure& structure, int linear);
 
-  const std::vector<int>& rows() const { return rows_; }   // rows vertices that the linear coordinates touch
+  const std::vector<int>& rows() const { return rows_; }  // rows vertices that the linear coordinates touch
   int neighbour_size() const { return static_cast<int>(schur_.rows()); }
   const std::vector<Part>& parts() const { return parts_; }
 
@@ -39,13 +39,13 @@ class LinearBlock {
   BlockStructure::Linear linear_;
   std::vector<int> rows_, jacobians_;
   std::vector<Part> parts_;
-  MatrixX X_, T_, schur_;          // m x n, n x m = D⁻¹ Y, m x m
+  MatrixX X_, T_, schur_;  // m x n, n x m = D⁻¹ Y, m x m
   VectorX inverse_diagonal_;
   struct Sparse {
     Eigen::SparseMatrix<double> matrix;
-    std::vector<int> place;        // of each pattern entry in the matrix's values
+    std::vector<int> place;  // of each pattern entry in the matrix's values
     Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor;
-    std::vector<double> last;      // values of the last factorisation: constant while the step is
+    std::vector<double> last;  // values of the last factorisation: constant while the step is
   };
   std::unique_ptr<Sparse> sparse_;
   mutable MatrixX permuted_;

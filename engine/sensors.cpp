@@ -304,8 +304,7 @@ Sensor power(const Constraint& joint, Located name) { return power_sensor(joint,
 Sensor power(const ForceElement& element, Located name) { return power_sensor(element, std::move(name)); }
 
 Sensor coordinate(const JointCoordinate& coordinate, Located name) {
-  return coordinate_sensor(coordinate, std::move(name),
-                           [](Snapshot&, const MeasuredCoordinate& x) { return x.value; });
+  return coordinate_sensor(coordinate, std::move(name), [](Snapshot&, const MeasuredCoordinate& x) { return x.value; });
 }
 Sensor coordinate_rate(const JointCoordinate& coordinate, Located name) {
   return coordinate_sensor(coordinate, std::move(name), [](Snapshot&, const MeasuredCoordinate& x) { return x.rate; });
@@ -344,8 +343,9 @@ Sensor potential_energy(const Body& body, Located name) {
   return energy_sensor(&body, std::move(name), "potential_energy", potential);
 }
 Sensor potential_energy(const ForceElement& element, Located name) {
-  return make_sensor(std::move(name), element.name() + "_potential_energy", {""},
-                     [&element](Snapshot& now, std::span<double> values) { values[0] = rows_of(now, element).energy(); });
+  return make_sensor(
+      std::move(name), element.name() + "_potential_energy", {""},
+      [&element](Snapshot& now, std::span<double> values) { values[0] = rows_of(now, element).energy(); });
 }
 Sensor total_energy(const Body& body, Located name) {
   return energy_sensor(&body, std::move(name), "total_energy", total);

@@ -65,7 +65,8 @@ inline constexpr Marker kWorldAxes{};
 /// that marker's point:  -Σ_rows W λ  (EQUATIONS.md 7.4); in world axes, or in the axes of a marker as they turn now.
 /// Columns force_x … moment_z. Where rows are redundant the sharing among them is not unique: it is that of least λ.
 Sensor reaction(const Constraint& joint, int marker, Marker axes = kWorldAxes, Located name = "");
-/// What a joint transmits, in its own frame: force and moment on the body of its second marker, in the axes of the first.
+/// What a joint transmits, in its own frame: force and moment on the body of its second marker, in the axes of the
+/// first.
 Sensor joint_reaction(const Constraint& joint, Located name = "");
 /// λ of the joint's rows, 1 … n; of least norm where rows are redundant.
 Sensor multipliers(const Constraint& joint, Located name = "");
@@ -76,7 +77,8 @@ Sensor applied_force(const ForceElement& element, int marker, Marker axes = kWor
 Sensor power(const Constraint& joint, Located name = "");
 Sensor power(const ForceElement& element, Located name = "");
 
-// ---- joint coordinates: rad or m, whole turns counted where a joint or another element of the scene measures them ----
+// ---- joint coordinates: rad or m, whole turns counted where a joint or another element of the scene measures them
+// ----
 
 Sensor coordinate(const JointCoordinate& coordinate, Located name);
 Sensor coordinate_rate(const JointCoordinate& coordinate, Located name);  // rad/s, m/s

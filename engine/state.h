@@ -9,8 +9,8 @@ struct State {
   double time = 0;  // s
   VectorX q;  // coordinates; a body with a frame has (p, e, eta): metres, unit quaternion w x y z, modal coordinates
   VectorX v;  // velocities (p_dot world axes, omega body axes, eta_dot)
-  VectorX v_dot;   // accelerations, as the integrator left them
-  VectorX lambda;  // Lagrange multipliers: M v_dot + Gᵀ lambda = f
+  VectorX v_dot;      // accelerations, as the integrator left them
+  VectorX lambda;     // Lagrange multipliers: M v_dot + Gᵀ lambda = f
   VectorX quadrants;  // that each measured angle of a joint has passed since it was zero: where whole turns are kept
 };
 

@@ -67,7 +67,7 @@ class System {
   };
   std::vector<Angle> angles_;
   std::vector<int> first_angles_;  // of the graph's constraints, then its forces
-  bool reacts_ = false;  // a force element wants the reaction of a joint
+  bool reacts_ = false;            // a force element wants the reaction of a joint
   State initial_;
 };
 

@@ -51,8 +51,9 @@ class SystemGraph {
   /// Adds a constraint or a force element between markers. Throws SceneError likewise, and for markers of another
   /// graph.
   template <class T>
-  requires(!std::derived_from<T, Body>) && std::constructible_from<T, typename T::Parameters>
-  T& add(Located name, std::vector<Marker> markers, typename T::Parameters parameters = {}) {
+  requires(!std::derived_from<T, Body>) && std::constructible_from<T, typename T::Parameters> T& add(
+                                               Located name, std::vector<Marker> markers,
+                                               typename T::Parameters parameters = {}) {
     return connect(keep(name, [&] { return std::make_unique<T>(std::move(parameters)); }), std::move(markers));
   }
   template <class T>
@@ -61,8 +62,8 @@ class SystemGraph {
     return connect(keep(name, [] { return std::make_unique<T>(); }), std::move(markers));
   }
 
-  /// Adds an element of a type known by name, compiled in or loaded: graph.add(registry.joint("massless_rod"), "string",
-  /// {A, B}, {{"length", 0.5}}). Throws SceneError likewise, and for parameters that the type does not have.
+  /// Adds an element of a type known by name, compiled in or loaded: graph.add(registry.joint("massless_rod"),
+  /// "string", {A, B}, {{"length", 0.5}}). Throws SceneError likewise, and for parameters that the type does not have.
   LoadedJoint& add(const JointType& type, Located name, std::vector<Marker> markers,
                    const ParameterList& parameters = {});
   LoadedForce& add(const ForceType& type, Located name, std::vector<Marker> markers,
@@ -71,8 +72,8 @@ class SystemGraph {
 
   /// Adds an element that acts on joint coordinates: {pin.angle()}, {slide.displacement(), screw.angle()}.
   template <class T>
-  requires std::constructible_from<T, CoordinateSet, typename T::Parameters>
-  T& add(Located name, std::vector<JointCoordinate> coordinates, typename T::Parameters parameters = {}) {
+  requires std::constructible_from<T, CoordinateSet, typename T::Parameters> T& add(
+      Located name, std::vector<JointCoordinate> coordinates, typename T::Parameters parameters = {}) {
     std::vector<Marker> markers;
     T& element = keep(name, [&] {
       CoordinateSet set(std::move(coordinates));

@@ -1,7 +1,7 @@
 // 05_load_a_joint: the joint of 04, built alone as a plug-in, is loaded at run time and known by its name.
 //
-// Shows: a registry, load_plugin with an explicit path, a joint by name with parameters by name, and what a mistake says.
-// Expect: the conical pendulum of 04 again. Run with another path: 05_load_a_joint path/to/massless_rod.so
+// Shows: a registry, load_plugin with an explicit path, a joint by name with parameters by name, and what a mistake
+// says. Expect: the conical pendulum of 04 again. Run with another path: 05_load_a_joint path/to/massless_rod.so
 #include <cstdio>
 
 #include "lithe/lithe.h"

@@ -10,25 +10,25 @@ namespace lithe {
 
 /// What M and f_v need of the deformed body at one state, body axes (EQUATIONS.md 2.3, 3.2, 3.3).
 struct InertiaTerms {
-  Vector3 s = Vector3::Zero();         // first moment about the frame origin
-  Vector3 s_rate = Vector3::Zero();    // Ct η̇
-  Matrix3 J = Matrix3::Zero();         // inertia about the frame origin
+  Vector3 s = Vector3::Zero();       // first moment about the frame origin
+  Vector3 s_rate = Vector3::Zero();  // Ct η̇
+  Matrix3 J = Matrix3::Zero();       // inertia about the frame origin
   Matrix3 J_rate = Matrix3::Zero();
-  Matrix3X Cr;                         // rotation-deformation coupling, 3 x nm
-  Vector3 h = Vector3::Zero();         // Cr η̇
-  Vector3 Cr_rate_h = Vector3::Zero(); // Ċr η̇; zero for scalar interpolation
-  VectorX quadratic;                   // f_v, modal rows
-  Matrix3X G_omega;                    // columns (∂J/∂η_k) ω
-  Matrix3X u;                          // columns C1_k η̇
-  Matrix3X Cr_rate;                    // Ċr = η̇_k C1_k
+  Matrix3X Cr;                          // rotation-deformation coupling, 3 x nm
+  Vector3 h = Vector3::Zero();          // Cr η̇
+  Vector3 Cr_rate_h = Vector3::Zero();  // Ċr η̇; zero for scalar interpolation
+  VectorX quadratic;                    // f_v, modal rows
+  Matrix3X G_omega;                     // columns (∂J/∂η_k) ω
+  Matrix3X u;                           // columns C1_k η̇
+  Matrix3X Cr_rate;                     // Ċr = η̇_k C1_k
   VectorX modal_scratch;
-  Eigen::MatrixX3d r, u_nodal, mr, mu; // nodal form only: positions, velocities, and the mass times them, n x 3
+  Eigen::MatrixX3d r, u_nodal, mr, mu;  // nodal form only: positions, velocities, and the mass times them, n x 3
 
   explicit InertiaTerms(int modes);
 };
 
-/// Inertia of a flexible body as a function of its deformation. Two forms of the same thing: invariants, whose cost does
-/// not know the mesh, and nodes, for a body that keeps all its nodal coordinates.
+/// Inertia of a flexible body as a function of its deformation. Two forms of the same thing: invariants, whose cost
+/// does not know the mesh, and nodes, for a body that keeps all its nodal coordinates.
 class FlexibleInertia {
  public:
   virtual ~FlexibleInertia() = default;
@@ -51,7 +51,8 @@ class ModalInertia final : public FlexibleInertia {
   InertiaIntegrals I_;
 };
 
-/// By nodes and scalar mass, for B that selects nodal coordinates (EQUATIONS.md 2.2, 3.1): linear in the entries of m_ij.
+/// By nodes and scalar mass, for B that selects nodal coordinates (EQUATIONS.md 2.2, 3.1): linear in the entries of
+/// m_ij.
 class NodalInertia final : public FlexibleInertia {
  public:
   explicit NodalInertia(std::shared_ptr<const ModalBasis> basis);
