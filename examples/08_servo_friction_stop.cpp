@@ -1,7 +1,7 @@
-// 08_servo_friction_stop: an arm with dry friction in its bearing is moved by a PID servo; then it falls onto a stop.
+// 08_servo_friction_stop: an arm with dry friction in its bearing is lifted by a PID servo; its twin falls onto a stop.
 //
 // Shows: friction driven by the joint's own reaction, a controller with memory, the end of a joint's travel.
-// Expect: the servo reaches 1 rad in spite of gravity and friction; switched off, the arm ends on its stop at -0.5 rad.
+// Expect: the servo reaches 1 rad in spite of gravity and friction; the arm without one ends on its stop at -0.5 rad.
 #include <cstdio>
 
 #include "lithe/lithe.h"
@@ -17,7 +17,7 @@ int main() {
   auto& pin =
       graph.add<RevoluteJoint>("pin", {graph.ground().marker({0, 0, 0}, axis), arm.marker({-0.25, 0, 0}, axis)});
 
-  // 2. Friction by the pin's reaction, a servo until t = 3 s, a stop.
+  // 2. Friction by the pin's reaction, a servo, a stop.
   graph.add<JointFriction>("rub", {pin.angle()}, {.joint = &pin, .dynamic = 0.2, .still = 0.25, .radius = 0.02});
   auto& memory = graph.add<IntegralState>("memory");
   auto& servo = graph.add<PidController>(
