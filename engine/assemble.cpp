@@ -37,13 +37,12 @@ class SystemBuilder {
     find_velocity_rows();
     plan_blocks();
     fill_batches();
+    count_quadrants();
     if (options_.start == AssembleOptions::Start::as_drawn) {
       system_.initial_ = {
           0, q_, v_, VectorX::Zero(v_.size()), VectorX::Zero(system_.layout_.row_count()), system_.initial_.quadrants};
-      count_quadrants();
       return std::move(system_);
     }
-    count_quadrants();
     find_redundant_rows();
     make_initial_state();
     report();

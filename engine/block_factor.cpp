@@ -35,7 +35,11 @@ void BlockFactor::plan() {
       for (int b : block.rows())
         if (a < b) couplings.emplace_back(frames + a, frames + b);
   for (const auto& c : s.row_couplings) couplings.emplace_back(frames + c.rows, frames + c.on);
-  guarded_ = has_loops(topology);
+  // Compliant rows always have their pivot: what springs close is no loop to watch in every step.
+  Topology joints{frames, {}};
+  for (int r = 0; r < rows; ++r)
+    if (s.rows[r].compliant < 0) joints.ties.push_back(topology.ties[r]);
+  guarded_ = has_loops(joints);
   const std::vector<int> order = elimination_order(topology, dimension, couplings);
 
   // Factor storage, found by (row vertex, column vertex) while planning only.
