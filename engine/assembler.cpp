@@ -189,6 +189,61 @@ void Assembler::factorize(const TangentWeights& weights, ConstVectorRef v_dot, C
   factor_.factorize(work_.values);
 }
 
+/// S is linear in the weights: twice the real form gives its real and imaginary part. Compliant rows are not: -1/(k w).
+void Assembler::factorize_complex(const ComplexTangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
+                                  const VectorX* increment) {
+  const auto& blocks = system_.blocks_;
+  if (!complex_) {
+    complex_ = std::make_unique<ComplexPart>(blocks);
+    complex_->factor.drop_rows(redundant_rows_);
+    complex_->unknowns.setZero(unknowns_.size());
+    complex_->values.resize(work_.values.size());
+  }
+  auto& values = complex_->values;
+  form({weights.position.imag(), weights.velocity.imag(), weights.acceleration.imag()}, v_dot, lambda, increment);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = {0, work_.values[i]};
+  form({weights.position.real(), weights.velocity.real(), weights.acceleration.real()}, v_dot, lambda, increment);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i].real(work_.values[i]);
+  // What no weight touches is real: G, and the share of a compliant row's tension in a joint's multipliers.
+  const auto make_real = [&](int first, int count) {
+    for (int i = first; i < first + count; ++i) values[i].imag(0);
+  };
+  for (const auto& G : blocks.jacobians) {
+    const int rows = blocks.rows[G.rows].count;
+    if (G.frame >= 0) make_real(G.values, 6 * rows);
+    if (G.linear >= 0) make_real(G.linear_values, blocks.linears[G.linear].size * rows);
+  }
+  const int rows = static_cast<int>(work_.residual.size());
+  for (const auto& row : blocks.rows) {
+    if (row.compliant < 0) continue;
+    for (int i = 0; i < row.count; ++i) {
+      const int k = row.first - rows + i;
+      const std::complex<double> stiffness =
+          weights.position * work_.row_stiffness[k] + weights.velocity * work_.row_damping[k];
+      values[row.compliant + i] = stiffness == 0.0 ? -1e30 : -1.0 / stiffness;
+    }
+  }
+  for (const auto& c : blocks.row_couplings) {
+    const auto& row = blocks.rows[c.rows];
+    for (int i = 0; i < row.count * blocks.rows[c.on].count; ++i) {
+      const int k = row.compliant + i % row.count;
+      // As form() left it, over the real compliance; now over the complex one.
+      values[c.values + i] = work_.values[c.values + i] / work_.values[k] * values[k];
+    }
+  }
+  complex_->factor.factorize(values);
+}
+
+void Assembler::solve_complex(ComplexVectorRef rv, ComplexVectorRef rl) const {
+  ComplexVectorX& unknowns = complex_->unknowns;
+  unknowns.head(rv.size()) = rv;
+  unknowns.segment(rv.size(), rl.size()) = rl;
+  unknowns.tail(unknowns.size() - rv.size() - rl.size()).setZero();
+  complex_->factor.solve(unknowns.data());
+  rv = unknowns.head(rv.size());
+  rl = unknowns.segment(rv.size(), rl.size());
+}
+
 void Assembler::solve(VectorRef rv, VectorRef rl) const {
   unknowns_.head(rv.size()) = rv;
   unknowns_.segment(rv.size(), rl.size()) = rl;

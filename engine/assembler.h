@@ -28,13 +28,16 @@ class Assembler final : public EquationsOfMotion {
   void factorize(const TangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
                  const VectorX* increment) override;
   void solve(VectorRef rv, VectorRef rl) const override;
+  BodyEnergy energy() override;
+  void factorize_complex(const ComplexTangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
+                         const VectorX* increment) override;
+  void solve_complex(ComplexVectorRef rv, ComplexVectorRef rl) const override;
   void visit_blocks(const std::function<void(int, int, ConstMatrixRef)>& visit) const override;
 
   // ---- what sensors ask of the state evaluated last ----
   const System& system() const { return system_; }
   BodyState body_state(const Body& body);
   MarkerKinematics marker(Marker marker, Level level);
-  BodyEnergy energy();  // of all bodies and force elements (theirs counts as elastic)
   const Workspace& workspace() const { return work_; }
 
   /// Sets the tensions that joints' reactions make (friction), where no residual() has done so for this lambda.
@@ -57,6 +60,13 @@ class Assembler final : public EquationsOfMotion {
   Workspace work_;
   std::vector<std::unique_ptr<BodyBatch::Caches>> caches_;
   BlockFactor factor_;
+  struct ComplexPart {
+    explicit ComplexPart(const BlockStructure& structure) : factor(structure) {}
+    ComplexBlockFactor factor;
+    std::vector<std::complex<double>> values;
+    ComplexVectorX unknowns;
+  };
+  std::unique_ptr<ComplexPart> complex_;  // once asked for
   std::vector<int> redundant_rows_;
   mutable VectorX unknowns_;  // velocities, constraint rows, compliant rows
   VectorX zero_v_, zero_rows_;

@@ -9,12 +9,14 @@
 
 namespace lithe {
 
-BlockFactor::BlockFactor(const BlockStructure& structure) : structure_(structure) {
+template <class Scalar>
+BlockFactorOf<Scalar>::BlockFactorOf(const BlockStructure& structure) : structure_(structure) {
   for (std::size_t l = 0; l < structure.linears.size(); ++l) linear_.emplace_back(structure, static_cast<int>(l));
   plan();
 }
 
-void BlockFactor::plan() {
+template <class Scalar>
+void BlockFactorOf<Scalar>::plan() {
   const auto& s = structure_;
   const int frames = static_cast<int>(s.frames.size()), rows = static_cast<int>(s.rows.size()), n = frames + rows;
   std::vector<int> dimension(n), x(n);
@@ -30,7 +32,7 @@ void BlockFactor::plan() {
   for (auto& tie : topology.ties)
     if (tie.size() < 2) tie.push_back(-1);  // what else it holds is ground, or a body without frame: as good as ground
   for (const auto& c : s.couplings) couplings.emplace_back(c.a, c.b);
-  for (const LinearBlock& block : linear_)
+  for (const auto& block : linear_)
     for (int a : block.rows())
       for (int b : block.rows())
         if (a < b) couplings.emplace_back(frames + a, frames + b);
@@ -89,15 +91,16 @@ void BlockFactor::plan() {
               static_cast<int>(updates_.size()),
               0,
               v < frames ? -1 : s.rows[v - frames].first,
-              kernels::choose_invert(d),
-              kernels::choose_apply_vector(d)};
+              kernels::choose_invert<Scalar>(d),
+              kernels::choose_apply_vector<Scalar>(d)};
     for (int i : rest)
-      neighbours_.push_back({block(i, v), block(v, i), x[i], dimension[i], kernels::choose_apply(d, dimension[i]),
-                             kernels::choose_multiply_vector(dimension[i], d),
-                             kernels::choose_multiply_vector(d, dimension[i])});
+      neighbours_.push_back({block(i, v), block(v, i), x[i], dimension[i],
+                             kernels::choose_apply<Scalar>(d, dimension[i]),
+                             kernels::choose_multiply_vector<Scalar>(dimension[i], d),
+                             kernels::choose_multiply_vector<Scalar>(d, dimension[i])});
     for (int k : rest)
       for (int i : rest)
-        updates_.push_back({kernels::choose_product(dimension[i], d, dimension[k]), block(i, k), block(i, v),
+        updates_.push_back({kernels::choose_product<Scalar>(dimension[i], d, dimension[k]), block(i, k), block(i, v),
                             block(v, k), dimension[i], dimension[k]});
     step.last_neighbour = static_cast<int>(neighbours_.size());
     step.last_update = static_cast<int>(updates_.size());
@@ -105,7 +108,7 @@ void BlockFactor::plan() {
   }
   blocks_.resize(size);
   // Where each body's Schur complement is subtracted.
-  for (const LinearBlock& linear : linear_) {
+  for (const auto& linear : linear_) {
     std::vector<int> vertices;
     const auto& l = s.linears[&linear - linear_.data()];
     if (l.frame >= 0) vertices.push_back(l.frame);
@@ -131,20 +134,22 @@ void BlockFactor::plan() {
   compliance_.setZero(s.row_count);
 }
 
-void BlockFactor::drop_rows(const std::vector<int>& rows) {
+template <class Scalar>
+void BlockFactorOf<Scalar>::drop_rows(const std::vector<int>& rows) {
   dropped_ = rows;
   std::fill(is_dropped_.begin(), is_dropped_.end(), 0);
   for (int r : rows) is_dropped_[r] = 1;
 }
 
-void BlockFactor::load(const std::vector<double>& values) {
+template <class Scalar>
+void BlockFactorOf<Scalar>::load(const std::vector<Scalar>& values) {
   for (const auto& [first, count] : cleared_)
-    for (double *to = blocks_.data() + first, *end = to + count; to != end; ++to) *to = 0;
+    for (Scalar *to = blocks_.data() + first, *end = to + count; to != end; ++to) *to = 0;
   for (const Copy& c : copies_) {
-    const double* from = values.data() + c.from;
-    double* to = blocks_.data() + c.to;
+    const Scalar* from = values.data() + c.from;
+    Scalar* to = blocks_.data() + c.to;
     if (c.to_transposed < 0)
-      Eigen::Map<Matrix6>{to} = Eigen::Map<const Matrix6>(from);
+      Eigen::Map<Eigen::Matrix<Scalar, 6, 6>>{to} = Eigen::Map<const Eigen::Matrix<Scalar, 6, 6>>(from);
     else
       kernels::copy_both(from, to, blocks_.data() + c.to_transposed, c.rows);
   }
@@ -154,14 +159,14 @@ void BlockFactor::load(const std::vector<double>& values) {
   for (const RowCopy& c : row_coupling_copies_) std::copy_n(values.data() + c.from, c.count, blocks_.data() + c.to);
   if (!dropped_.empty()) clear_dropped();
   for (std::size_t l = 0; l < linear_.size(); ++l) {
-    LinearBlock& linear = linear_[l];
+    LinearBlock<Scalar>& linear = linear_[l];
     linear.factorize(values, is_dropped_);
     const auto& parts = linear.parts();
-    const MatrixX& schur = linear.schur();
+    const auto& schur = linear.schur();
     std::size_t target = 0;
     for (const auto& k : parts)
       for (const auto& i : parts) {
-        double* to = blocks_.data() + schur_targets_[l][target++];
+        Scalar* to = blocks_.data() + schur_targets_[l][target++];
         for (int b = 0; b < k.size; ++b)
           for (int a = 0; a < i.size; ++a) to[a + i.size * b] += schur(i.column + a, k.column + b);
       }
@@ -169,7 +174,8 @@ void BlockFactor::load(const std::vector<double>& values) {
 }
 
 /// A dropped row becomes  -1 · y = 0.
-void BlockFactor::clear_dropped() {
+template <class Scalar>
+void BlockFactorOf<Scalar>::clear_dropped() {
   const int frames = static_cast<int>(structure_.frames.size());
   for (std::size_t v = 0; v < structure_.rows.size(); ++v) {
     const auto& rows = structure_.rows[v];
@@ -182,9 +188,10 @@ void BlockFactor::clear_dropped() {
   }
 }
 
-void BlockFactor::eliminate(const Step& s) {
-  double* b = blocks_.data();
-  const double* P = b + s.diagonal;
+template <class Scalar>
+void BlockFactorOf<Scalar>::eliminate(const Step& s) {
+  Scalar* b = blocks_.data();
+  const Scalar* P = b + s.diagonal;
   for (int i = s.first_neighbour; i < s.last_neighbour; ++i) {
     const Neighbour& n = neighbours_[i];
     n.apply(P, b + n.column_block, s.dimension, n.dimension);
@@ -195,7 +202,8 @@ void BlockFactor::eliminate(const Step& s) {
   }
 }
 
-void BlockFactor::factorize(const std::vector<double>& values) {
+template <class Scalar>
+void BlockFactorOf<Scalar>::factorize(const std::vector<Scalar>& values) {
   load(values);
   if (!guarded_) {
     for (const Step& s : steps_) {
@@ -214,11 +222,12 @@ void BlockFactor::factorize(const std::vector<double>& values) {
 }
 
 /// What this body adds to g S⁻¹ gᵀ of its rows: the scale on which their pivots are judged.
-void BlockFactor::add_compliances(const Step& s) {
+template <class Scalar>
+void BlockFactorOf<Scalar>::add_compliances(const Step& s) {
   for (int i = s.first_neighbour; i < s.last_neighbour; ++i) {
     const Neighbour& n = neighbours_[i];
     if (n.x < structure_.velocity_count) continue;
-    const double *g = blocks_.data() + n.row_block, *moved = blocks_.data() + n.column_block;
+    const Scalar *g = blocks_.data() + n.row_block, *moved = blocks_.data() + n.column_block;
     double* sum = compliance_.data() + n.x - structure_.velocity_count;
     for (int r = 0; r < n.dimension; ++r)
       for (int k = 0; k < s.dimension; ++k) sum[r] += std::abs(g[r + n.dimension * k] * moved[k + s.dimension * r]);
@@ -226,13 +235,14 @@ void BlockFactor::add_compliances(const Step& s) {
 }
 
 /// Gaussian elimination on a copy of minus the pivot block: a pivot that is round-off gets a little compliance.
-void BlockFactor::guard(const Step& s) {
+template <class Scalar>
+void BlockFactorOf<Scalar>::guard(const Step& s) {
   constexpr double kRoundOff = 1e-13, kGives = 1e-10;  // of the row's own compliance
   constexpr int kLargest = 16;
   const int n = s.dimension;
   if (n > kLargest) return;
-  double A[kLargest * kLargest];
-  double* P = blocks_.data() + s.diagonal;
+  Scalar A[kLargest * kLargest];
+  Scalar* P = blocks_.data() + s.diagonal;
   for (int i = 0; i < n * n; ++i) A[i] = -P[i];
   for (int p = 0; p < n; ++p) {
     const double reference = compliance_[s.first_row + p];
@@ -240,28 +250,30 @@ void BlockFactor::guard(const Step& s) {
       A[p + n * p] += kGives * reference;
       P[p + n * p] -= kGives * reference;
     }
-    const double inverse = 1 / A[p + n * p];
+    const Scalar inverse = 1.0 / A[p + n * p];
     for (int i = p + 1; i < n; ++i) {
-      const double f = A[i + n * p] * inverse;
+      const Scalar f = A[i + n * p] * inverse;
       for (int k = p + 1; k < n; ++k) A[i + n * k] -= f * A[p + n * k];
     }
   }
 }
 
-std::vector<int> BlockFactor::factorize_revealing(const std::vector<double>& values, const VectorX& reference,
-                                                  double tolerance) {
+template <class Scalar>
+std::vector<int> BlockFactorOf<Scalar>::factorize_revealing(const std::vector<Scalar>& values, const VectorX& reference,
+                                                            double tolerance) {
+  using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
   load(values);
   std::vector<int> dependent;
   for (const Step& s : steps_) {
-    Eigen::Map<MatrixX> P(blocks_.data() + s.diagonal, s.dimension, s.dimension);
+    Eigen::Map<Matrix> P(blocks_.data() + s.diagonal, s.dimension, s.dimension);
     if (s.first_row >= 0) {
       // Gaussian elimination on a copy, largest relative pivot first; what is left below tolerance is dependent.
-      MatrixX A = -P;
+      Matrix A = -P;
       std::vector<int> open(s.dimension);
       for (int r = 0; r < s.dimension; ++r) open[r] = r;
       std::vector<int> bad;
       while (!open.empty()) {
-        const auto ratio = [&](int r) { return A(r, r) / reference[s.first_row + r]; };
+        const auto ratio = [&](int r) { return std::real(A(r, r)) / reference[s.first_row + r]; };
         const auto best =
             std::max_element(open.begin(), open.end(), [&](int a, int b) { return ratio(a) < ratio(b) * (1 - 1e-6); });
         const int p = *best;
@@ -271,7 +283,7 @@ std::vector<int> BlockFactor::factorize_revealing(const std::vector<double>& val
         }
         open.erase(best);
         for (int i : open) {
-          const double f = A(i, p) / A(p, p);
+          const Scalar f = A(i, p) / A(p, p);
           for (int k : open) A(i, k) -= f * A(p, k);
         }
       }
@@ -283,8 +295,8 @@ std::vector<int> BlockFactor::factorize_revealing(const std::vector<double>& val
         P(r, r) = -1;
         for (int i = s.first_neighbour; i < s.last_neighbour; ++i) {
           const Neighbour& n = neighbours_[i];
-          Eigen::Map<MatrixX>(blocks_.data() + n.row_block, n.dimension, s.dimension).col(r).setZero();
-          Eigen::Map<MatrixX>(blocks_.data() + n.column_block, s.dimension, n.dimension).row(r).setZero();
+          Eigen::Map<Matrix>(blocks_.data() + n.row_block, n.dimension, s.dimension).col(r).setZero();
+          Eigen::Map<Matrix>(blocks_.data() + n.column_block, s.dimension, n.dimension).row(r).setZero();
         }
       }
     }
@@ -300,13 +312,14 @@ std::vector<int> BlockFactor::factorize_revealing(const std::vector<double>& val
   return dependent;
 }
 
-void BlockFactor::solve(double* x) const {
-  const double* b = blocks_.data();
+template <class Scalar>
+void BlockFactorOf<Scalar>::solve(Scalar* x) const {
+  const Scalar* b = blocks_.data();
   for (int r : dropped_) x[structure_.velocity_count + r] = 0;
-  for (const LinearBlock& linear : linear_) linear.forward(x);
+  for (const auto& linear : linear_) linear.forward(x);
   for (int r : dropped_) x[structure_.velocity_count + r] = 0;
   for (const Step& s : steps_) {
-    double* y = x + s.x;
+    Scalar* y = x + s.x;
     s.apply(b + s.diagonal, y, s.dimension);
     for (int i = s.first_neighbour; i < s.last_neighbour; ++i) {
       const Neighbour& n = neighbours_[i];
@@ -318,7 +331,10 @@ void BlockFactor::solve(double* x) const {
       const Neighbour& n = neighbours_[i];
       n.backward(x + s->x, b + n.column_block, x + n.x, s->dimension, n.dimension);
     }
-  for (const LinearBlock& linear : linear_) linear.backward(x);
+  for (const auto& linear : linear_) linear.backward(x);
 }
+
+template class BlockFactorOf<double>;
+template class BlockFactorOf<std::complex<double>>;
 
 }  // namespace lithe

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <complex>
 #include <functional>
 #include <vector>
 
@@ -8,6 +9,13 @@
 #include "engine/math.h"
 
 namespace lithe {
+
+/// Weights of an iteration matrix at a complex point (stages of implicit Runge-Kutta methods).
+struct ComplexTangentWeights {
+  std::complex<double> position = 0, velocity = 0, acceleration = 1;
+};
+using ComplexVectorX = Eigen::VectorXcd;
+using ComplexVectorRef = Eigen::Ref<ComplexVectorX>;
 
 /// M(q) v_dot + G(q, t)ᵀ lambda = f(q, v, t),  g(q, t) = 0: all that an integrator sees of a scene. One object a
 /// thread: it holds the scratch of the state evaluated last, to which everything after evaluate() refers.
@@ -31,6 +39,8 @@ class EquationsOfMotion {
   virtual void residual(ConstVectorRef v_dot, ConstVectorRef lambda, VectorRef r) = 0;
   /// g (Level::position), g_dot = G v + ∂g/∂t (velocity), or gamma with G v_dot = gamma (acceleration).
   virtual void constraint(Level which, VectorRef out) const = 0;
+  /// Of all bodies and force elements (theirs counts as elastic) at the state evaluated last. Needs Level::velocity.
+  virtual BodyEnergy energy() = 0;
 
   /// Forms and factorises [S Gᵀ; G 0], S = weighted derivative of r. `increment`: the step's increment d = q_n -> q in
   /// the chart of q_n if S is to act on corrections of d' = v (null: corrections are turns of the present state).
@@ -38,6 +48,10 @@ class EquationsOfMotion {
                          const VectorX* increment) = 0;
   /// Solves [S Gᵀ; G 0] (x, y) = (rv, rl) in place with the last factor. Redundant rows get y = 0.
   virtual void solve(VectorRef rv, VectorRef rl) const = 0;
+  /// The same with complex weights, in a factor of its own beside the real one. The first call allocates it.
+  virtual void factorize_complex(const ComplexTangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
+                                 const VectorX* increment) = 0;
+  virtual void solve_complex(ComplexVectorRef rv, ComplexVectorRef rl) const = 0;
   /// Every block of the last [S Gᵀ; G 0] as assembled: row, column (constraint rows follow the velocities), values. The
   /// sparse codes of others (KLU) need it.
   virtual void visit_blocks(const std::function<void(int row, int column, ConstMatrixRef block)>& visit) const = 0;

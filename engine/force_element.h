@@ -2,11 +2,20 @@
 
 #include <cassert>
 #include <span>
+#include <vector>
 
 #include "engine/constraint.h"
+#include "engine/joint_coordinate.h"
 #include "engine/marker.h"
 
 namespace lithe {
+
+/// A force law changes its form where a coordinate passes a value: a stop is met or left. Simulation puts the end of a
+/// step there.
+struct CoordinateSwitch {
+  JointCoordinate coordinate;
+  double value;  // m or rad
+};
 
 /// What a force element does to its markers at one state: loads (wrenches given outright) and compliant rows, which act
 /// like the rows of a joint with a multiplier that is a law of the row's own length and speed:
@@ -75,6 +84,7 @@ class ForceElement : public Connector {
   virtual void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const = 0;
   /// The joint whose reaction this element wants (friction); null: none. Such an element acts by rows, not by loads.
   virtual const Constraint* reaction_of() const { return nullptr; }
+  virtual std::vector<CoordinateSwitch> switches() const { return {}; }
 };
 
 /// A force element with its numbers of markers and compliant rows known to the compiler.

@@ -5,6 +5,37 @@
 #include <cstdio>
 
 namespace lithe {
+namespace {
+
+/// The polynomial of degree 5 in s, 0 <= s <= 1, from the origin at s = 0 to `end` at s = 1, with given first and
+/// second derivatives by time at both; h = its length in time.
+template <class Vector>
+struct Quintic {
+  Vector value, rate, acceleration;
+
+  Quintic(double s, double h, const Vector& rate_0, const Vector& acceleration_0, const Vector& end,
+          const Vector& rate_1, const Vector& acceleration_1) {
+    const Vector c1 = h * rate_0, c2 = 0.5 * h * h * acceleration_0;
+    const Vector a = end - c1 - c2, b = h * rate_1 - c1 - 2 * c2, c = 0.5 * h * h * acceleration_1 - c2;
+    const Vector c3 = 10 * a - 4 * b + c, c4 = -15 * a + 7 * b - 2 * c, c5 = 6 * a - 3 * b + c;
+    value = s * (c1 + s * (c2 + s * (c3 + s * (c4 + s * c5))));
+    rate = (c1 + s * (2 * c2 + s * (3 * c3 + s * (4 * c4 + s * 5 * c5)))) / h;
+    acceleration = (2 * c2 + s * (6 * c3 + s * (12 * c4 + s * 20 * c5))) / (h * h);
+  }
+};
+
+/// The rotation vector of e_from -> e_to; of the two short of a full turn, the one nearer to the mean motion.
+Vector3 turn_between(const Vector4& e_from, const Vector4& e_to, const Vector3& mean) {
+  const Vector4 turn = quaternion_product({e_from[0], -e_from[1], -e_from[2], -e_from[3]}, e_to);
+  const double s = turn.tail<3>().norm(), half = std::atan2(s, turn[0]);
+  const Vector3 psi = (s > 1e-300 ? 2 * half / s : 2.0) * turn.tail<3>();
+  const double angle = psi.norm();
+  if (!(angle > 0)) return psi;
+  const Vector3 other = (1 - 2 * M_PI / angle) * psi;
+  return (other - mean).squaredNorm() < (psi - mean).squaredNorm() ? other : psi;
+}
+
+}  // namespace
 
 void Integrator::start(EquationsOfMotion& equations, State& state) {
   equations.recall(state.quadrants);
@@ -44,6 +75,51 @@ void Integrator::limit_turn(const VectorX& quadrants, double length) {
     longest_ = allowed > length ? std::floor(allowed / length) * length : allowed;
 }
 
+void Integrator::interpolate(const Layout& layout, const State& from, const State& to, double time, State& out) const {
+  const double h = to.time - from.time;
+  if (!(h > 0)) {
+    out = from;
+    return;
+  }
+  const double s = (time - from.time) / h;
+  out.time = time;
+  out.q.resize(from.q.size());
+  for (VectorX* x : {&out.v, &out.v_dot}) x->resize(from.v.size());
+  out.lambda = (1 - s) * from.lambda + s * to.lambda;
+  out.quadrants = from.quadrants;
+  for (const Layout::BodySlice& b : layout.bodies()) {
+    int iq = b.q, iv = b.v;
+    if (b.frame) {
+      const auto at = [&](const VectorX& x, int place) -> Vector3 { return x.segment<3>(iv + place); };
+      const Quintic<Vector3> p(s, h, at(from.v, 0), at(from.v_dot, 0), to.q.segment<3>(iq) - from.q.segment<3>(iq),
+                               at(to.v, 0), at(to.v_dot, 0));
+      out.q.segment<3>(iq) = from.q.segment<3>(iq) + p.value;
+      out.v.segment<3>(iv) = p.rate;
+      out.v_dot.segment<3>(iv) = p.acceleration;
+      // Rotations in the chart of `from`:  ω = Jr ψ̇,  ω̇ = Jr ψ̈ + J̇r ψ̇,  where Jr(ψ) = Jl(-ψ), so that J̇r ψ̇ =
+      // -left_jacobian_rate(-ψ, -ψ̇). At its origin ψ̇ = ω and ψ̈ = ω̇.
+      const Vector4 e = from.q.segment<4>(iq + 3);
+      const Vector3 end = turn_between(e, to.q.segment<4>(iq + 3), 0.5 * h * (at(from.v, 3) + at(to.v, 3)));
+      const Matrix3 inverse = right_jacobian_inverse(end);
+      const Vector3 rate = inverse * at(to.v, 3);
+      const Vector3 acceleration = inverse * (at(to.v_dot, 3) + left_jacobian_rate(-end, -rate));
+      const Quintic<Vector3> psi(s, h, at(from.v, 3), at(from.v_dot, 3), end, rate, acceleration);
+      const Matrix3 Jr = left_jacobian(-psi.value);
+      out.q.segment<4>(iq + 3) = rotated(e, psi.value);
+      out.v.segment<3>(iv + 3) = Jr * psi.rate;
+      out.v_dot.segment<3>(iv + 3) = Jr * psi.acceleration - left_jacobian_rate(-psi.value, -psi.rate);
+      iq += 7, iv += 6;
+    }
+    for (int i = 0; i < b.linear; ++i) {
+      const Quintic<double> eta(s, h, from.v[iv + i], from.v_dot[iv + i], to.q[iq + i] - from.q[iq + i], to.v[iv + i],
+                                to.v_dot[iv + i]);
+      out.q[iq + i] = from.q[iq + i] + eta.value;
+      out.v[iv + i] = eta.rate;
+      out.v_dot[iv + i] = eta.acceleration;
+    }
+  }
+}
+
 std::string step_text(double h) {
   char text[32];
   std::snprintf(text, sizeof text, "%.2g s", h);
@@ -57,6 +133,19 @@ double error_ratio(ConstVectorRef error, ConstVectorRef magnitudes, const Tolera
     sum += ratio * ratio;
   }
   return error.size() > 0 ? std::sqrt(sum / static_cast<double>(error.size())) : 0;
+}
+
+int largest_share(ConstVectorRef error, ConstVectorRef magnitudes, const Tolerance& tolerance) {
+  int largest = -1;
+  double share = -1;
+  for (Eigen::Index i = 0; i < error.size(); ++i) {
+    const double ratio = std::abs(error[i]) / (tolerance.absolute + tolerance.relative * magnitudes[i]);
+    if (ratio <= share) continue;  // one that is no number is named
+    largest = static_cast<int>(i);
+    if (std::isnan(ratio)) break;
+    share = ratio;
+  }
+  return largest;
 }
 
 }  // namespace lithe

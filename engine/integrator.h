@@ -18,6 +18,8 @@ struct Tolerance {
 /// What an integrator has done since start().
 struct IntegratorStatistics {
   long steps = 0, rejected = 0, newton_iterations = 0, factorizations = 0, evaluations = 0;
+  long newton_failures = 0;  // steps repeated because Newton did not converge, part of `rejected`
+  int limiting = -1;         // index of the velocity with the largest share in the last error estimate; -1: none made
 };
 
 /// How a step ended. On failure the state holds the last good time and `why` says what stopped it.
@@ -40,6 +42,12 @@ class Integrator {
   StepResult step(EquationsOfMotion& equations, State& state, double t_stop);
   virtual const IntegratorStatistics& statistics() const = 0;
 
+  /// Dense output: the motion within the last step, which led from `from` to `to`, at from.time <= time <= to.time.
+  /// Fills time, q, v, v_dot, lambda; quadrants are those of `from`. The common one is the polynomial of degree 5
+  /// through q, v, v_dot of both ends in the chart of `from` (error O(h⁶) in q), lambda linear; methods of higher order
+  /// bring their own. Constraints hold to its error: project where they must hold exactly.
+  virtual void interpolate(const Layout& layout, const State& from, const State& to, double time, State& out) const;
+
  protected:
   /// The method's own start and step; angles are counted around them.
   virtual void prepare(EquationsOfMotion& equations, State& state) = 0;
@@ -59,5 +67,8 @@ std::string step_text(double h);
 /// Root mean square of error over allowance (Tolerance), for an error in the chart or in v with component magnitudes
 /// |x|.
 double error_ratio(ConstVectorRef error, ConstVectorRef magnitudes, const Tolerance& tolerance);
+
+/// Index of the component with the largest share in that ratio; -1 for none.
+int largest_share(ConstVectorRef error, ConstVectorRef magnitudes, const Tolerance& tolerance);
 
 }  // namespace lithe

@@ -37,6 +37,7 @@ class CoordinateSet {
   explicit CoordinateSet(std::vector<JointCoordinate> coordinates) : coordinates_(std::move(coordinates)) {}
 
   int count() const { return static_cast<int>(coordinates_.size()); }
+  const JointCoordinate& operator[](int i) const { return coordinates_[i]; }
   bool is_angle(int i) const { return coordinates_[i].is_angle(); }
   /// Throws SceneError for an axis other than 0, 1, 2.
   std::vector<Marker> markers() const;

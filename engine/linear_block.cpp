@@ -6,10 +6,10 @@ namespace lithe {
 namespace {
 
 /// y -= A x with A m x n, columns `stride` apart; M: m if the compiler may know it, else 0.
-template <int M>
-void subtract_product(const double* A, int stride, int m, int n, const double* x, double* y) {
+template <int M, class S>
+void subtract_product(const S* A, int stride, int m, int n, const S* x, S* y) {
   if constexpr (M > 0) {
-    double sum[M];
+    S sum[M];
     for (int a = 0; a < M; ++a) sum[a] = y[a];
     for (int k = 0; k < n; ++k)
       for (int a = 0; a < M; ++a) sum[a] -= A[a + stride * k] * x[k];
@@ -19,14 +19,16 @@ void subtract_product(const double* A, int stride, int m, int n, const double* x
       for (int a = 0; a < m; ++a) y[a] -= A[a + stride * k] * x[k];
   }
 }
-void subtract_product(const double* A, int stride, int m, int n, const double* x, double* y) {
+template <class S>
+void subtract_product(const S* A, int stride, int m, int n, const S* x, S* y) {
   if (m == 6) return subtract_product<6>(A, stride, m, n, x, y);  // a frame
   subtract_product<0>(A, stride, m, n, x, y);
 }
 
 }  // namespace
 
-LinearBlock::LinearBlock(const BlockStructure& structure, int linear)
+template <class Scalar>
+LinearBlock<Scalar>::LinearBlock(const BlockStructure& structure, int linear)
     : structure_(structure), linear_(structure.linears[linear]) {
   int m = 0;
   if (linear_.frame >= 0) {
@@ -51,48 +53,60 @@ LinearBlock::LinearBlock(const BlockStructure& structure, int linear)
 
   sparse_ = std::make_unique<Sparse>();
   const auto& p = *linear_.pattern;
-  std::vector<Eigen::Triplet<double>> entries;
-  for (int k = 0; k < p.rows.size(); ++k) entries.emplace_back(p.rows[k], p.columns[k], 1.0);
+  std::vector<Eigen::Triplet<Scalar>> entries;
+  const auto mirrored = [&](int k) { return !Sparse::kReal && p.rows[k] != p.columns[k]; };
+  for (int k = 0; k < p.rows.size(); ++k) {
+    entries.emplace_back(p.rows[k], p.columns[k], 1.0);
+    if (mirrored(k)) entries.emplace_back(p.columns[k], p.rows[k], 1.0);
+  }
   sparse_->matrix.resize(n, n);
   sparse_->matrix.setFromTriplets(entries.begin(), entries.end());
-  for (int k = 0; k < p.rows.size(); ++k)
-    sparse_->place.push_back(
-        static_cast<int>(&sparse_->matrix.coeffRef(p.rows[k], p.columns[k]) - sparse_->matrix.valuePtr()));
+  const auto place = [&](int row, int column) {
+    return static_cast<int>(&sparse_->matrix.coeffRef(row, column) - sparse_->matrix.valuePtr());
+  };
+  for (int k = 0; k < p.rows.size(); ++k) {
+    sparse_->place.push_back(place(p.rows[k], p.columns[k]));
+    if constexpr (!Sparse::kReal) sparse_->place.push_back(place(p.columns[k], p.rows[k]));
+  }
   sparse_->factor.analyzePattern(sparse_->matrix);
   permuted_.resize(n, std::max(m, 1));
 }
 
-void LinearBlock::load(const std::vector<double>& values, const std::vector<char>& dropped) {
-  using RowMajorView = Eigen::Map<const MatrixX>;
+template <class Scalar>
+void LinearBlock<Scalar>::load(const std::vector<Scalar>& values, const std::vector<char>& dropped) {
+  using View = Eigen::Map<const Matrix>;
   const int n = linear_.size;
   if (linear_.frame >= 0) {
-    X_.topRows<6>() = RowMajorView(values.data() + linear_.frame_linear, 6, n);
-    T_.leftCols<6>() = RowMajorView(values.data() + linear_.linear_frame, n, 6);
+    X_.template topRows<6>() = View(values.data() + linear_.frame_linear, 6, n);
+    T_.template leftCols<6>() = View(values.data() + linear_.linear_frame, n, 6);
   }
   const std::size_t offset = linear_.frame >= 0 ? 1 : 0;
   for (std::size_t j = 0; j < jacobians_.size(); ++j) {
     const auto& G = structure_.jacobians[jacobians_[j]];
     const auto& rows = structure_.rows[G.rows];
     const Part& part = parts_[j + offset];
-    X_.middleRows(part.column, rows.count) = RowMajorView(values.data() + G.linear_values, rows.count, n);
+    X_.middleRows(part.column, rows.count) = View(values.data() + G.linear_values, rows.count, n);
     for (int r = 0; r < rows.count; ++r)
       if (dropped[rows.first + r]) X_.row(part.column + r).setZero();
     T_.middleCols(part.column, rows.count) = X_.middleRows(part.column, rows.count).transpose();
   }
 }
 
-void LinearBlock::factorize(const std::vector<double>& values, const std::vector<char>& dropped) {
+template <class Scalar>
+void LinearBlock<Scalar>::factorize(const std::vector<Scalar>& values, const std::vector<char>& dropped) {
   load(values, dropped);
   const int n = linear_.size, m = neighbour_size();
-  const double* D = values.data() + linear_.values;
+  const Scalar* D = values.data() + linear_.values;
   if (!sparse_) {
-    for (int i = 0; i < n; ++i) inverse_diagonal_[i] = 1 / D[i];
+    for (int i = 0; i < n; ++i) inverse_diagonal_[i] = 1.0 / D[i];
     T_ = inverse_diagonal_.asDiagonal() * T_;
   } else {
-    const std::size_t count = sparse_->place.size();
+    constexpr std::size_t kPlaces = Sparse::kReal ? 1 : 2;  // of each entry
+    const std::size_t count = sparse_->place.size() / kPlaces;
     if (sparse_->last.size() != count || !std::equal(D, D + count, sparse_->last.begin())) {
       sparse_->last.assign(D, D + count);
-      for (std::size_t k = 0; k < count; ++k) sparse_->matrix.valuePtr()[sparse_->place[k]] = D[k];
+      for (std::size_t k = 0; k < sparse_->place.size(); ++k)
+        sparse_->matrix.valuePtr()[sparse_->place[k]] = D[k / kPlaces];
       sparse_->factor.factorize(sparse_->matrix);
     }
     solve_linear(T_);
@@ -102,17 +116,24 @@ void LinearBlock::factorize(const std::vector<double>& values, const std::vector
   for (int b = 0; b < m; ++b) subtract_product(X_.data(), m, m, n, T_.data() + n * b, schur_.data() + m * b);
 }
 
-void LinearBlock::solve_linear(Eigen::Ref<MatrixX> columns) const {
-  auto y = permuted_.leftCols(columns.cols());
-  const auto& P = sparse_->factor.permutationP().indices();
-  for (int i = 0; i < columns.rows(); ++i) y.row(P[i]) = columns.row(i);
-  sparse_->factor.matrixL().solveInPlace(y);
-  sparse_->factor.matrixU().solveInPlace(y);
-  for (int i = 0; i < columns.rows(); ++i) columns.row(i) = y.row(P[i]);
+template <class Scalar>
+void LinearBlock<Scalar>::solve_linear(Eigen::Ref<Matrix> columns) const {
+  if constexpr (!Sparse::kReal) {
+    columns = sparse_->factor.solve(columns).eval();
+    return;
+  } else {
+    auto y = permuted_.leftCols(columns.cols());
+    const auto& P = sparse_->factor.permutationP().indices();
+    for (int i = 0; i < columns.rows(); ++i) y.row(P[i]) = columns.row(i);
+    sparse_->factor.matrixL().solveInPlace(y);
+    sparse_->factor.matrixU().solveInPlace(y);
+    for (int i = 0; i < columns.rows(); ++i) columns.row(i) = y.row(P[i]);
+  }
 }
 
-void LinearBlock::forward(double* x) const {
-  Eigen::Map<VectorX> own(x + linear_.v, linear_.size);
+template <class Scalar>
+void LinearBlock<Scalar>::forward(Scalar* x) const {
+  Eigen::Map<Vector> own(x + linear_.v, linear_.size);
   if (!sparse_)
     own.array() *= inverse_diagonal_.array();
   else
@@ -122,10 +143,14 @@ void LinearBlock::forward(double* x) const {
     subtract_product(X_.data() + part.column, m, part.size, linear_.size, own.data(), x + part.x);
 }
 
-void LinearBlock::backward(double* x) const {
-  Eigen::Map<VectorX> own(x + linear_.v, linear_.size);
+template <class Scalar>
+void LinearBlock<Scalar>::backward(Scalar* x) const {
+  Eigen::Map<Vector> own(x + linear_.v, linear_.size);
   for (const Part& part : parts_)
     for (int a = 0; a < part.size; ++a) own -= x[part.x + a] * T_.col(part.column + a);
 }
+
+template class LinearBlock<double>;
+template class LinearBlock<std::complex<double>>;
 
 }  // namespace lithe

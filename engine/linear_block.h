@@ -1,7 +1,10 @@
 #pragma once
 
 #include <Eigen/SparseCholesky>
+#include <Eigen/SparseLU>
+#include <complex>
 #include <memory>
+#include <type_traits>
 #include <vector>
 
 #include "engine/block_structure.h"
@@ -12,8 +15,11 @@ namespace lithe {
 /// One body's linear coordinates, eliminated before all else: with D their block (diagonal, or sparse and positive
 /// definite), Y the columns of everything they touch and X its rows, D goes out and -X D⁻¹ Y is left for the rest.
 /// A reduced body costs O(n m²) here, m = 6 + rows at its markers: nothing that grows with the nodes of its mesh.
+template <class Scalar>
 class LinearBlock {
  public:
+  using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+  using Vector = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
   /// A neighbour's slice of x and its columns in Y.
   struct Part {
     int x, size, column;
@@ -26,29 +32,34 @@ class LinearBlock {
   const std::vector<Part>& parts() const { return parts_; }
 
   /// Factorises D and forms schur() = -X D⁻¹ Y.
-  void factorize(const std::vector<double>& values, const std::vector<char>& dropped_rows);
-  const MatrixX& schur() const { return schur_; }
-  void forward(double* x) const;   // x_l <- D⁻¹ x_l, x_i -= X_i x_l
-  void backward(double* x) const;  // x_l -= D⁻¹ Y x_i
+  void factorize(const std::vector<Scalar>& values, const std::vector<char>& dropped_rows);
+  const Matrix& schur() const { return schur_; }
+  void forward(Scalar* x) const;   // x_l <- D⁻¹ x_l, x_i -= X_i x_l
+  void backward(Scalar* x) const;  // x_l -= D⁻¹ Y x_i
 
  private:
-  void load(const std::vector<double>& values, const std::vector<char>& dropped_rows);
-  void solve_linear(Eigen::Ref<MatrixX> columns) const;
+  void load(const std::vector<Scalar>& values, const std::vector<char>& dropped_rows);
+  void solve_linear(Eigen::Ref<Matrix> columns) const;
 
   const BlockStructure& structure_;
   BlockStructure::Linear linear_;
   std::vector<int> rows_, jacobians_;
   std::vector<Part> parts_;
-  MatrixX X_, T_, schur_;  // m x n, n x m = D⁻¹ Y, m x m
-  VectorX inverse_diagonal_;
+  Matrix X_, T_, schur_;  // m x n, n x m = D⁻¹ Y, m x m
+  Vector inverse_diagonal_;
   struct Sparse {
-    Eigen::SparseMatrix<double> matrix;
-    std::vector<int> place;  // of each pattern entry in the matrix's values
-    Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor;
-    std::vector<double> last;  // values of the last factorisation: constant while the step is
+    using Entries = Eigen::SparseMatrix<Scalar>;
+    static constexpr bool kReal = std::is_same_v<Scalar, double>;
+    Entries matrix;          // lower triangle; complex: all, for Cholesky would take it for Hermitian
+    std::vector<int> place;  // of each pattern entry in the matrix's values; complex: and of its mirror image
+    std::conditional_t<kReal, Eigen::SimplicialLLT<Entries, Eigen::Lower>, Eigen::SparseLU<Entries>> factor;
+    std::vector<Scalar> last;  // values of the last factorisation: constant while the step is
   };
   std::unique_ptr<Sparse> sparse_;
-  mutable MatrixX permuted_;
+  mutable Matrix permuted_;
 };
+
+extern template class LinearBlock<double>;
+extern template class LinearBlock<std::complex<double>>;
 
 }  // namespace lithe

@@ -62,6 +62,28 @@ LoadedIntegrator::LoadedIntegrator(const IntegratorType& type, const ParameterLi
     return Border::cross(
         host, [&](Border& self, int, int nv, int rows) { self.equations->solve(write(rv, nv), write(rl, rows)); });
   };
+  t.factorize_complex = [](void* host, const lithe_complex_tangent_weights* w, const double* v_dot,
+                           const double* lambda, const double* increment) {
+    return Border::cross(host, [&](Border& self, int, int nv, int rows) {
+      if (increment) self.increment = read(increment, nv);
+      const auto complex = [](const double* x) { return std::complex<double>(x[0], x[1]); };
+      self.equations->factorize_complex({complex(w->position), complex(w->velocity), complex(w->acceleration)},
+                                        read(v_dot, nv), read(lambda, rows), increment ? &self.increment : nullptr);
+    });
+  };
+  t.solve_complex = [](void* host, double* rv, double* rl) {
+    return Border::cross(host, [&](Border& self, int, int nv, int rows) {
+      using Map = Eigen::Map<ComplexVectorX>;
+      self.equations->solve_complex(Map(reinterpret_cast<std::complex<double>*>(rv), nv),
+                                    Map(reinterpret_cast<std::complex<double>*>(rl), rows));
+    });
+  };
+  t.energy = [](void* host, double* joules) {
+    return Border::cross(host, [&](Border& self, int, int, int) {
+      const BodyEnergy e = self.equations->energy();
+      joules[0] = e.kinetic, joules[1] = e.elastic, joules[2] = e.gravity;
+    });
+  };
   t.visit_blocks = [](void* host, void* visitor,
                       void (*visit)(void*, int32_t, int32_t, int32_t, int32_t, const double*, ptrdiff_t)) {
     return Border::cross(host, [&](Border& self, int, int, int) {

@@ -141,6 +141,9 @@ typedef struct lithe_body_state {
 typedef struct lithe_tangent_weights {
   double position, velocity, acceleration;
 } lithe_tangent_weights;
+typedef struct lithe_complex_tangent_weights {
+  double position[2], velocity[2], acceleration[2]; /* real and imaginary part */
+} lithe_complex_tangent_weights;
 
 /* Blocks of the iteration matrix, by columns: 6 x 6, 6 x n, n x 6, and n diagonal entries or those of linear_pattern.
  */
@@ -239,6 +242,11 @@ typedef struct lithe_equations {
      reached; a method that goes further than half a turn within one calls these between. */
   int32_t (*recall)(void* host, const double* quadrants, int32_t count);
   int32_t (*track)(void* host, double* quadrants, int32_t count);
+  /* The iteration matrix at complex weights, in a factor of its own; complex numbers are pairs of doubles. */
+  int32_t (*factorize_complex)(void* host, const lithe_complex_tangent_weights*, const double* v_dot,
+                               const double* lambda, const double* increment);
+  int32_t (*solve_complex)(void* host, double* rv, double* rl);
+  int32_t (*energy)(void* host, double* joules); /* kinetic, elastic, gravity: three numbers */
 } lithe_equations;
 
 typedef struct lithe_state {

@@ -49,6 +49,23 @@ class HostEquations final : public EquationsOfMotion {
     check(host_.factorize(host_.host, &weights, v_dot.data(), lambda.data(), increment ? increment->data() : nullptr));
   }
   void solve(VectorRef rv, VectorRef rl) const override { check(host_.solve(host_.host, rv.data(), rl.data())); }
+  void factorize_complex(const ComplexTangentWeights& w, ConstVectorRef v_dot, ConstVectorRef lambda,
+                         const VectorX* increment) override {
+    const lithe_complex_tangent_weights weights{{w.position.real(), w.position.imag()},
+                                                {w.velocity.real(), w.velocity.imag()},
+                                                {w.acceleration.real(), w.acceleration.imag()}};
+    check(host_.factorize_complex(host_.host, &weights, v_dot.data(), lambda.data(),
+                                  increment ? increment->data() : nullptr));
+  }
+  void solve_complex(ComplexVectorRef rv, ComplexVectorRef rl) const override {
+    // An array of complex numbers is one of pairs of doubles, by the language.
+    check(host_.solve_complex(host_.host, reinterpret_cast<double*>(rv.data()), reinterpret_cast<double*>(rl.data())));
+  }
+  BodyEnergy energy() override {
+    double joules[3];
+    check(host_.energy(host_.host, joules));
+    return {joules[0], joules[1], joules[2]};
+  }
   void visit_blocks(const std::function<void(int, int, ConstMatrixRef)>& visit) const override {
     using Visit = std::function<void(int, int, ConstMatrixRef)>;
     check(host_.visit_blocks(host_.host, const_cast<Visit*>(&visit),

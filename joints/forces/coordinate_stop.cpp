@@ -30,6 +30,13 @@ void CoordinateStop::evaluate(double, std::span<const MarkerView> markers, Force
            pushes ? elastic * d : 0, elastic * depth / (n + 1));
 }
 
+std::vector<CoordinateSwitch> CoordinateStop::switches() const {
+  std::vector<CoordinateSwitch> limits;
+  for (double limit : {parameters_.lower, parameters_.upper})
+    if (std::isfinite(limit)) limits.push_back({coordinate_[0], limit});
+  return limits;
+}
+
 template std::unique_ptr<ForceBatch> make_force_batch<CoordinateStop>();
 
 }  // namespace lithe

@@ -27,6 +27,7 @@ class CoordinateStop final : public Force</*markers=*/2, /*rows=*/1> {
 
   std::vector<MeasuredAngle> angles() const override { return coordinate_.angles(); }
   void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const override;
+  std::vector<CoordinateSwitch> switches() const override;
 
  private:
   const CoordinateSet coordinate_;
