@@ -45,7 +45,9 @@ std::string find_not_finite(const State& state, const Layout& layout) {
 }  // namespace
 
 Simulation::Simulation(const System& system, Integrator& integrator)
-    : system_(system), integrator_(integrator), equations_(system), snapshot_(system) {}
+    : system_(system), integrator_(integrator), equations_(system), snapshot_(system), projector_(equations_) {
+  make_finder();
+}
 
 void Simulation::observe(Observer& observer, Schedule schedule) { watches_.push_back({&observer, schedule}); }
 
@@ -66,11 +68,16 @@ void Simulation::run(State& state, double end) {
   const bool resumed = same(state, last_);
   if (!resumed || !started_ || integrator_.statistics().steps != steps_) {
     started_ = false;
+    if (!resumed) events_.clear(), restarts_.clear();
     integrator_.start(equations_, state);
+    if (finder_) finder_->start(state);
+    earlier_ = {};
+    approach_ = {};
     last_ = state;
     evaluated_ = false;
   }
   started_ = false;  // until the run has ended well
+  stopped_by_.clear();
 
   // 2. Schedules begin here for observers that are new, and for all at a new state.
   for (Watch& watch : watches_) {
@@ -82,7 +89,7 @@ void Simulation::run(State& state, double end) {
   tell_due(state);
 
   // 3. From one observed time to the next; a rest of round-off's size is no step.
-  while (end - state.time > round_off(end)) {
+  while (end - state.time > round_off(end) && stopped_by_.empty()) {
     advance(state, next_stop(state.time, end));
     tell_due(state);
   }
@@ -108,7 +115,7 @@ void Simulation::check(const State& state, double end) const {
 }
 
 double Simulation::next_stop(double time, double end) const {
-  double stop = end;
+  double stop = approach_.watched >= 0 ? std::min(end, approach_.time) : end;
   for (const Watch& watch : watches_) {
     const double next = watch.next_time();
     if (watch.schedule.interval > 0 && next > time + watch.slack(time) && next < end - watch.slack(end))
@@ -137,6 +144,14 @@ void Simulation::advance(State& state, double stop) {
     fail(state, step() + " to " + time_text(stop) + " ended at " + time_text(state.time),
          "give a looser tolerance if steps became smaller than time can tell; else mend the integrator: a step moves "
          "time, never past its stop");
+  if (finder_) {
+    try {
+      look_for_events(state);
+    } catch (...) {
+      state = last_;
+      throw;
+    }
+  }
   last_ = state;
   evaluated_ = false;
 }

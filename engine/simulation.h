@@ -1,10 +1,15 @@
 #pragma once
 
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "engine/assembler.h"
+#include "engine/event.h"
+#include "engine/event_finder.h"
 #include "engine/integrator.h"
 #include "engine/observer.h"
+#include "engine/projection.h"
 #include "engine/state.h"
 #include "engine/system.h"
 
@@ -12,6 +17,9 @@ namespace lithe {
 
 /// The loop over time: one integrator, any observers; borrows all of them. Observers see states through an assembler of
 /// their own. Their schedules cut the integrator's steps, so that observed times are met exactly, never interpolated.
+/// Events are located within steps. Where force laws change their form (ForceElement::switches, a stop met or left),
+/// the step ends and the integrator starts anew: across such a kink no method keeps its order, and its error estimate
+/// errs.
 class Simulation {
  public:
   Simulation(const System& system, Integrator& integrator);
@@ -20,17 +28,25 @@ class Simulation {
   /// Tells `observer` of the states of later runs.
   void observe(Observer& observer, Schedule schedule);
 
-  /// Moves the state to time `end`, exactly. Observers are told of the first state too; index-3 integrators may have
-  /// shifted its velocities a little (integrators/generalized_alpha.h). A state left as the last run made it goes on
-  /// from there: run(state, 1), run(state, 2) is run(state, 2) where a step ends at 1. Any other starts the integrator,
-  /// and the schedules, anew.
-  /// Throws SceneError for an end before the state's time or a state that does not fit the system; SimulationError
-  /// where the integrator fails or leaves a coordinate that is no number. Then the state is the last good one,
-  /// observers have been told of it, and the next run starts from it.
+  /// Looks for `event` in later runs. Throws SceneError for one without name or function.
+  void on(Event event);
+  /// What happened since the last start at a new state, by time.
+  const std::vector<EventRecord>& events() const { return events_; }
+  /// The event that ended the last run before its time; empty: none did.
+  const std::string& stopped_by() const { return stopped_by_; }
+
+  /// Moves the state to time `end`, exactly, or to an event that stops the run. Observers of every step are told of the
+  /// states at events that end a step (restart, stop). Observers are told of the first state too; index-3 integrators
+  /// may have shifted its velocities a little (integrators/generalized_alpha.h). A state left as the last run made it
+  /// goes on from there: run(state, 1), run(state, 2) is run(state, 2) where a step ends at 1. Any other starts the
+  /// integrator, and the schedules, anew. Throws SceneError for an end before the state's time or a state that does not
+  /// fit the system; SimulationError where the integrator fails or leaves a coordinate that is no number, or where
+  /// events accumulate: ever more of them in ever shorter times. Then the state is the last good one, observers have
+  /// been told of it, and the next run starts from it.
   void run(State& state, double end);
 
-  /// Of the integrator, since it was started.
-  const IntegratorStatistics& statistics() const { return integrator_.statistics(); }
+  /// Of the integrator, since it was started from a new state; events that start it anew do not count.
+  IntegratorStatistics statistics() const;
 
  private:
   struct Watch {
@@ -47,7 +63,15 @@ class Simulation {
   };
   void check(const State& state, double end) const;
   double next_stop(double time, double end) const;
+  void make_finder();
+  void restart(State& state);
   void advance(State& state, double stop);
+  void look_for_events(State& state);
+  bool is_switch(int watched) const { return watched >= static_cast<int>(watched_events_.size()); }
+  bool ends_step(int watched) const;
+  void record(const EventFinder::Crossing& crossing);
+  void meet(State& state);
+  void check_accumulation(State& state, const std::string& name);
   void tell_due(const State& state);
   void tell(Watch& watch, const State& state);
   [[noreturn]] void fail(State& state, const std::string& what, const std::string& mend);
@@ -61,6 +85,21 @@ class Simulation {
   bool evaluated_ = false;  // snapshot_ holds last_
   bool started_ = false;    // the integrator's history belongs to last_
   long steps_ = 0;          // its count then: an integrator lent to others has lost that history
+
+  std::vector<Event> watched_events_;
+  std::vector<EventRecord> events_;
+  std::string stopped_by_;
+  std::optional<EventFinder> finder_;  // of watched_events_, then of the switches of force laws; none: nothing to find
+  Projector projector_;
+  State at_event_;
+  std::vector<int> met_;          // watched functions that pass at one time
+  IntegratorStatistics earlier_;  // of the integrator's starts before its present one
+  struct Approach {               // to a switch: steps end there
+    int watched = -1, tries = 0;
+    double time = 0;  // s
+  } approach_;
+  std::vector<double> restarts_;  // times of the last ones by events, s
+  double first_restart_ = 0;
 };
 
 }  // namespace lithe

@@ -1,21 +1,25 @@
 #pragma once
 
-#include <optional>
+#include <memory>
+#include <string>
 
 #include "engine/integrator.h"
-#include "engine/projection.h"
+#include "integrators/runge_kutta_step.h"
 
 namespace lithe {
 
-/// Explicit Runge-Kutta of Dormand & Prince, order 5 with an error estimate of order 4 (Hairer, Nørsett & Wanner I,
-/// II.5), on the index-1 form, in the chart of the step's start (Munthe-Kaas): with q = q_n ⊕ d,
+/// Explicit Runge-Kutta of Dormand & Prince, order 5 with an error estimate of order 4, or order 8 with estimates of
+/// orders 5 and 3 (DOP853; Hairer, Nørsett & Wanner I, II.5), on the index-1 form, in the chart of the step's start
+/// (Munthe-Kaas): with q = q_n ⊕ d,
 ///   ḋ = Jr⁻¹(d) v,   [M Gᵀ; G 0] (v̇, λ) = (f, γ).
 /// Every step ends with q and v projected onto g = 0 and ġ = 0 along M⁻¹Gᵀ; its last stage is evaluated there, so it
 /// gives λ at the end and begins the next step. For smooth and soft scenes: the highest frequency ω bounds the step,
-/// h < 3.3/ω.
+/// h |λ| < stability_limit().
 class ExplicitRungeKutta final : public Integrator {
  public:
+  enum class Method { dormand_prince5, dormand_prince8 };
   struct Parameters {
+    Method method = Method::dormand_prince5;
     double step = 0;        // s; 0: automatic, by the tolerance
     Tolerance tolerance{};  // of the automatic step
     double first_step = 0;  // s, of the automatic step; 0: guessed
@@ -25,36 +29,36 @@ class ExplicitRungeKutta final : public Integrator {
   /// Throws SceneError for a negative step or tolerance.
   explicit ExplicitRungeKutta(Parameters parameters);
 
-  std::string name() const override { return "explicit Runge-Kutta 5(4)"; }
+  std::string name() const override;
   const IntegratorStatistics& statistics() const override { return statistics_; }
   double current_step() const { return h_; }
+
+  /// h |λ| of the fastest motion within the last step taken, as far as its last two stages tell (Hairer & Wanner II,
+  /// IV.2); 0 where they do not. The scene is stiff for this method where it keeps near stability_limit().
+  double stiffness() const { return stiffness_; }
+  double stability_limit() const { return tableau_->stability_limit; }
+
+  /// Order 8: its own polynomial of degree 7 (q, v), λ of degree 4; the first call after a step evaluates three more
+  /// stages, counted with the next step.
+  void interpolate(const Layout& layout, const State& from, const State& to, double time, State& out) const override;
 
  protected:
   void prepare(EquationsOfMotion& equations, State& state) override;
   StepResult advance(EquationsOfMotion& equations, State& state, double t_stop) override;
 
  private:
-  static constexpr int kStages = 7;
-  enum class Attempt { taken, no_number, off_constraints };
-
-  double first_step(const Layout& layout, const State& state);
   double natural_step(double left) const;
-  Attempt attempt(const Layout& layout, const State& start, double h, double time);
-  void stage(const Layout& layout, const State& start, double h, int i);
-  void accelerate(double time, int i, Projector::Factor factor = Projector::Factor::fresh);
-  double error(const Layout& layout, const State& start, double h);
-  std::string describe(const Layout& layout, Attempt attempt, double h) const;
+  double next_step(double h, double ratio, int tries) const;
+  std::string describe(const Layout& layout, RungeKuttaStep::Outcome outcome, double h) const;
 
   Parameters parameters_;
+  const RungeKuttaTableau* tableau_;
   IntegratorStatistics statistics_;
 
-  double h_ = 0;                            // the step wished for
-  double ratio_last_ = 0;                   // error over allowance of the last step taken
-  EquationsOfMotion* equations_ = nullptr;  // those that projector_ works on
-  std::optional<Projector> projector_;
-  MatrixX d_dot_, v_dot_;       // a column a stage
-  VectorX q_, d_, v_, lambda_;  // of the stage being computed
-  VectorX d_error_, v_error_, d_size_, v_size_;
+  double h_ = 0;           // the step wished for
+  double ratio_last_ = 0;  // error over allowance of the last step taken
+  double stiffness_ = 0;
+  std::unique_ptr<RungeKuttaStep> step_;  // of the equations met last; its scratch serves interpolate() too
 };
 
 }  // namespace lithe

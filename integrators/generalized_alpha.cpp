@@ -12,13 +12,20 @@ constexpr int kMaxNewton = 10;
 constexpr int kMaxSplits = 12;         // a step that will not converge is halved that often
 constexpr double kLargestGrowth = 10;  // of a step, by which offsets may be scaled
 
-}  // namespace
-
-GeneralizedAlpha::GeneralizedAlpha(Parameters parameters) : parameters_(parameters) {
-  const double rho = parameters.spectral_radius;
+GeneralizedAlpha::Coefficients coefficients(double rho) {
   if (!(rho >= 0 && rho < 1))
     throw SceneError("spectral_radius is " + std::to_string(rho), "GeneralizedAlpha",
                      "give 0 <= rho < 1; 0.8 to 0.9 keeps energy well, 1 leaves algebraic modes undamped");
+  return {(2 * rho - 1) / (rho + 1), rho / (rho + 1)};
+}
+
+}  // namespace
+
+GeneralizedAlpha::GeneralizedAlpha(Parameters parameters)
+    : GeneralizedAlpha(parameters, coefficients(parameters.spectral_radius)) {}
+
+GeneralizedAlpha::GeneralizedAlpha(Parameters parameters, Coefficients coefficients)
+    : parameters_(parameters), am_(coefficients.am), af_(coefficients.af) {
   require::at("GeneralizedAlpha", [&] {
     require::not_negative(parameters.step, "step");
     require::not_negative(parameters.first_step, "first_step");
@@ -26,8 +33,6 @@ GeneralizedAlpha::GeneralizedAlpha(Parameters parameters) : parameters_(paramete
     require::not_negative(parameters.newton_tolerance, "newton_tolerance");
     require::positive(parameters.tolerance.relative + parameters.tolerance.absolute, "tolerance");
   });
-  am_ = (2 * rho - 1) / (rho + 1);
-  af_ = rho / (rho + 1);
   gamma_ = 0.5 + af_ - am_;
   beta_ = 0.25 * (gamma_ + 0.5) * (gamma_ + 0.5);
 }

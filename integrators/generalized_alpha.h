@@ -26,8 +26,14 @@ class GeneralizedAlpha final : public Integrator {
     bool correct_start = true;    // index 3: start values without transient of the multipliers
   };
 
+  /// Members of the family that no spectral radius names (Hht).
+  struct Coefficients {
+    double am, af;
+  };
+
   /// Throws SceneError for a spectral radius outside [0, 1) or a negative step or tolerance.
   explicit GeneralizedAlpha(Parameters parameters);
+  GeneralizedAlpha(Parameters parameters, Coefficients coefficients);
 
   std::string name() const override;
   const IntegratorStatistics& statistics() const override { return statistics_; }

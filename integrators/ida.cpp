@@ -1,8 +1,6 @@
 #include "integrators/ida.h"
 
 #include <ida/ida.h>
-#include <nvector/nvector_serial.h>
-#include <sundials/sundials_context.h>
 #include <sunlinsol/sunlinsol_klu.h>
 #include <sunmatrix/sunmatrix_sparse.h>
 
@@ -13,6 +11,7 @@
 #include "engine/error.h"
 #include "engine/projection.h"
 #include "integrators/stabilized_index2.h"
+#include "integrators/sundials_internal.h"
 
 namespace lithe {
 namespace {
@@ -21,49 +20,25 @@ constexpr int kMaxStalled = 10;  // steps in a row that do not move time
 
 }  // namespace
 
-struct Ida::Memory {
+struct Ida::Memory : SundialsMemory<Ida::Memory> {
   EquationsOfMotion& equations;
   StabilizedIndex2 form;
   Tolerance tolerance;
   int stalled = 0;
-  std::string thrown, said;  // by the engine within a callback; by IDA
-  SUNContext context = nullptr;
   N_Vector y = nullptr, y_dot = nullptr, id = nullptr, errors = nullptr, weights = nullptr;
   SUNMatrix matrix = nullptr;
   SUNLinearSolver solver = nullptr;
   void* ida = nullptr;
 
   Memory(EquationsOfMotion& of, const Tolerance& allowed) : equations(of), form(of), tolerance(allowed) {
-    SUNContext_Create(nullptr, &context);
     for (N_Vector* x : {&y, &y_dot, &id, &errors, &weights}) *x = N_VNew_Serial(form.size(), context);
   }
-  Memory(const Memory&) = delete;
-  Memory& operator=(const Memory&) = delete;
   ~Memory() {
     if (ida) IDAFree(&ida);
     if (solver) SUNLinSolFree(solver);
     if (matrix) SUNMatDestroy(matrix);
     for (N_Vector x : {y, y_dot, id, errors, weights})
       if (x) N_VDestroy(x);
-    if (context) SUNContext_Free(&context);
-  }
-
-  static Eigen::Map<VectorX> map(N_Vector x) { return {N_VGetArrayPointer(x), N_VGetLength(x)}; }
-
-  /// Runs a callback of IDA; an exception becomes text and "cannot go on", numbers that are none "try a smaller step".
-  template <class Body>
-  static int guarded(void* user, Body&& body) noexcept {
-    auto& memory = *static_cast<Memory*>(user);
-    try {
-      return body(memory) ? 0 : 1;
-    } catch (const std::exception& error) {
-      try {
-        memory.thrown = error.what();
-      } catch (...) {
-      }
-    } catch (...) {
-    }
-    return -1;
   }
 
   static int residual(double time, N_Vector y, N_Vector y_dot, N_Vector F, void* user) {
@@ -90,23 +65,12 @@ struct Ida::Memory {
     });
   }
 
-  static void message(int, const char*, const char*, char* text, void* user) {
-    guarded(user, [&](Memory& m) {
-      m.said = text;
-      return true;
-    });
-  }
-
   void write_pattern(SUNMatrix J) const {
     std::copy(form.column_starts().begin(), form.column_starts().end(), SUNSparseMatrix_IndexPointers(J));
     std::copy(form.row_indices().begin(), form.row_indices().end(), SUNSparseMatrix_IndexValues(J));
   }
 
-  void require(bool done, const char* what) const {
-    if (!done)
-      throw SimulationError(std::string("SUNDIALS cannot be set up: ") + what + (said.empty() ? "" : ", " + said),
-                            "Ida", "is the state finite and the memory enough?");
-  }
+  void require(bool done, const char* what) const { SundialsMemory::require(done, what, "Ida"); }
 };
 
 Ida::Ida(Parameters parameters) : parameters_(parameters) {

@@ -14,6 +14,7 @@
 #include <system_error>
 
 #include "engine/error.h"
+#include "engine/output/gnuplot.h"
 #include "engine/output/number_text.h"
 #include "engine/output/partial_file.h"
 
@@ -26,13 +27,6 @@ constexpr const char* kColours[] = {"#0072B2", "#D55E00", "#009E73", "#CC79A7", 
 constexpr int kSymbols[] = {7, 5, 9, 13, 11, 6};  // filled circle, square, triangle, diamond, triangle down; ring
 constexpr const char* kDashes[] = {"(9,6)", "(2,4)", "(12,5,2,5)", "(4,3)"};
 constexpr int kColourCount = 6, kDashCount = 4;
-
-// A single-quoted gnuplot string knows no escapes but the doubled quote; a line break would end the command.
-std::string quoted(const std::string& text) {
-  std::string result = "'";
-  for (const char c : text) result += c == '\'' ? "''" : std::string(1, c == '\n' || c == '\r' ? ' ' : c);
-  return result + "'";
-}
 
 std::string number(double value) {
   std::string text;
@@ -165,7 +159,7 @@ void write_plot_command(std::ostream& script, const Chart& chart) {
   for (std::size_t k = 0; k < order.size(); ++k) {
     const ChartLine& line = chart.lines[order[k]];
     script << (k == 0 ? "plot " : ", \\\n     ") << "$line" << order[k] << " using 1:2 " << looks[order[k]]
-           << (line.title.empty() ? " notitle" : " title " + quoted(line.title) + " noenhanced");
+           << (line.title.empty() ? " notitle" : " title " + gnuplot_text(line.title) + " noenhanced");
   }
   script << "\n";
 }
@@ -188,18 +182,18 @@ void write_script(std::ostream& script, const Chart& chart, const std::string& s
             "set grid back lt 1 lw 0.8 lc rgb '#DDDDDD'\n"
             "set key outside top center horizontal reverse Left samplen 2.5 spacing 1.15 width 3 height 0.5\n"
             "set rmargin 4\nset bmargin 4\n"
-         << (legend ? "set key title " : "set title ") << quoted(chart.title) << " noenhanced font ',16'\n"
-         << "set xlabel " << quoted(chart.x_label) << " noenhanced font ',14'\n"
-         << "set ylabel " << quoted(chart.y_label) << " noenhanced font ',14'\n";
+         << (legend ? "set key title " : "set title ") << gnuplot_text(chart.title) << " noenhanced font ',16'\n"
+         << "set xlabel " << gnuplot_text(chart.x_label) << " noenhanced font ',14'\n"
+         << "set ylabel " << gnuplot_text(chart.y_label) << " noenhanced font ',14'\n";
   write_axis(script, chart, 'x', chart.log_x, std::ranges::any_of(chart.lines, has_symbols) ? 0.03 : 0.0);
   write_axis(script, chart, 'y', chart.log_y, 0.05);
 
   // 3. The same picture twice; svg counts letters in pixels, png in points of 4/3 pixel.
   script << "set terminal svg size 1200,750 font 'DejaVu Sans,12' fontscale 1.333 background '#FFFFFF'\n"
-         << "set output " << quoted(svg_path) << "\n";
+         << "set output " << gnuplot_text(svg_path) << "\n";
   write_plot_command(script, chart);
   script << "set terminal pngcairo size 1200,750 font 'DejaVu Sans,12' dashlength 1.8 background '#FFFFFF'\n"
-         << "set output " << quoted(png_path) << "\n"
+         << "set output " << gnuplot_text(png_path) << "\n"
          << "replot\nunset output\n";
 }
 
@@ -223,12 +217,17 @@ int run_gnuplot(const std::string& script_path, const std::string& message_path)
 
 }  // namespace
 
-void write_chart(const Chart& chart, const std::string& path_without_extension) {
-  require_drawable(chart);
+std::string gnuplot_text(const std::string& text) {
+  std::string result = "'";
+  for (const char c : text) result += c == '\'' ? "''" : std::string(1, c == '\n' || c == '\r' ? ' ' : c);
+  return result + "'";
+}
+
+void draw_with_gnuplot(const std::string& path_without_extension, const GnuplotScript& write_commands) {
   // Script and messages are never committed, so they vanish with their names.
   PartialFile svg(path_without_extension + ".svg"), png(path_without_extension + ".png");
   PartialFile script(path_without_extension + ".gnuplot"), messages(path_without_extension + ".messages");
-  write_script(script.stream(), chart, svg.temporary_path(), png.temporary_path());
+  write_commands(script.stream(), svg.temporary_path(), png.temporary_path());
   script.stream().flush();
 
   if (run_gnuplot(script.temporary_path(), messages.temporary_path()) != 0) {
@@ -238,6 +237,14 @@ void write_chart(const Chart& chart, const std::string& path_without_extension) 
   }
   svg.commit();
   png.commit();
+}
+
+void write_chart(const Chart& chart, const std::string& path_without_extension) {
+  require_drawable(chart);
+  draw_with_gnuplot(path_without_extension,
+                    [&](std::ostream& script, const std::string& svg_path, const std::string& png_path) {
+                      write_script(script, chart, svg_path, png_path);
+                    });
 }
 
 }  // namespace lithe

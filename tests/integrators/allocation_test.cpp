@@ -52,8 +52,8 @@ TEST(Step, AllocatesNothing) {
   VectorX probe(100);
   EXPECT_GT(allocations, before_any) << "the counter does not count";
 
-  for (Method& method : std::array<Method, 5>{
-           runge_kutta(1e-6), runge_kutta_fixed(1e-3), index3(1e-3), index2(1e-3),
+  for (Method& method : std::array<Method, 7>{
+           runge_kutta(1e-6), runge_kutta_fixed(1e-3), runge_kutta8(1e-6), adams(1e-6), index3(1e-3), index2(1e-3),
            std::make_unique<GeneralizedAlpha>(GeneralizedAlpha::Parameters{.tolerance = {1e-4, 1e-4}})}) {
     for (bool revolute : {false, true}) {
       Scene scene = box_chain(8, revolute);

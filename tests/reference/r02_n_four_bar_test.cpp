@@ -1,5 +1,5 @@
 // R02: N four-bar windows in a row; where the uprights lie flat the Jacobian drops rank by N and branches meet.
-#include "tests/reference/benchmark.h"
+#include "tests/reference/accuracy.h"
 #include "tests/reference/mechanism.h"
 
 namespace lithe::test {
@@ -60,7 +60,7 @@ struct Bounds {
   double tip, lim, energy;  // m, LIM error, J
 };
 
-void check(int windows, Method method, const Bounds& bounds) {
+double check(int windows, Method method, const Bounds& bounds) {
   const Run run = follow_uprights(windows, *method, windows == 2 ? 10 : 20);
   const std::string name = "R02 N = " + std::to_string(windows) + ", " + method->name();
   expect_below(name + ", B_0 (m)", run.tip, bounds.tip);
@@ -69,6 +69,7 @@ void check(int windows, Method method, const Bounds& bounds) {
   expect_below(name + ", energy (J)", run.energy, bounds.energy);
   expect_below(name + ", uprights leave their parallels (m)", run.spread, 1e-10);
   expect_below(name + ", |g| of all rows", run.gap, 1e-10);
+  return run.tip;
 }
 
 TEST(R02FourBars, TwoWindowsPassTheirSingularPositionsForTenSeconds) {
@@ -79,6 +80,14 @@ TEST(R02FourBars, TwoWindowsPassTheirSingularPositionsForTenSeconds) {
 
 TEST(R02FourBars, FortyWindowsPassTheirSingularPositionsForTwentySeconds) {
   check(40, runge_kutta(1e-8), {2e-5, 1e-4, 5e-5});
+}
+
+TEST(R02FourBars, MeetTheirMarksByDefault) {
+  check(2, automatic(1e-6), {kAny, 1e-3, kAny});
+  for (int windows : {2, 40})
+    expect_accuracy("R02 N = " + std::to_string(windows), "B_0", 1, [=](Method m) {
+      return check(windows, std::move(m), {kAny, kAny, kAny});
+    });
 }
 
 }  // namespace

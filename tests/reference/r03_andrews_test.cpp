@@ -2,7 +2,7 @@
 // t = 0.03 s against the binary128 reference, energy balance 1e-6 J over 0.05 s.
 #include "joints/forces/point_force.h"
 #include "joints/forces/spring_damper.h"
-#include "tests/reference/benchmark.h"
+#include "tests/reference/accuracy.h"
 #include "tests/reference/mechanism.h"
 
 namespace lithe::test {
@@ -114,6 +114,11 @@ void check_motion(Method method, double position, double energy) {
 TEST(R03AndrewsSqueezer, FollowsTheTableAndBalancesEnergyForFiftyMilliseconds) {
   check_motion(runge_kutta(1e-9), 1e-10, 5e-9);
   check_motion(ida(1e-8), 1e-7, 1e-6);
+}
+
+TEST(R03AndrewsSqueezer, MeetsItsMarkByDefault) {
+  expect_below("R03, default at 1e-6, relative error at 0.03 s (mark 1e-6)", worst_angle(automatic(1e-6)), 1e-6);
+  expect_accuracy("R03", "angles at 0.03 s", 1, worst_angle);
 }
 
 }  // namespace

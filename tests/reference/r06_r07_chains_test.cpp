@@ -1,5 +1,5 @@
 // R06, R07: chains of box links with spherical and with revolute joints; mark 1e-6 m at t = 1 s.
-#include "tests/reference/benchmark.h"
+#include "tests/reference/accuracy.h"
 
 namespace lithe::test {
 namespace {
@@ -9,7 +9,7 @@ struct Trial {
   double tip, energy;  // bounds: m, relative to the energy that has been converted
 };
 
-void check_chain(int links, bool revolute, Trial run) {
+double check_chain(int links, bool revolute, Trial run) {
   const std::string id = revolute ? "R07_chain_revolute" : "R06_chain_spherical";
   const Table table = reference(id + "/reference_N" + std::to_string(links) + ".csv");
   const bool has_middle = table.columns.size() == 10;
@@ -28,6 +28,7 @@ void check_chain(int links, bool revolute, Trial run) {
   expect_below(name + ", middle joint over 1 s (m)", middle, run.tip);
   expect_below(name + ", energy (relative)", energy / swing, run.energy);
   expect_below(name + ", |g|", scene.violation(Level::position), 1e-9);
+  return std::max(tip, middle);
 }
 
 TEST(R06SphericalChain, MeetsTheTableFromOneToSixteenLinks) {
@@ -51,6 +52,17 @@ TEST(R06R07Chains, GeneralizedAlphaMeetsTheMarkAtSmallSteps) {
     check_chain(16, revolute, {index3(2e-4), 2e-5, 1e-5});
     check_chain(16, revolute, {index2(2e-4), 2e-5, 1e-5});
   }
+}
+
+TEST(R06R07Chains, MeetTheirMarksByDefault) {
+  for (bool revolute : {false, true})
+    for (int links : {1, 2, 4, 8, 16}) {
+      check_chain(links, revolute, {automatic(1e-6), 1e-6, kAny});
+      expect_accuracy((revolute ? "R07 N = " : "R06 N = ") + std::to_string(links), "tip and middle joint",
+                      0.25 * links, [=](Method m) {
+                        return check_chain(links, revolute, {std::move(m), kAny, kAny});
+                      });
+    }
 }
 
 }  // namespace

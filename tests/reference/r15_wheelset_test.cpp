@@ -2,7 +2,7 @@
 // velocities and spin at t = 10 s.
 #include "tests/reference/wheelset.h"
 
-#include "tests/reference/benchmark.h"
+#include "tests/reference/accuracy.h"
 #include "tests/support/joint_checks.h"
 
 namespace lithe::test {
@@ -108,6 +108,11 @@ TEST(R15Wheelset, HuntsAlikeWithImplicitMethods) {
   expect_below("R15, SUNDIALS IDA, of the largest values, 0 ... 2 s", code.scaled, 3e-6);
   expect_below("R15, generalized-alpha, 2.5e-4 s, of the largest values, 0 ... 1 s", second_order.scaled, 1e-3);
   EXPECT_NEAR(second_order.scaled / finer.scaled, 4, 0.5);
+}
+
+TEST(R15Wheelset, MeetsItsMarkByDefault) {
+  expect_below("R15, default at 1e-8, relative error at 10 s (mark 1e-4)", hunt(*automatic(1e-8), 10).relative, 1e-4);
+  expect_accuracy("R15", "11 unknowns over 10 s", 1, [](Method m) { return hunt(*m, 10).scaled; });
 }
 
 }  // namespace

@@ -14,6 +14,8 @@ void add_new(CLI::App& app, int& exit_code);
 void add_run(CLI::App& app, int& exit_code);
 /// Marks all that follows the scene as the scene's own: "run --verbose -- scene.cpp --verbose".
 std::vector<std::string> with_scene_arguments_apart(std::vector<std::string> arguments);
+/// lithe chart SCENE: work-precision of all methods on one scene (engine/study/).
+void add_chart(CLI::App& app, int& exit_code);
 /// lithe prepare: the precompiled header that makes `lithe run` quick; `run` starts it by itself.
 void add_prepare(CLI::App& app, int& exit_code);
 

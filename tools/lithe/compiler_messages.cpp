@@ -65,6 +65,8 @@ std::vector<Diagnostic> read_errors(const std::string& output, const Installatio
 std::string linker_message(const std::string& output) {
   if (output.find("undefined reference to `main'") != std::string::npos)
     return "error: the scene has no main().\n  mend: write  int main() { ... }  in it\n";
+  if (output.find("undefined reference to `scene()'") != std::string::npos)
+    return "error: the scene has nothing to chart.\n  mend: write  lithe::StudyScene scene() { ... }  in it\n";
   static const std::regex undefined(R"(undefined reference to `([^']+)')");
   std::smatch match;
   if (std::regex_search(output, match, undefined))

@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
   int exit_code = 0;
   lithe::command::add_new(app, exit_code);
   lithe::command::add_run(app, exit_code);
+  lithe::command::add_chart(app, exit_code);
   lithe::command::add_prepare(app, exit_code);
   try {
     auto arguments = lithe::command::with_scene_arguments_apart({argv + 1, argv + argc});

@@ -1,23 +1,12 @@
-#include <sys/stat.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cerrno>
 #include <cstdio>
-#include <cstdlib>
-#include <cstring>
-#include <fstream>
-#include <iterator>
-#include <regex>
 
-#include "engine/error.h"
 #include "tools/lithe/commands.h"
 #include "tools/lithe/compiler_messages.h"
-#include "tools/lithe/process.h"
-#include "tools/lithe/scene_cache.h"
+#include "tools/lithe/scene_program.h"
 
 namespace lithe::command {
-namespace fs = std::filesystem;
 namespace {
 
 struct RunOptions {
@@ -25,148 +14,17 @@ struct RunOptions {
   bool verbose = false, compile_only = false;
 };
 
-std::string read_text(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-/// The user's files named in the compiler's list "scene.o: scene.cpp part.h ...".
-std::vector<fs::path> read_dependencies(const fs::path& file, const Installation& installation) {
-  std::vector<fs::path> found;
-  std::string word;
-  const std::string text = read_text(file) + "\n";
-  const auto is_own = [&](const std::string& path) {  // those of Lithe and of the cache are in the key
-    for (const fs::path& folder : installation.includes)
-      for (const char* library : {"lithe", "engine", "bodies", "joints", "integrators"})
-        if (path.starts_with((folder / library).string() + "/")) return false;
-    return !path.starts_with(cache_folder().string() + "/");
-  };
-  for (std::size_t i = text.find(": ") + 2; i < text.size(); ++i) {
-    if (text[i] == '\\' && i + 1 < text.size() && text[i + 1] != '\n') {
-      word += text[++i];  // a blank in a name
-    } else if (text[i] == ' ' || text[i] == '\n' || text[i] == '\\') {
-      if (!word.empty() && is_own(word)) found.push_back(word);
-      word.clear();
-    } else {
-      word += text[i];
-    }
-  }
-  return found;
-}
-
-/// One scene and the folder that keeps what was made of it.
-class SceneProgram {
- public:
-  SceneProgram(const Installation& installation, const fs::path& scene, std::string key)
-      : installation_(installation), scene_(scene), key_(std::move(key)) {
-    Digest digest;
-    digest.add(key_);
-    digest.add(scene_.string());
-    folder_ = cache_folder() / "programs" / digest.text();
-  }
-
-  /// The program made of the files as they are now, empty if there is none yet.
-  fs::path find() const {
-    std::ifstream depends(folder_ / "depends");
-    if (!depends) return {};
-    std::vector<fs::path> files;
-    for (std::string line; std::getline(depends, line);) files.push_back(line);
-    const fs::path program = program_of(files);
-    return fs::exists(program) ? program : fs::path();
-  }
-
-  /// Compiles unless another process has just done so. Throws SceneError with what the compiler says.
-  fs::path make(const RunOptions& options) const {
-    const FolderLock lock(folder_);
-    if (const fs::path program = find(); !program.empty()) return program;
-    const fs::path unfinished = folder_ / "unfinished", listed = folder_ / "unfinished.d";
-    const std::vector<std::string> command = compiler(unfinished, listed);
-    if (options.verbose) {
-      for (const std::string& part : command) std::fprintf(stderr, "%s ", part.c_str());
-      std::fprintf(stderr, "\n");
-    }
-    const Finished compiled = run_captured(command);
-    if (options.verbose) std::fprintf(stderr, "%s", compiled.output.c_str());
-    if (compiled.exit_code != 0)
-      throw CompileFailure(options.verbose ? "" : explain(compiled.output, scene_, options.words[0], installation_));
-
-    const std::vector<fs::path> files = read_dependencies(listed, installation_);
-    const fs::path program = program_of(files);
-    std::ofstream depends(folder_ / "depends.new");
-    for (const fs::path& file : files) depends << file.string() << "\n";
-    depends.close();
-    fs::rename(unfinished, program);
-    fs::rename(folder_ / "depends.new", folder_ / "depends");
-    remove_old(program);
-    return program;
-  }
-
- private:
-  fs::path program_of(const std::vector<fs::path>& files) const {
-    Digest digest;
-    for (const fs::path& file : files) digest.add(file.string()), digest.add_file(file);
-    return folder_ / ("program-" + digest.text());
-  }
-
-  std::vector<std::string> compiler(const fs::path& program, const fs::path& listed) const {
-    std::vector<std::string> command = compile_command(installation_);
-    append_include_folders(command, installation_);
-    // A precompiled header must come first, wherever the scene includes it.
-    static const std::regex includes_lithe(R"((^|\n)\s*#\s*include\s*["<]lithe/lithe\.h[">])");
-    if (is_precompiled(key_) && std::regex_search(read_text(scene_), includes_lithe))
-      command.insert(command.end(), {"-include", precompiled_header(key_).string()});
-    // The library also tells errors that a scene does not catch: it is linked even where no call needs it.
-    const std::string library = installation_.library.string();
-    command.insert(command.end(),
-                   {"-MMD", "-MF", listed.string(), scene_.string(), "-o", program.string(), "-Wl,--no-as-needed",
-                    library, "-Wl,-rpath," + installation_.library.parent_path().string()});
-    command.insert(command.end(), installation_.link_flags.begin(), installation_.link_flags.end());
-    return command;
-  }
-
-  /// Programs of a day ago that the newest replaces; younger ones may be about to start.
-  void remove_old(const fs::path& newest) const {
-    const auto yesterday = fs::file_time_type::clock::now() - std::chrono::hours(24);
-    for (const auto& entry : fs::directory_iterator(folder_))
-      if (entry.path() != newest && entry.path().filename().string().starts_with("program-") &&
-          entry.last_write_time() < yesterday)
-        fs::remove(entry.path());
-  }
-
-  const Installation& installation_;
-  fs::path scene_;
-  std::string key_;
-  fs::path folder_;
-};
-
 int run(const RunOptions& options) {
-  const std::string& name = options.words[0];
-  const fs::path scene = fs::absolute(name).lexically_normal();
-  if (!fs::is_regular_file(scene))
-    throw FileError("there is no scene file '" + name + "'", fs::current_path().string(),
-                    "give the path of a .cpp file; `lithe new DIR` writes one to start from");
-  const Installation installation = Installation::find();
-  const std::string key = headers_key(installation);
-  const SceneProgram made(installation, scene, key);
-  fs::path program = made.find();
-  if (program.empty()) {
-    try {
-      program = made.make(options);
-    } catch (const CompileFailure& failure) {
-      std::fprintf(stderr, "%s", failure.what());
-      return 2;
-    }
-    // The next compilation is three times as quick; meanwhile this scene runs. It takes a quarter of a gigabyte.
-    const char* wanted = std::getenv("LITHE_PRECOMPILED");
-    if (!is_precompiled(key) && std::string(wanted ? wanted : "") != "off")
-      start_detached({installation.command.string(), "prepare"});
+  const SceneFile scene = SceneFile::find(options.words[0]);
+  std::filesystem::path program;
+  try {
+    program = compiled_scene(Installation::find(), scene, options.verbose);
+  } catch (const CompileFailure& failure) {
+    std::fprintf(stderr, "%s", failure.what());
+    return 2;
   }
   if (options.compile_only) return 0;
-  std::vector<std::string> command = {program.string()};
-  command.insert(command.end(), options.words.begin() + 1, options.words.end());
-  become(command);
-  throw FileError("the compiled scene cannot be started: " + std::string(std::strerror(errno)), program.string(),
-                  "is its folder mounted without execution? Let XDG_CACHE_HOME name another");
+  become_scene(program, {options.words.begin() + 1, options.words.end()});
 }
 
 }  // namespace

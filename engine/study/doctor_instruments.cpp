@@ -1,0 +1,268 @@
+#include <Eigen/Cholesky>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+
+#include "engine/analysis/free_motions.h"
+#include "engine/simulation.h"
+#include "engine/study/doctor_internal.h"
+
+namespace lithe::doctor {
+namespace {
+
+/// Adds Jᵀ W of one marker to a force on the velocities.
+void add_wrench(const Layout& layout, const Marker& marker, const MarkerKinematics& k, const Wrench& w,
+                VectorX& force) {
+  if (marker.body->coordinates().v_count() == 0) return;  // ground
+  const Layout::BodySlice& b = layout.slice(*marker.body);
+  const Vector3 F = k.A->transpose() * w.force, T = k.A->transpose() * w.torque;
+  int v = b.v;
+  if (b.frame) {
+    force.segment<3>(v) += w.force;
+    force.segment<3>(v + 3) += k.r.cross(F) + T;
+    v += 6;
+  }
+  if (!k.elastic) return;
+  Vector6 local;
+  local << F, T;
+  force.segment(v, b.linear) += Eigen::Map<const Matrix6X>(k.elastic, 6, b.linear).transpose() * local;
+}
+
+/// A run that has had its steps or its time.
+struct OutOfBudget {};
+
+/// Told of every step.
+class Probe : public Observer {
+ public:
+  Probe(Watched& run, const std::vector<Sensor>& sensors, const Integrator& integrator, const DiagnoseOptions& options)
+      : run_(run), sensors_(sensors), integrator_(integrator), options_(options), begun_(std::clock()) {}
+
+  void observe(Snapshot& now) override {
+    const BodyEnergy energy = now.assembler().energy();
+    if (run_.times.empty()) run_.first_energy = run_.largest_energy = energy.total();
+    run_.largest_energy = std::max(run_.largest_energy, energy.total());
+    run_.largest_kinetic = std::max(run_.largest_kinetic, energy.kinetic);
+    rows_.resize(now.system().layout().row_count());
+    if (rows_.size() > 0) {
+      now.assembler().constraint(Level::position, rows_);
+      run_.residual = std::max(run_.residual, rows_.cwiseAbs().maxCoeff());
+    }
+    if (const int i = integrator_.statistics().limiting; i >= 0) ++run_.limiting[i];
+    follow_multipliers(now.state().lambda);
+    run_.before = run_.times.empty() ? now.state() : run_.last;
+    run_.last = now.state();
+    run_.times.push_back(now.time());
+    if (static_cast<long>(run_.times.size()) % stride_ == 1 || stride_ == 1) keep(now);
+    note_dip(now.state());
+    const double seconds = static_cast<double>(std::clock() - begun_) / CLOCKS_PER_SEC;
+    if (static_cast<long>(run_.times.size()) > options_.max_steps || seconds > options_.time_limit) throw OutOfBudget();
+  }
+
+ private:
+  void keep(Snapshot& now) {
+    constexpr std::size_t kMany = 64;
+    run_.samples.push_back(now.state());
+    if (run_.samples.size() < kMany) return;
+    for (std::size_t i = 0; 2 * i < kMany; ++i) run_.samples[i] = run_.samples[2 * i];
+    run_.samples.resize(kMany / 2);
+    stride_ *= 2;
+  }
+  /// Of what alternates, each change undoes the one before: the mean of their product is minus four amplitudes squared.
+  void follow_multipliers(const VectorX& lambda) {
+    constexpr double kMemory = 0.9;
+    if (lambda.size() == 0) return;
+    lambda_size_ = std::max(kMemory * lambda_size_, lambda.norm());
+    if (change_.size() > 0 && lambda_size_ > 0) {
+      const VectorX change = (lambda - lambda_last_) / lambda_size_;
+      undone_ = kMemory * undone_ - (1 - kMemory) * change.dot(change_);
+      run_.zigzag = std::sqrt(std::max(0.0, undone_)) / 2;
+      change_ = change;
+    } else if (lambda_last_.size() > 0 && lambda_size_ > 0) {
+      change_ = (lambda - lambda_last_) / lambda_size_;
+    }
+    lambda_last_ = lambda;
+  }
+  /// The states at the ends of the shortest steps.
+  void note_dip(const State& state) {
+    constexpr std::size_t kDips = 6;
+    if (run_.times.size() < 3) return;
+    const double h = state.time - run_.before.time;
+    if (dips_.size() < kDips || h < dips_.back()) {
+      const auto at = std::upper_bound(dips_.begin(), dips_.end(), h) - dips_.begin();
+      dips_.insert(dips_.begin() + at, h);
+      run_.dips.insert(run_.dips.begin() + at, state);
+      if (dips_.size() > kDips) dips_.pop_back(), run_.dips.pop_back();
+    }
+  }
+
+  Watched& run_;
+  const std::vector<Sensor>& sensors_;
+  const Integrator& integrator_;
+  const DiagnoseOptions& options_;
+  std::clock_t begun_;
+  VectorX rows_, lambda_last_, change_;  // of the multipliers, in their size
+  double lambda_size_ = 0, undone_ = 0;
+  long stride_ = 1;
+  std::vector<double> dips_;
+};
+
+}  // namespace
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+double DenseRows::conditioning() const {
+  if (singular_values.size() == 0) return 1;
+  return singular_values.minCoeff() / singular_values.maxCoeff();
+}
+
+DenseRows dense_rows(const System& system, const State& state) {
+  Assembler equations(system);
+  equations.recall(state.quadrants);
+  equations.evaluate(state.time, state.q, state.v, Level::velocity);
+  const int n = equations.layout().v_count();
+  DenseRows out;
+  out.kept = independent_rows(equations);
+  out.jacobian = dense_jacobian(equations);  // factorises M: its blocks are there to be read
+  out.mass = MatrixX::Zero(n, n);
+  equations.visit_blocks([&](int row, int column, ConstMatrixRef block) {
+    if (row < n && column < n) out.mass.block(row, column, block.rows(), block.cols()) += block;
+  });
+  if (out.kept.empty()) return out;
+  // L⁻¹ Gᵀ with M = L Lᵀ has the singular values of G M^-1/2.
+  const Eigen::LLT<MatrixX> mass(out.mass);
+  MatrixX scaled = out.jacobian(out.kept, Eigen::all).transpose();
+  if (mass.info() == Eigen::Success) mass.matrixL().solveInPlace(scaled);
+  for (auto column : scaled.colwise())
+    if (const double length = column.norm(); length > 0) column /= length;
+  if (!scaled.allFinite()) return out;
+  const Eigen::JacobiSVD<MatrixX> svd(scaled, Eigen::ComputeThinV);
+  out.singular_values = svd.singularValues();
+  int weakest = 0;
+  out.weakest = svd.matrixV().col(svd.matrixV().cols() - 1).cwiseAbs();
+  out.weakest.maxCoeff(&weakest);
+  out.weakest_row = out.kept[weakest];
+  return out;
+}
+
+std::string bodies_of(const Connector& connector) {
+  std::string text;
+  std::vector<const Body*> told;
+  for (const Marker& m : connector.markers()) {
+    if (std::find(told.begin(), told.end(), m.body) != told.end()) continue;
+    if (!told.empty()) text += " and ";
+    text += m.body->coordinates().v_count() == 0 ? std::string("ground") : "'" + m.body->name() + "'";
+    told.push_back(m.body);
+  }
+  return text;
+}
+
+std::vector<Rate> fastest_rates(const System& system, const State& state) {
+  std::vector<Rate> rates;
+  Snapshot now(system, state);
+  const Layout& layout = system.layout();
+  const int n = layout.v_count();
+  const VectorX still = VectorX::Zero(n);
+  VectorX no_load = VectorX::Zero(layout.row_count()), force(n), motion(n);
+  // 1. Elastic coordinates by themselves: ω² = K_ii / M_ii.
+  Assembler equations(system);
+  equations.recall(state.quadrants);
+  equations.evaluate(state.time, state.q, state.v, Level::velocity);
+  VectorX mass = still, both = still;
+  const auto read_diagonal = [&](VectorX& into) {
+    equations.visit_blocks([&](int row, int column, ConstMatrixRef block) {
+      if (row < n && row == column) into.segment(row, block.rows()) += block.diagonal();
+    });
+  };
+  equations.factorize({1, 0, 1}, still, no_load, nullptr);
+  read_diagonal(both);
+  equations.factorize({0, 0, 1}, still, no_load, nullptr);
+  read_diagonal(mass);
+  for (const Layout::BodySlice& b : layout.bodies())
+    for (int i = 0, v = b.v + (b.frame ? 6 : 0); i < b.linear; ++i, ++v)
+      if (mass[v] > 0 && both[v] > mass[v])
+        rates.push_back({"the elastic coordinate " + layout.velocity_name(v), std::sqrt(both[v] / mass[v] - 1), 0, 0});
+  // 2. Force elements: k w·M⁻¹w with the joints in place, w the row's force on the velocities.
+  for (const auto& entry : system.graph().forces()) {
+    if (entry.force->row_count() == 0) continue;
+    std::vector<MarkerKinematics> kinematics;
+    std::vector<MarkerView> views;
+    kinematics.reserve(entry.markers.size());
+    for (const Marker& m : entry.markers) {
+      kinematics.push_back(now.marker(m));
+      views.emplace_back(kinematics.back(), static_cast<int>(views.size()));
+    }
+    ForceRows rows(entry.force->marker_count());
+    rows.recall(now.assembler().quadrants_of(*entry.force));
+    rows.set_reaction({Vector3::Zero(), Vector3::Zero()});
+    entry.force->evaluate(state.time, views, rows);
+    Rate rate{"'" + entry.force->name() + "' between " + bodies_of(*entry.force), 0, 0, 0};
+    for (int r = 0; r < rows.count(); ++r) {
+      force.setZero();
+      for (std::size_t m = 0; m < views.size(); ++m)
+        add_wrench(layout, entry.markers[m], kinematics[m], rows.wrench(r, static_cast<int>(m)), force);
+      motion = force;
+      no_load.setZero();
+      equations.solve(motion, no_load);
+      const double mobility = std::max(0.0, force.dot(motion));
+      rate.frequency = std::max(rate.frequency, std::sqrt(std::abs(rows.stiffness(r)) * mobility));
+      rate.damping = std::max(rate.damping, std::abs(rows.damping(r)) * mobility);
+      rate.stiffness = std::max(rate.stiffness, std::abs(rows.stiffness(r)));
+    }
+    rates.push_back(rate);
+  }
+  std::stable_sort(rates.begin(), rates.end(), [](const Rate& a, const Rate& b) { return a.largest() > b.largest(); });
+  return rates;
+}
+
+VectorX force_values(Snapshot& now, const ForceElement& force) {
+  VectorX values(6 * force.marker_count());
+  for (int m = 0; m < force.marker_count(); ++m) applied_force(force, m).evaluate(now, {values.data() + 6 * m, 6});
+  return values;
+}
+
+double Watched::median_step() const {
+  if (times.size() < 2) return 0;
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < times.size(); ++i) steps.push_back(times[i] - times[i - 1]);
+  std::nth_element(steps.begin(), steps.begin() + static_cast<long>(steps.size() / 2), steps.end());
+  return steps[steps.size() / 2];
+}
+
+Watched run_watched(const System& system, const std::vector<Sensor>& sensors, const State& start, double duration,
+                    Integrator& integrator, const DiagnoseOptions& options) {
+  Watched run;
+  run.integrator = integrator.name();
+  run.last = run.before = start;
+  Simulation simulation{system, integrator};
+  Probe probe(run, sensors, integrator, options);
+  simulation.observe(probe, every_step());
+  State state = start;
+  try {
+    simulation.run(state, start.time + duration);
+    run.reached = true;
+  } catch (const OutOfBudget&) {
+    run.too_slow = true;
+    run.why = "it had taken " + std::to_string(run.times.size() - 1) + " steps to " + time_text(run.last.time);
+  } catch (const Error& error) {
+    run.why = error.problem();
+  } catch (const std::exception& error) {
+    run.why = error.what();
+  }
+  run.statistics = simulation.statistics();
+  if (!run.reached) return run;
+  Snapshot end(system, state);
+  for (const Sensor& sensor : sensors) {
+    std::vector<double> values(sensor.columns().size());
+    sensor.evaluate(end, values);
+    run.watch_at_end.insert(run.watch_at_end.end(), values.begin(), values.end());
+  }
+  return run;
+}
+
+}  // namespace lithe::doctor

@@ -1,0 +1,73 @@
+#include "integrators/bdf_history.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace lithe {
+
+void BdfHistory::reset(const Layout& layout, const VectorX& q) {
+  size_ = 0;
+  std::iota(columns_.begin(), columns_.end(), 0);
+  base_ = q;
+  q_.setZero(layout.q_count(), kCapacity);
+  d_.setZero(layout.v_count(), kCapacity);
+  v_.setZero(layout.v_count(), kCapacity);
+  lambda_.setZero(layout.row_count(), kCapacity);
+}
+
+void BdfHistory::push(double time, const VectorX& q, const VectorX& d, const VectorX& v, const VectorX& lambda) {
+  std::rotate(columns_.begin(), columns_.end() - 1, columns_.end());
+  size_ = std::min(size_ + 1, kCapacity);
+  const int at = columns_[0];
+  times_[at] = time;
+  q_.col(at) = q;
+  d_.col(at) = d;
+  v_.col(at) = v;
+  lambda_.col(at) = lambda;
+}
+
+void BdfHistory::drop(int point) {
+  std::rotate(columns_.begin() + point, columns_.begin() + point + 1, columns_.begin() + size_);
+  --size_;
+}
+
+void BdfHistory::recentre(const Layout& layout) {
+  base_ = q_.col(columns_[0]);
+  for (int i = 0; i < size_; ++i) layout.difference(base_, q_.col(columns_[i]), d_.col(columns_[i]));
+}
+
+void BdfHistory::derivative_weights(double t, int order, Weights& w) const {
+  w[0] = 0;
+  for (int i = 1; i <= order; ++i) {
+    const double from = t - time(i - 1);
+    w[0] += 1 / from;
+    w[i] = -1 / from;
+    for (int j = 1; j <= order; ++j)
+      if (j != i) w[i] *= (t - time(j - 1)) / (time(i - 1) - time(j - 1));
+  }
+}
+
+void BdfHistory::extrapolation_weights(double t, int order, Weights& w) const {
+  w[0] = 0;
+  for (int i = 1; i <= order + 1; ++i) {
+    w[i] = 1;
+    for (int j = 1; j <= order + 1; ++j)
+      if (j != i) w[i] *= (t - time(j - 1)) / (time(i - 1) - time(j - 1));
+  }
+}
+
+void BdfHistory::error_weights(double t, int order, Weights& w) const {
+  double c = 0;
+  for (int i = 0; i < order; ++i) c += 1 / (t - time(i));
+  const double share = 1 / (1 + c * (t - time(order)));
+  extrapolation_weights(t, order, w);
+  for (int i = 1; i <= order + 1; ++i) w[i] *= -share;
+  w[0] = share;
+}
+
+void BdfHistory::combine(const MatrixX& of, const Weights& w, int count, VectorX& out) const {
+  out.setZero();
+  for (int i = 0; i < count; ++i) out += w[i + 1] * of.col(columns_[i]);
+}
+
+}  // namespace lithe

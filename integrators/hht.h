@@ -1,0 +1,43 @@
+#pragma once
+
+#include "integrators/generalized_alpha.h"
+
+namespace lithe {
+
+/// HHT-I3, the method of Hilber, Hughes & Taylor on index 3 (Negrut, Rampalli, Ottarsson & Sajdak 2007), which
+/// commercial codes know by that name: Newmark with γ = ½ - α, β = (1 - α)²/4 on the increments of the group, and
+///   1/(1 + α) M a' + (Gᵀ λ - f)' - α/(1 + α) (Gᵀ λ - f) = 0,   g(q') = 0.
+/// Second order; α = -1/3 damps most (spectral radius ½ at infinite frequency), α = 0 is the trapezoidal rule, whose
+/// multipliers oscillate and grow. Here the force at the step's start is carried as M' v̇, which is the same while M
+/// stays; where it does not (flexible bodies), a force carried unturned would cost an order. So it is the member
+/// am = 0, af = -α of the generalized-alpha family and shares its treatment of starts and of changed steps
+/// (stability laboratory S30).
+class Hht final : public Integrator {
+ public:
+  struct Parameters {
+    double step = 0;       // s; 0: automatic, by the tolerance
+    double alpha = -0.05;  // -1/3 to 0
+    Tolerance tolerance{};
+    double first_step = 0;        // s, of the automatic step; 0: guessed
+    double max_step = 0;          // s; 0: none
+    double newton_tolerance = 0;  // largest last correction (m, rad, modal); 0: 1e-9, or by the tolerance if automatic
+  };
+
+  /// Throws SceneError for an alpha outside [-1/3, 0] or a negative step or tolerance.
+  explicit Hht(Parameters parameters);
+
+  std::string name() const override { return "HHT-I3"; }
+  const IntegratorStatistics& statistics() const override { return method_.statistics(); }
+  double current_step() const { return method_.current_step(); }
+
+ protected:
+  void prepare(EquationsOfMotion& equations, State& state) override { method_.start(equations, state); }
+  StepResult advance(EquationsOfMotion& equations, State& state, double t_stop) override {
+    return method_.step(equations, state, t_stop);
+  }
+
+ private:
+  GeneralizedAlpha method_;
+};
+
+}  // namespace lithe

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <memory>
+
+#include "engine/integrator.h"
+#include "integrators/bdf_history.h"
+
+namespace lithe {
+
+/// BDF of variable order and step on the Lie group, in the stabilized index-2 form (Gear, Gupta & Leimkuhler 1985; on
+/// groups: Wieloch & Arnold 2021, here in a chart of the past, which needs no commutators). With q = base ⊕ d and p'
+/// the derivative at the step's end of the polynomial through it and the last k points, as they lie in time,
+///   Jr⁻¹(d) v = p_d' + ζ,   M p_v' + Gᵀ λ = f,   g = 0,   G v + ∂g/∂t = 0,
+/// with ζ along S⁻¹Gᵀ for the tangent S of the step. Newton by the structured factor of the engine, kept over steps
+/// while it converges well. Order and step by the error that the predictor shows (Brenan, Campbell & Petzold 1996,
+/// 5.2); multipliers are not tested. For stiff scenes with damping, at tolerances of 1e-4 and finer; orders above 2 are
+/// not A-stable: where stiff modes go undamped, 2 is the better max_order.
+/// A step is kept so short that bodies turn less than some two radians over the polynomial's points.
+class LieBdf final : public Integrator {
+ public:
+  struct Parameters {
+    double step = 0;  // s; 0: automatic. Fixed steps are of max_order, on a start made automatically by the tolerance
+    Tolerance tolerance{};
+    double first_step = 0;           // s, of the automatic step; 0: guessed
+    double max_step = 0;             // s; 0: none
+    int max_order = 5;               // 1 to 5
+    double newton_tolerance = 0.02;  // of what a step may err by
+  };
+
+  /// Throws SceneError for a negative step or tolerance, or an order that there is not.
+  explicit LieBdf(Parameters parameters);
+
+  std::string name() const override { return "Lie-group BDF, stabilized index 2"; }
+  const IntegratorStatistics& statistics() const override { return statistics_; }
+  double current_step() const { return h_; }
+  int current_order() const { return order_; }
+
+ protected:
+  void prepare(EquationsOfMotion& equations, State& state) override;
+  StepResult advance(EquationsOfMotion& equations, State& state, double t_stop) override;
+
+ private:
+  enum class Newton { converged, slow, no_number };
+  static constexpr double kLargestTurn = 2.2;  // rad, of a body over the points of a polynomial
+
+  /// The largest rotation of a body in velocities, rad/s, or in an increment, rad.
+  static double fastest_turning(const Layout& layout, ConstVectorRef of);
+  bool automatic() const { return parameters_.step == 0; }
+  double first_step(EquationsOfMotion& equations, const State& state);
+  void begin(const Layout& layout, const State& state);
+  double natural_step(double left) const;
+  StepResult start_step(EquationsOfMotion& equations, State& state, double t_stop);
+  void fit_history(const Layout& layout, double h);
+  void predict(const Layout& layout, double time);
+  void derive_velocities(const Layout& layout);
+  Newton solve(EquationsOfMotion& equations, const State& start, double time);
+  Newton iterate(EquationsOfMotion& equations, double time, bool fresh);
+  double error(double time, int order);
+  void accept(const Layout& layout, State& state, double time);
+  void plan(const Layout& layout, double time, double h, double ratio);
+  void shrink(double ratio, double time, double& h, int failures);
+  std::string describe(const Layout& layout, Newton newton, double h) const;
+
+  Parameters parameters_;
+  IntegratorStatistics statistics_;
+  std::unique_ptr<LieBdf> starter_;  // of fixed steps
+
+  double h_ = 0;                   // the step wished for
+  int order_ = 1;                  // of the next step
+  int steps_at_order_ = 0;         // since it changed
+  bool raising_ = true;            // at the start, order and step grow from step to step
+  bool failed_ = false;            // a step, since order and length were last weighed
+  double factor_weight_ = 0;       // w_0 of the factor at hand; 0: none
+  double convergence_rate_ = 0.5;  // of Newton with it
+
+  BdfHistory history_;
+  BdfHistory::Weights weights_{}, error_weights_{};
+  VectorX q_, d_, v_, v_dot_, lambda_;  // of the step being taken
+  VectorX past_d_rate_, past_v_rate_;   // p' less w_0 times the new point
+  VectorX shift_;                       // ζ / w_0, moves positions onto g = 0
+  VectorX rate_, increment_, rv_, correction_, rl_, rl2_;
+  VectorX d_error_, v_error_, d_size_, v_size_;
+};
+
+}  // namespace lithe

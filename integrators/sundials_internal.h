@@ -1,0 +1,61 @@
+#pragma once
+
+#include <nvector/nvector_serial.h>
+#include <sundials/sundials_context.h>
+
+#include <exception>
+#include <string>
+
+#include "engine/error.h"
+#include "engine/math.h"
+
+namespace lithe {
+
+/// What the solvers of SUNDIALS have in common here: their context, and callbacks that let no exception into C. To be
+/// derived from, as struct Memory : SundialsMemory<Memory>, which owns all else.
+template <class Memory>
+struct SundialsMemory {
+  SUNContext context = nullptr;
+  std::string thrown, said;  // by the engine within a callback; by SUNDIALS
+
+  SundialsMemory() { SUNContext_Create(nullptr, &context); }
+  ~SundialsMemory() {
+    if (context) SUNContext_Free(&context);
+  }
+  SundialsMemory(const SundialsMemory&) = delete;
+  SundialsMemory& operator=(const SundialsMemory&) = delete;
+
+  static Eigen::Map<VectorX> map(N_Vector x) { return {N_VGetArrayPointer(x), N_VGetLength(x)}; }
+
+  /// Runs a callback; an exception becomes text and "cannot go on", numbers that are none "try a smaller step".
+  template <class Body>
+  static int guarded(void* user, Body&& body) noexcept {
+    auto& memory = *static_cast<Memory*>(user);
+    try {
+      return body(memory) ? 0 : 1;
+    } catch (const std::exception& error) {
+      try {
+        memory.thrown = error.what();
+      } catch (...) {
+      }
+    } catch (...) {
+    }
+    return -1;
+  }
+
+  static void message(int, const char*, const char*, char* text, void* user) {
+    guarded(user, [&](Memory& m) {
+      m.said = text;
+      return true;
+    });
+  }
+
+  /// Throws SimulationError.
+  void require(bool done, const char* what, const char* where) const {
+    if (!done)
+      throw SimulationError(std::string("SUNDIALS cannot be set up: ") + what + (said.empty() ? "" : ", " + said),
+                            where, "is the state finite and the memory enough?");
+  }
+};
+
+}  // namespace lithe

@@ -1,0 +1,27 @@
+#!/usr/bin/env bash
+# draw.sh LITHE MODELS [STUDY...]: writes docs/charts/STUDY.svg, .png, .csv and .txt from the repository's root, with the
+# commands `lithe` and `flexible_pendulum_models`. All studies if none is named. tools/charts.sh builds both first.
+set -euo pipefail
+lithe=$1
+models=$2
+shift 2
+studies=("$@")
+[[ ${#studies[@]} -gt 0 ]] ||
+  studies=(heavy_top andrews_squeezer chain_16 flyball_governor flexible_pendulum flexible_slider_crank beam_spin_up
+    flexible_pendulum_models)
+
+pinned=()
+command -v taskset > /dev/null && pinned=(taskset -c 0)
+for study in "${studies[@]}"; do
+  echo "== $study"
+  if [[ $study == flexible_pendulum_models ]]; then
+    "${pinned[@]}" "$models" docs/charts
+    continue
+  fi
+  options=()
+  case $study in
+    # The error of the other engines is that of the worst joint at the end.
+    chain_16) options=(--samples 1 --peers tools/charts/chain_16_peers.csv) ;;
+  esac
+  "${pinned[@]}" "$lithe" chart "examples/studies/$study.cpp" --out docs/charts "${options[@]}"
+done

@@ -1,0 +1,88 @@
+// The stability laboratory: every scene of scenes/ with every method; writes summary.json, table.md, map.svg and .png.
+//   stability [--expected expected.json ...] [--out results/stability] [S01 S05 ...]
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "engine/error.h"
+#include "engine/study/study_run.h"
+#include "tools/stability/lab.h"
+
+namespace {
+
+using namespace lithe;
+
+/// "inaccurate: 3.6e-3 m, grows as t^2.00", by scene and method.
+using Expected = std::map<std::pair<std::string, std::string>, std::string>;
+
+void read_expected(const std::string& path, Expected& expected) {
+  std::ifstream file(path);
+  if (!file) throw FileError("the file cannot be read", path, "give the expected.json of the stability laboratory");
+  const nlohmann::json table = nlohmann::json::parse(file);
+  for (const auto& scene : table.at("scenes"))
+    for (const auto& method : scene.at("methods")) {
+      std::string text = method.at("outcome");
+      if (method.at("value").is_string()) text += ": " + method.at("value").get<std::string>();
+      expected[{scene.at("id"), method.at("method")}] = text;
+    }
+}
+
+int run_laboratory(int argc, char** argv) {
+  Expected expected;
+  std::string out = "results/stability";
+  std::set<std::string> wanted;
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument == "--expected" && i + 1 < argc) {
+      read_expected(argv[++i], expected);
+    } else if (argument == "--out" && i + 1 < argc) {
+      out = argv[++i];
+    } else {
+      wanted.insert(argument);
+    }
+  }
+
+  StabilityMap map;
+  int differing = 0;
+  for (const lab::Scene& scene : lab::scenes()) {
+    if (!wanted.empty() && !wanted.contains(scene.id)) continue;
+    for (const lab::Cell& cell : scene.cells) {
+      const auto begun = std::chrono::steady_clock::now();
+      StabilityCell result = lab::run(scene, cell);
+      const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+      std::string mark;
+      if (const auto at = expected.find({scene.id, cell.method}); at != expected.end()) {
+        result.expected = at->second;
+        if (!result.expected.starts_with(to_string(result.outcome))) mark = "  NOT AS EXPECTED", ++differing;
+      }
+      std::printf("%s  %-62s %-10s %10s  %s; %s  (%.1f s)%s\n", scene.id.c_str(), result.method.c_str(),
+                  to_string(result.outcome).c_str(),
+                  std::isfinite(result.value) ? short_number(result.value).c_str() : "-", result.measure.c_str(),
+                  result.more.c_str(), seconds, mark.c_str());
+      if (result.measure.empty()) std::printf("       %s\n", result.why.c_str());
+      std::fflush(stdout);
+      map.add(std::move(result));
+    }
+  }
+  map.write_json(out + "/summary.json");
+  map.write_table(out + "/table.md");
+  map.draw(out + "/map");
+  std::printf("%zu cells, %d not as expected; %s/summary.json, table.md, map.svg, map.png\n", map.cells().size(),
+              differing, out.c_str());
+  return differing == 0 ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run_laboratory(argc, argv);
+  } catch (const lithe::Error& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 2;
+  }
+}

@@ -1,0 +1,98 @@
+// S41: a column under nine tenths of its Euler load: a body that is linear in its deformation does not feel the load.
+#include <Eigen/LU>
+
+#include "engine/equilibrium.h"
+#include "joints/fixed_joint.h"
+#include "joints/forces/point_force.h"
+#include "tools/stability/scenes/beam.h"
+#include "tools/stability/scenes/candidates.h"
+
+namespace lithe::lab {
+namespace {
+
+// F09: steel, 10 x 10 mm, 1 m, clamped and free; a lateral load of 1 mN at the tip.
+constexpr double kLength = 1, kLateral = 1e-3, kExact = 9.874793308653146;
+const Section& section() {
+  static const Section s = square(0.01, 2.1e11, 0.3, 7850);
+  return s;
+}
+double euler_load() { return M_PI * M_PI / 4 * section().bending / (kLength * kLength); }
+
+class Column : public Bench {
+ public:
+  Column(int pieces, double load)
+      : Bench(Vector3::Zero(),
+              [&](SystemGraph& graph) {
+                const double length = kLength / pieces;
+                const auto basis = beam_piece(length, section(), Freedom::plane);
+                Marker last = graph.ground().marker();
+                for (int i = 0; i < pieces; ++i) {
+                  const std::string number = std::to_string(i + 1);
+                  auto& piece =
+                      graph.add<FlexibleBody>("piece " + number, {.basis = basis, .position = {i * length, 0, 0}});
+                  graph.add<FixedJoint>("weld " + number, {last, piece.frame()});
+                  last = piece.average(end_section(*basis));
+                }
+                graph.add<PointForce>("load", {last}, {.force = {-load, kLateral, 0}});
+              }),
+        slice_(9 * (pieces - 1)),
+        length_(kLength / pieces) {}
+
+  double deflection() const {
+    const State s = find_equilibrium(system, state, {.tolerance = 1e-13}).state;
+    const Vector3 in_piece(length_, s.q.segment<2>(slice_ + 7).sum(), 0);
+    return (s.q.segment<3>(slice_) + rotation_matrix(s.q.segment<4>(slice_ + 3)) * in_piece).y();
+  }
+
+ private:
+  int slice_;      // of the last piece in q
+  double length_;  // of a piece, m
+};
+
+double amplification(int pieces, double share) {
+  return Column(pieces, share * euler_load()).deflection() / Column(pieces, 0).deflection();
+}
+Finding finding(double at_nine_tenths, double published, double beyond, const std::string& why) {
+  return {judged(at_nine_tenths / kExact - 1, 0.01),
+          {{"amplification at 0.9 P_cr", at_nine_tenths, published, 4}, {"at 1.1 P_cr", beyond}},
+          why};
+}
+Finding one_body() {
+  return finding(amplification(1, 0.9), 1, amplification(1, 1.1),
+                 "no geometric stiffness: passes above the critical load without lateral motion");
+}
+
+/// Eight cubic elements with their geometric stiffness, outside the engine: (K - P K_g) w = f.
+double with_geometric_stiffness(double share) {
+  constexpr int kElements = 8, n = 2 * kElements;
+  const double h = kLength / kElements, P = share * euler_load(), bending = section().bending / (h * h * h);
+  Eigen::Matrix4d k, g;
+  k << 12, 6 * h, -12, 6 * h, 6 * h, 4 * h * h, -6 * h, 2 * h * h, -12, -6 * h, 12, -6 * h, 6 * h, 2 * h * h, -6 * h,
+      4 * h * h;
+  g << 36, 3 * h, -36, 3 * h, 3 * h, 4 * h * h, -3 * h, -h * h, -36, -3 * h, 36, -3 * h, 3 * h, -h * h, -3 * h,
+      4 * h * h;
+  MatrixX K = MatrixX::Zero(n + 2, n + 2);
+  for (int e = 0; e < kElements; ++e) K.block<4, 4>(2 * e, 2 * e) += bending * k - P / (30 * h) * g;
+  return K.bottomRightCorner(n, n).partialPivLu().solve(VectorX::Unit(n, n - 2))[n - 2];
+}
+Finding beam_column() {
+  const double free = with_geometric_stiffness(0);
+  return finding(with_geometric_stiffness(0.9) / free, 9.8712, with_geometric_stiffness(1.1) / free,
+                 "beam-column elements outside the engine, whose bodies have no geometric stiffness");
+}
+Finding in_pieces(int pieces) {
+  const double measured = amplification(pieces, 0.9);
+  return {judged(measured / kExact - 1, 0.01),
+          {{"amplification at 0.9 P_cr", measured}},
+          "a row of floating frames feels the load through its turns; error of order 1/pieces²"};
+}
+
+const Registered scene{{"S41",
+                        "buckling",
+                        {{"linear FFRF", one_body},
+                         {"with geometric stiffness", beam_column},
+                         {"32 floating frames, equilibrium", [] { return in_pieces(32); }, Role::ours},
+                         {"8 floating frames, equilibrium", [] { return in_pieces(8); }, Role::also}}}};
+
+}  // namespace
+}  // namespace lithe::lab
