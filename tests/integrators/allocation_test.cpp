@@ -52,9 +52,11 @@ TEST(Step, AllocatesNothing) {
   VectorX probe(100);
   EXPECT_GT(allocations, before_any) << "the counter does not count";
 
-  for (Method& method : std::array<Method, 7>{
-           runge_kutta(1e-6), runge_kutta_fixed(1e-3), runge_kutta8(1e-6), adams(1e-6), index3(1e-3), index2(1e-3),
-           std::make_unique<GeneralizedAlpha>(GeneralizedAlpha::Parameters{.tolerance = {1e-4, 1e-4}})}) {
+  for (Method& method : std::array<Method, 15>{
+           runge_kutta(1e-6), runge_kutta_fixed(1e-3), runge_kutta8(1e-6), adams(1e-6), radau(1e-6), radau_fixed(2e-3),
+           bdf(1e-6), hht(1e-3), index3(1e-3), index2(1e-3),
+           std::make_unique<GeneralizedAlpha>(GeneralizedAlpha::Parameters{.tolerance = {1e-4, 1e-4}}), rattle(1e-3),
+           energy_momentum(1e-3), linearly_implicit(1e-3, 1), linearly_implicit(1e-3, 2)}) {
     for (bool revolute : {false, true}) {
       Scene scene = box_chain(8, revolute);
       scene.run(*method, 0.01);
