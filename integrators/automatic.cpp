@@ -12,20 +12,20 @@ namespace {
 
 /// What Automatic knows of each method, measured on the charts in docs/charts.
 struct Traits {
-  double share;                                 // of the tolerance, that its steps are held to
-  int trial;                                    // steps of a trial, to get into its stride
+  double share;  // of the tolerance, that its steps are held to
+  int trial;     // steps of a trial, to get into its stride
+  int wait;      // steps before the others are tried in any case; doubled where that changed nothing
   double evaluation, iteration, factorization;  // work, in evaluations of accelerations
 };
 constexpr Traits kTraits[] = {
-    {0.01, 10, 1, 0, 0},       // a factorisation of M goes with each evaluation
-    {0.001, 30, 0, 1.1, 0.8},  // it starts at order 1
-    {0.03, 5, 0.5, 2, 0.5},
+    {0.1, 10, 120, 1, 0, 0},        // a factorisation of M goes with each evaluation
+    {0.003, 30, 120, 0, 1.1, 0.8},  // it starts at order 1
+    {0.1, 5, 30, 0.5, 2, 0.5},
 };
-constexpr int kBlock = 5;        // steps that a pace is measured over
-constexpr int kHeldSteps = 8;    // with the step near the limit of stability, before the others are tried
-constexpr int kCalmSteps = 4;    // away from it: the count begins anew
-constexpr int kFirstWait = 120;  // steps before the others are tried in any case; doubled where that changed nothing
-constexpr int kHeldShare = 5;    // of that wait, where stability holds the step
+constexpr int kBlock = 5;      // steps that a pace is measured over
+constexpr int kHeldSteps = 8;  // with the step near the limit of stability, before the others are tried
+constexpr int kCalmSteps = 4;  // away from it: the count begins anew
+constexpr int kHeldShare = 5;  // of the wait, where stability holds the step
 constexpr int kLongestWait = 1 << 20;
 
 IntegratorStatistics sum(const IntegratorStatistics& a, const IntegratorStatistics& b) {
@@ -78,7 +78,7 @@ void Automatic::prepare(EquationsOfMotion& equations, State& state) {
   to_try_.reserve(kMethods);
   step_.fill(parameters_.first_step);
   pace_.fill(0);
-  wait_.fill(kFirstWait);
+  wait_ = {kTraits[0].wait, kTraits[1].wait, kTraits[2].wait};
   held_steps_ = calm_steps_ = 0;
   incumbent_ = Method::explicit_runge_kutta;
   change(incumbent_, equations, state);
@@ -154,7 +154,7 @@ void Automatic::watch(EquationsOfMotion& equations, State& state) {
     return;
   }
   // The first time that stability holds the step, the others are tried at once.
-  const bool soon = held && (wait_[own] == kFirstWait || steps_ >= wait_[own] / kHeldShare);
+  const bool soon = held && (wait_[own] == kTraits[own].wait || steps_ >= wait_[own] / kHeldShare);
   if (!soon && steps_ < wait_[own]) return;
   for (Method rival : {Method::radau, Method::lie_bdf})
     if (rival != method_) to_try_.push_back(rival);
@@ -171,7 +171,7 @@ void Automatic::settle(EquationsOfMotion& equations, State& state) {
     wait_[place(best)] = std::min(2 * wait_[place(best)], kLongestWait);
   } else {
     ++switches_;
-    wait_.fill(kFirstWait);
+    wait_ = {kTraits[0].wait, kTraits[1].wait, kTraits[2].wait};
     incumbent_ = best;
   }
   held_steps_ = calm_steps_ = 0;

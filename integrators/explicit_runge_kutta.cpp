@@ -9,12 +9,7 @@ namespace lithe {
 namespace {
 
 constexpr int kMaxAttempts = 40;
-// A singular position of closed loops makes the accelerations beside it noise. Steps that follow their error estimate
-// creep into it and lose their accuracy there; a longer one, judged by the same estimate, passes over it.
-constexpr int kLeaps = 4;            // tries of a longer step
-constexpr double kForget = 0.9;      // a step, of the longest step of late
-constexpr double kNoisePower = 2.0;  // an error falls at least so with the step, in smooth motion with 6 to 9
-constexpr int kMaxSplits = 12;       // a fixed step that gives no numbers is halved that often
+constexpr int kMaxSplits = 12;  // a fixed step that gives no numbers is halved that often
 
 }  // namespace
 
@@ -33,8 +28,7 @@ std::string ExplicitRungeKutta::name() const { return "explicit Runge-Kutta " + 
 
 void ExplicitRungeKutta::prepare(EquationsOfMotion& equations, State& state) {
   statistics_ = {};
-  stiffness_ = far_ = 0;
-  leaps_ = 0;
+  stiffness_ = 0;
   step_ = std::make_unique<RungeKuttaStep>(*tableau_, equations);
   step_->accelerations(state);
   if (parameters_.step > 0)
@@ -70,16 +64,11 @@ StepResult ExplicitRungeKutta::advance(EquationsOfMotion& equations, State& stat
   if (!(t_stop > state.time)) return {};
   if (!step_ || &step_->equations() != &equations) step_ = std::make_unique<RungeKuttaStep>(*tableau_, equations);
   const bool automatic = parameters_.step == 0;
-  const double left = t_stop - state.time;
-  double h = natural_step(left), h_before = 0, ratio_before = 0;
-  // A step over a singular position is tried first where the last one met noise.
-  double resume = h;  // s, the step that is due if a leap fails
-  bool leaping = automatic && leaps_ > 0 && far_ > 2 * h && far_ < left;
-  if (leaping) h = far_;
+  double h = natural_step(t_stop - state.time);
   for (int tries = 1;; ++tries) {
     const bool last = state.time + h >= t_stop - 1e-9 * h;
     const double time = last ? t_stop : state.time + h;
-    if (last) h = left;
+    if (last) h = t_stop - state.time;
     const RungeKuttaStep::Outcome outcome = step_->attempt(state, h, time);
     const bool taken = outcome == RungeKuttaStep::Outcome::taken;
     double ratio = 0;
@@ -97,36 +86,13 @@ StepResult ExplicitRungeKutta::advance(EquationsOfMotion& equations, State& stat
       if (!automatic) return {};
       h_ = next_step(h, ratio, tries);
       ratio_last_ = std::max(ratio, 1e-4);
-      if (leaping) leaps_ = 0;
-      far_ = std::max(h, kForget * far_);
       return {};
     }
     ++statistics_.rejected;
     const double smallest = 16 * std::numeric_limits<double>::epsilon() * std::abs(time);
-    if (tries >= (automatic ? kMaxAttempts : kMaxSplits) || (h <= smallest && !leaping))
+    if (tries >= (automatic ? kMaxAttempts : kMaxSplits) || h <= smallest)
       return {StepResult::Outcome::failed, describe(equations.layout(), outcome, h)};
-    if (leaping) {
-      --leaps_;
-      // Other lengths put the stages elsewhere.
-      leaping = leaps_ > 0;
-      h = leaping ? (leaps_ % 2 == 0 ? 0.7 : 1.4) * far_ : resume;
-      if (leaping && h < left) continue;
-      leaping = false;
-      h = resume;
-      continue;
-    }
-    // An error that does not fall with the step is noise: the equations are singular nearby.
-    const bool noise = automatic && h_before > 0 && h < 0.7 * h_before && std::isfinite(ratio) &&
-                       ratio > ratio_before * std::pow(h / h_before, kNoisePower);
-    h_before = h;
-    ratio_before = taken && std::isfinite(ratio) ? ratio : std::numeric_limits<double>::infinity();
     h *= taken && std::isfinite(ratio) ? std::clamp(0.9 * std::pow(ratio, -1.0 / tableau_->order), 0.1, 0.9) : 0.5;
-    if (noise && leaps_ == 0 && far_ > 2 * h && 1.4 * far_ < left) {
-      leaps_ = kLeaps;
-      leaping = true;
-      resume = h;
-      h = far_;
-    }
   }
 }
 

@@ -58,8 +58,6 @@ class ExplicitRungeKutta final : public Integrator {
   double h_ = 0;           // the step wished for
   double ratio_last_ = 0;  // error over allowance of the last step taken
   double stiffness_ = 0;
-  double far_ = 0;                        // s, the longest step of late
-  int leaps_ = 0;                         // tries left to step over a singular position
   std::unique_ptr<RungeKuttaStep> step_;  // of the equations met last; its scratch serves interpolate() too
 };
 

@@ -44,9 +44,12 @@ TEST(R10DoublePendulum, IsFollowedByDefault) {
   expect_accuracy("R10 A", "masses to 10 s", 2, [](Method m) {
     return check("A", M_PI / 2, {std::move(m), kAny, kAny, kAny});
   });
-  expect_accuracy("R10 B", "masses to 10 s", 2, [](Method m) {
-    return check("B", 3 * M_PI / 4, {std::move(m), kAny, kAny, kAny});
-  });
+  expect_accuracy(
+      "R10 B", "masses to 10 s", 2,
+      [](Method m) {
+        return check("B", 3 * M_PI / 4, {std::move(m), kAny, kAny, kAny});
+      },
+      1e6);
 }
 
 }  // namespace

@@ -11,9 +11,9 @@ Scene four_bar() {
     const Vector3 O(0, 0, 0), D(1.4, 0, 0), A(0, 0.5, 0);
     const Vector3 v_A(-3, 0, 0), B(1.109610152249955961, 0.9569084262998764912, 0),
         v_B(-2.666762317410566574, -0.8092735752498505519, 0);
-    const Part crank = rod(graph, "crank", O, A, 0.5, 0, {}, v_A);
+    const Part crank = rod(graph, "crank", O, A, 0.5, 0, {0, 0, 0}, v_A);
     const Part coupler = rod(graph, "coupler", A, B, 1.2, 0, v_A, v_B);
-    const Part rocker = rod(graph, "rocker", D, B, 1.0, 0, {}, v_B);
+    const Part rocker = rod(graph, "rocker", D, B, 1.0, 0, {0, 0, 0}, v_B);
     graph.add<RevoluteJoint>("O", {graph.ground().marker(O), crank.at(O)});
     graph.add<RevoluteJoint>("A", {crank.at(A), coupler.at(A)});
     graph.add<RevoluteJoint>("B", {coupler.at(B), rocker.at(B)});
