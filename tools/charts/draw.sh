@@ -18,10 +18,11 @@ for study in "${studies[@]}"; do
     "${pinned[@]}" "$models" docs/charts
     continue
   fi
-  options=()
+  options=(--methods "automatic,Runge-Kutta,Adams,Radau,Lie-group,IDA,index 2" --limit 5
+    --tolerances 1e-2,1e-3,1e-4,1e-5,1e-6,1e-7,1e-8,1e-9)
   case $study in
     # The error of the other engines is that of the worst joint at the end.
-    chain_16) options=(--samples 1 --peers tools/charts/chain_16_peers.csv) ;;
+    chain_16) options+=(--samples 1 --peers tools/charts/chain_16_peers.csv) ;;
   esac
   "${pinned[@]}" "$lithe" chart "examples/studies/$study.cpp" --out docs/charts "${options[@]}"
 done
