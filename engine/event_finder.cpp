@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kSoon = 1e-4;  // of a step: where a trend is read
 constexpr double kNear = 0.3;   // of the smallest sample: an extremum of the parabola below is looked for
-constexpr int kMaxIterations = 60;
+constexpr int kMaxBrentIterations = 60;
 
 /// Round-off of the step's own time, in parts of the step.
 double resolution(const State& from, const State& to) {
@@ -119,7 +119,7 @@ void EventFinder::find(const Step& step, int watched) {
 
 /// Where in the step sign · function is least.
 double EventFinder::extremum(const Step& step, Watched& w, double sign) {
-  std::uintmax_t iterations = kMaxIterations;
+  std::uintmax_t iterations = kMaxBrentIterations;
   const auto function = [&](double s) { return sign * value_at(step, w, s); };
   return boost::math::tools::brent_find_minima(function, 0.0, 1.0, 26, iterations).first;
 }
@@ -134,7 +134,7 @@ void EventFinder::find_between(const Step& step, int watched, double s_a, double
     const double allowed = resolution(step.from, step.to);
     const double at_a = value_at(step, w, s_a), at_b = value_at(step, w, s_b);
     if (at_a * at_b < 0) {
-      std::uintmax_t iterations = kMaxIterations;
+      std::uintmax_t iterations = kMaxBrentIterations;
       s = boost::math::tools::toms748_solve([&](double at) { return value_at(step, w, at); }, s_a, s_b, at_a, at_b,
                                             [&](double l, double r) { return r - l <= allowed; }, iterations)
               .second;

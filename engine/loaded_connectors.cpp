@@ -9,7 +9,7 @@
 namespace lithe {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 
 /// The markers as C sees them.
 struct Markers {
@@ -79,7 +79,7 @@ void LoadedJoint::evaluate(double time, std::span<const MarkerView> views, Const
   for (int r = 0; r < table_.row_count; ++r) {
     Wrench* W = on_velocity[r] ? rows.open_velocity() : rows.open();
     if (code > 0) {
-      rows.finish(kNaN, kNaN, kNaN);
+      rows.finish(kNotANumber, kNotANumber, kNotANumber);
       continue;
     }
     for (int m = 0; m < n; ++m) W[m] = wrench_at(wrench + 6 * (n * r + m));
@@ -113,17 +113,17 @@ void LoadedForce::evaluate(double time, std::span<const MarkerView> views, Force
   const int32_t code = table_.evaluate(object_.get(), time, markers.all, &out);
   if (code < 0) object_.fail(*this, why);
   for (const MarkerView& view : views)
-    rows.add_load(view, code > 0 ? force(Vector3::Constant(kNaN)) : wrench_at(load + 6 * view.index));
+    rows.add_load(view, code > 0 ? force(Vector3::Constant(kNotANumber)) : wrench_at(load + 6 * view.index));
   for (int r = 0; r < table_.row_count; ++r) {
     Wrench* W = rows.open();
     for (int m = 0; m < n; ++m)
       W[m] = code > 0 ? Wrench{Vector3::Zero(), Vector3::Zero()} : wrench_at(wrench + 6 * (n * r + m));
     if (code > 0)
-      rows.finish(kNaN, kNaN, kNaN);
+      rows.finish(kNotANumber, kNotANumber, kNotANumber);
     else
       rows.finish(tension[r], stiffness[r], damping[r]);
   }
-  rows.add_energy(code > 0 ? kNaN : out.energy);
+  rows.add_energy(code > 0 ? kNotANumber : out.energy);
 }
 
 template std::unique_ptr<ConstraintBatch> make_constraint_batch<LoadedJoint>();
