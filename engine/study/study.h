@@ -17,7 +17,8 @@ struct StudyScene {
   double duration = 1;               // s, from t = 0
   Vector3 gravity{0, 0, -9.81};      // m/s², world axes
   double characteristic_length = 1;  // m, rad …: the unit of errors in the watched quantities
-  /// Adds bodies, joints and forces and says which quantities are watched (positions of markers, coordinates, energies).
+  /// Adds bodies, joints and forces and says which quantities are watched (positions of markers, coordinates,
+  /// energies).
   std::function<std::vector<Sensor>(SystemGraph&)> draw;
 };
 

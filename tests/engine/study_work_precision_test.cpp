@@ -311,7 +311,7 @@ TEST(WorkPrecision, AllOfTheCatalogueComesCloserToItsReferencesWithTighterSettin
   for (std::size_t i = 0; i < result.points.size(); ++i) {
     const WorkPoint& point = result.points[i];
     EXPECT_EQ(point.outcome, Outcome::reached) << point.method << ": " << point.why;
-    if (i % 2 == 0) continue;  // the looser setting
+    if (i % 2 == 0) continue;                      // the looser setting
     EXPECT_LT(point.error, 0.03) << point.method;  // order 1 at 1 ms: 0.023
     EXPECT_LT(point.error, 0.3 * result.points[i - 1].error) << point.method;
   }

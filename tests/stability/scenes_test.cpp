@@ -10,6 +10,7 @@
 #include <set>
 
 #include "tools/stability/lab.h"
+#include "tools/stability/open_cells.h"
 
 namespace lithe::lab {
 
@@ -56,10 +57,6 @@ std::string describe(const Finding& finding) {
   return text;
 }
 
-/// Cells in which we differ from the published table, by theory there, and do not know who is right: our dynamics of
-/// S44 ends on the anti-parallelogram, as static continuation does.
-const std::set<std::pair<std::string, std::string>> kOpen{{"S44", "dynamics"}};
-
 class StabilityLaboratory : public testing::TestWithParam<Scene> {};
 
 TEST_P(StabilityLaboratory, EveryMethodDoesAsPublished) {
@@ -74,7 +71,7 @@ TEST_P(StabilityLaboratory, EveryMethodDoesAsPublished) {
     if (cell.role == Role::published) {
       EXPECT_TRUE(outcome) << "the published table has no such scene or method";
     }
-    if (outcome && kOpen.contains({scene.id, cell.method})) {
+    if (outcome && kOpenCells.contains({scene.id, cell.method})) {
       EXPECT_NE(to_string(finding.outcome), to_string(*outcome)) << "no longer open: take it from the list";
     } else if (outcome) {
       EXPECT_EQ(to_string(finding.outcome), to_string(*outcome));

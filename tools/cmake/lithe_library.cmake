@@ -17,8 +17,7 @@ function(lithe_library name)
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
   add_library(${name} STATIC ${sources})
   add_library(lithe::${name} ALIAS ${name})
-  # Six sources a compiler run: most of a source's time goes into Eigen's headers.
-  set_target_properties(${name} PROPERTIES OUTPUT_NAME lithe_${name} UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6)
+  set_target_properties(${name} PROPERTIES OUTPUT_NAME lithe_${name})
   target_compile_features(${name} PUBLIC cxx_std_20)
   target_include_directories(${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
                              $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/lithe_headers>)
