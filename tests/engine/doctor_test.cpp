@@ -12,7 +12,7 @@ using namespace lithe::test;
 namespace {
 
 Diagnosis examine(const Patient& patient) {
-  return diagnose(patient.scene, patient.method, {.setting = patient.setting, .max_steps = 20000, .time_limit = 0.3});
+  return diagnose(patient.scene, patient.method, {.setting = patient.setting, .max_steps = 20000, .time_limit = 30});
 }
 
 bool printing() { return std::getenv("LITHE_PRINT") != nullptr; }
@@ -101,9 +101,12 @@ TEST(doctor, tries_a_smaller_step_another_method_and_a_coarser_tolerance_and_say
                {"tolerance of 1e-15, IDA", "the same method at tolerance 1e-10"}};
   for (const auto& [name, tried] : cases) {
     const Patient& patient = fault(faults, name);
-    const Diagnosis diagnosis =
-        diagnose(patient.scene, patient.method,
-                 {.setting = patient.setting, .try_cures = true, .others = {alpha_by_step()}, .time_limit = 0.3});
+    const Diagnosis diagnosis = diagnose(patient.scene, patient.method,
+                                         {.setting = patient.setting,
+                                          .try_cures = true,
+                                          .others = {alpha_by_step()},
+                                          .max_steps = 20000,
+                                          .time_limit = 30});
     ASSERT_EQ(diagnosis.cures.size(), 1u) << diagnosis.text();
     EXPECT_EQ(diagnosis.cures[0].cause, patient.cause);
     EXPECT_EQ(diagnosis.cures[0].tried, tried);
