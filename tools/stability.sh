@@ -11,7 +11,7 @@ stage_count=4
 source tools/stages.sh
 
 stage_shown "packages" tools/install_packages.sh
-stage "configure release" cmake --preset release
+stage "configure release" cmake --preset release -D LITHE_STABILITY=ON
 build "build" cmake --build --preset release --parallel "$jobs" --target stability
 stage_shown "scenes x methods" build/release/tools/stability/stability \
   --expected tests/data/stability/expected.json --expected tests/data/stability/own.json \
