@@ -49,6 +49,9 @@ class RigidBody final : public Body {
   void marker_kinematics(const BodyState&, int marker, Level, MarkerKinematics&) const override;
   BodyEnergy energy(const BodyState&, const Vector3& gravity) const override;
   int marker_count() const override { return static_cast<int>(markers_.size()); }
+  std::optional<RigidInertia> rigid_inertia() const override {
+    return RigidInertia{parameters_.mass, parameters_.inertia.matrix};
+  }
 
  private:
   struct Pose {

@@ -45,6 +45,7 @@ class SystemBuilder {
     }
     find_redundant_rows();
     make_initial_state();
+    choose_forward_method();
     report();
     return std::move(system_);
   }
@@ -495,12 +496,25 @@ class SystemBuilder {
     assembler.minimum_norm(system_.initial_.lambda);
   }
 
+  void choose_forward_method() {
+    if (!options_.forward_dynamics) return;
+    auto scene = find_rigid_scene(system_);
+    if (!scene) return;
+    const auto kernel = make_forward_kernel(*scene);
+    if (!kernel) return;
+    system_.forward_method_ = kernel->method();
+    system_.rigid_ = std::make_unique<const RigidScene>(std::move(*scene));
+  }
+
   void report() const {
     const Layout& l = system_.layout_;
     log::info("assembled: " + std::to_string(l.bodies().size()) + " bodies, " + std::to_string(l.q_count()) +
               " coordinates, " + std::to_string(l.row_count()) + " constraint rows of rank " +
               std::to_string(system_.rank()) + ", " + std::to_string(system_.degrees_of_freedom()) +
-              " degrees of freedom");
+              " degrees of freedom" +
+              (system_.forward_method_ == ForwardMethod::planar ? ", planar"
+               : system_.forward_method_ == ForwardMethod::tree ? ", a rigid tree"
+                                                                : ""));
   }
 
   SystemGraph& graph_;

@@ -27,6 +27,57 @@ Assembler::Assembler(const System& system) : system_(system), factor_(system.blo
   factor_.drop_rows(redundant_rows_);
 }
 
+/// Of one assembler: a kernel for the scene, with the forces that act in it.
+class Assembler::Forward final : public ForwardDynamics {
+ public:
+  Forward(Assembler& assembler, std::unique_ptr<ForwardKernel> kernel)
+      : assembler_(assembler), kernel_(std::move(kernel)) {}
+
+  void accelerations(double time, ConstVectorRef q, ConstVectorRef v, VectorRef v_dot) override {
+    kernel_->accelerations(q.data(), v.data(), assembler_.applied_forces(time, q, v), v_dot.data());
+  }
+  bool project(double, VectorRef q, VectorRef v, double tolerance) override {
+    if (!kernel_->project(q.data(), v.data(), tolerance)) return false;
+    if (!assembler_.system_.angles_.empty()) assembler_.place_markers(q);  // track() reads them
+    return true;
+  }
+
+ private:
+  Assembler& assembler_;
+  std::unique_ptr<ForwardKernel> kernel_;
+};
+
+ForwardDynamics* Assembler::forward_dynamics() {
+  if (system_.rigid_ && !forward_) forward_ = std::make_unique<Forward>(*this, make_forward_kernel(*system_.rigid_));
+  return forward_.get();
+}
+
+/// Here, where Forward is known.
+Assembler::~Assembler() = default;
+
+const double* Assembler::applied_forces(double time, ConstVectorRef q, ConstVectorRef v) {
+  if (system_.batches_.forces.empty()) return nullptr;
+  work_.time = time;
+  work_.q = q;
+  work_.v = v;
+  for (std::size_t b = 0; b < caches_.size(); ++b)
+    system_.batches_.bodies[b]->evaluate(work_, *caches_[b], Level::velocity);
+  work_.load.setZero();
+  for (const auto& batch : system_.batches_.forces) batch->evaluate(work_, system_.blocks_);
+  if (work_.tension.size() > 0) {
+    work_.tension = -work_.tension;
+    add_row_forces(nullptr, work_.tension.data(), work_.load.data());
+    work_.tension = -work_.tension;
+  }
+  return work_.load.data();
+}
+
+void Assembler::place_markers(ConstVectorRef q) {
+  work_.q = q;
+  for (std::size_t b = 0; b < caches_.size(); ++b)
+    system_.batches_.bodies[b]->evaluate(work_, *caches_[b], Level::position);
+}
+
 void Assembler::recall(const VectorX& quadrants) {
   if (quadrants.size() == work_.quadrants.size()) work_.quadrants = quadrants;
 }
@@ -100,7 +151,7 @@ void Assembler::add_row_forces(const double* lambda, const double* tension, doub
   const int rows = static_cast<int>(work_.residual.size());
   for (const auto& G : blocks.jacobians) {
     const auto& row = blocks.rows[G.rows];
-    if (row.first >= rows && !tension) continue;
+    if (row.first >= rows ? !tension : !lambda) continue;
     const double* y = row.first < rows ? lambda + row.first : tension + row.first - rows;
     double* to = r + G.velocity;
     if (G.frame >= 0) {

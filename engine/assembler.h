@@ -15,6 +15,7 @@ namespace lithe {
 class Assembler final : public EquationsOfMotion {
  public:
   explicit Assembler(const System& system);
+  ~Assembler() override;
 
   const Layout& layout() const override { return system_.layout(); }
   const std::vector<int>& redundant_rows() const override { return redundant_rows_; }
@@ -29,6 +30,7 @@ class Assembler final : public EquationsOfMotion {
                  const VectorX* increment) override;
   void solve(VectorRef rv, VectorRef rl) const override;
   BodyEnergy energy() override;
+  ForwardDynamics* forward_dynamics() override;
   void factorize_complex(const ComplexTangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
                          const VectorX* increment) override;
   void solve_complex(ComplexVectorRef rv, ComplexVectorRef rl) const override;
@@ -56,6 +58,10 @@ class Assembler final : public EquationsOfMotion {
   void add_row_forces(const double* lambda, const double* tension, double* r) const;  // Gᵀ (lambda, tension)
   void form(const TangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda, const VectorX* increment);
 
+  /// Generalized forces besides gravity at a state: loads and compliant rows; null if the scene has none.
+  const double* applied_forces(double time, ConstVectorRef q, ConstVectorRef v);
+  void place_markers(ConstVectorRef q);
+
   const System& system_;
   Workspace work_;
   std::vector<std::unique_ptr<BodyBatch::Caches>> caches_;
@@ -70,6 +76,9 @@ class Assembler final : public EquationsOfMotion {
   std::vector<int> redundant_rows_;
   mutable VectorX unknowns_;  // velocities, constraint rows, compliant rows
   VectorX zero_v_, zero_rows_;
+  class Forward;
+  friend class Forward;
+  std::unique_ptr<ForwardDynamics> forward_;  // once asked for; null: the scene has none
 };
 
 }  // namespace lithe

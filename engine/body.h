@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "engine/element.h"
 #include "engine/marker.h"
@@ -55,6 +56,12 @@ struct LinearPattern {
   Eigen::VectorXi rows, columns;
 };
 
+/// What is to be known of a body that is rigid: enough to move it without asking it (engine/forward_dynamics.h).
+struct RigidInertia {
+  double mass;      // kg
+  Matrix3 inertia;  // kg m², about the origin of the body's frame, which is its centre of mass; body axes
+};
+
 /// What has mass. A body answers for its share of  M v_dot - f = 0  (f: quadratic velocity force, internal forces,
 /// gravity) and for the motion of its markers. Nothing here is called before evaluate() has filled the cache.
 class Body : public Element {
@@ -76,6 +83,8 @@ class Body : public Element {
   /// Null if the linear-linear block is diagonal. The one thing beyond eight: a body with full nodal coordinates needs
   /// it.
   virtual const LinearPattern* linear_pattern() const { return nullptr; }
+  /// Set by a rigid body: one with a frame at its centre of mass alone, no force of its own, and markers fixed in it.
+  virtual std::optional<RigidInertia> rigid_inertia() const { return std::nullopt; }
 };
 
 }  // namespace lithe

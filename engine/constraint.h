@@ -3,6 +3,7 @@
 #include <cassert>
 #include <initializer_list>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -95,12 +96,23 @@ class ConstraintRows : public AngleMemory {
   double residual_[kMaxRows], bias_[kMaxRows], rate_[kMaxRows];
 };
 
+/// The motions of marker B relative to marker A that a joint of two markers leaves free, where they are a lower pair's:
+/// displacements along axes of A, and turns about its z axis or about any. What is not free is held, and nothing else:
+/// in a tree of such joints the engine may then solve for these motions alone (engine/forward_dynamics.h).
+struct JointFreedom {
+  enum class Rotation { none, about_z, any };
+  bool x = false, y = false, z = false;
+  Rotation rotation = Rotation::none;
+};
+
 /// Rows that tie bodies: g(q, t) = 0, or g_dot = 0 alone. Knows markers, never bodies.
 class Constraint : public Connector {
  public:
   virtual int row_count() const = 0;
   /// Writes the rows of one state. Constant size, no allocation.
   virtual void evaluate(double time, std::span<const MarkerView> markers, ConstraintRows& rows) const = 0;
+  /// None where the joint is no lower pair, or is driven.
+  virtual std::optional<JointFreedom> freedom() const { return std::nullopt; }
 };
 
 /// A constraint with its numbers of markers and rows known to the compiler.

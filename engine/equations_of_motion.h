@@ -17,6 +17,18 @@ struct ComplexTangentWeights {
 using ComplexVectorX = Eigen::VectorXcd;
 using ComplexVectorRef = Eigen::Ref<ComplexVectorX>;
 
+/// Accelerations without multipliers, where a scene is such that its free motions can be solved by themselves in a cost
+/// that bodies with constraints cannot reach: rigid trees, planar mechanisms.
+class ForwardDynamics {
+ public:
+  virtual ~ForwardDynamics() = default;
+  /// v_dot at a state on the constraints, or as near to them as a stage of an integrator is.
+  virtual void accelerations(double time, ConstVectorRef q, ConstVectorRef v, VectorRef v_dot) = 0;
+  /// Moves q, then v, onto the constraints, to `tolerance` in the units of the rows or to round-off if that is larger;
+  /// false if they are not reached. Not by the shortest way that masses know (Projector), but as near.
+  virtual bool project(double time, VectorRef q, VectorRef v, double tolerance) = 0;
+};
+
 /// M(q) v_dot + G(q, t)ᵀ lambda = f(q, v, t),  g(q, t) = 0: all that an integrator sees of a scene. One object a
 /// thread: it holds the scratch of the state evaluated last, to which everything after evaluate() refers.
 class EquationsOfMotion {
@@ -41,6 +53,8 @@ class EquationsOfMotion {
   virtual void constraint(Level which, VectorRef out) const = 0;
   /// Of all bodies and force elements (theirs counts as elastic) at the state evaluated last. Needs Level::velocity.
   virtual BodyEnergy energy() = 0;
+  /// Null if the scene has no such way.
+  virtual ForwardDynamics* forward_dynamics() { return nullptr; }
 
   /// Forms and factorises [S Gᵀ; G 0], S = weighted derivative of r. `increment`: the step's increment d = q_n -> q in
   /// the chart of q_n if S is to act on corrections of d' = v (null: corrections are turns of the present state).

@@ -46,7 +46,8 @@ void Integrator::start(EquationsOfMotion& equations, State& state) {
   prepare(equations, state);
 }
 
-StepResult Integrator::step(EquationsOfMotion& equations, State& state, double t_stop) {
+StepResult Integrator::step(EquationsOfMotion& equations, State& state, double t_stop, Multipliers multipliers) {
+  multipliers_ = multipliers;
   equations.recall(state.quadrants);
   quadrants_ = state.quadrants;
   const double begin = state.time;
@@ -85,7 +86,10 @@ void Integrator::interpolate(const Layout& layout, const State& from, const Stat
   out.time = time;
   out.q.resize(from.q.size());
   for (VectorX* x : {&out.v, &out.v_dot}) x->resize(from.v.size());
-  out.lambda = (1 - s) * from.lambda + s * to.lambda;
+  if (from.lambda.size() == to.lambda.size())
+    out.lambda = (1 - s) * from.lambda + s * to.lambda;
+  else
+    out.lambda.resize(0);  // one end was left without
   out.quadrants = from.quadrants;
   for (const Layout::BodySlice& b : layout.bodies()) {
     int iq = b.q, iv = b.v;

@@ -29,6 +29,10 @@ struct StepResult {
   bool ok() const { return outcome == Outcome::reached; }
 };
 
+/// Whether a step must find the multipliers at its end, or may leave State::lambda empty where they are not part of the
+/// method and cost extra: who wants them then asks Snapshot::multipliers().
+enum class Multipliers { found, later };
+
 /// Advances a state of the equations of motion. Keeps its own history; a changed state needs start().
 class Integrator {
  public:
@@ -39,7 +43,8 @@ class Integrator {
   /// One step, never past t_stop; t_stop is hit exactly. Trouble inside (no convergence) is met with smaller steps
   /// first. Where the angles of joints would pass half a turn in it, by their motion in the last two steps, the step
   /// is cut, so that turns are counted.
-  StepResult step(EquationsOfMotion& equations, State& state, double t_stop);
+  StepResult step(EquationsOfMotion& equations, State& state, double t_stop,
+                  Multipliers multipliers = Multipliers::found);
   virtual const IntegratorStatistics& statistics() const = 0;
 
   /// Dense output: the motion within the last step, which led from `from` to `to`, at from.time <= time <= to.time.
@@ -52,10 +57,13 @@ class Integrator {
   /// The method's own start and step; angles are counted around them.
   virtual void prepare(EquationsOfMotion& equations, State& state) = 0;
   virtual StepResult advance(EquationsOfMotion& equations, State& state, double t_stop) = 0;
+  /// What is asked of the present step.
+  Multipliers multipliers() const { return multipliers_; }
 
  private:
   void limit_turn(const VectorX& quadrants, double length);
 
+  Multipliers multipliers_ = Multipliers::found;
   VectorX quadrants_, turn_rates_;                            // before the step; over the last one, quadrants a second
   double last_length_ = 0;                                    // s
   double longest_ = std::numeric_limits<double>::infinity();  // next step, s

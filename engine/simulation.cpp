@@ -93,8 +93,17 @@ void Simulation::run(State& state, double end) {
     advance(state, next_stop(state.time, end));
     tell_due(state);
   }
+  find_multipliers(state);
   started_ = true;
   steps_ = integrator_.statistics().steps;
+}
+
+/// Where the integrator has left them out.
+void Simulation::find_multipliers(State& state) {
+  if (state.lambda.size() == system_.layout().row_count()) return;
+  if (!evaluated_) snapshot_.evaluate(state);
+  evaluated_ = true;
+  state.lambda = last_.lambda = snapshot_.found_multipliers();
 }
 
 void Simulation::check(const State& state, double end) const {
@@ -127,7 +136,7 @@ double Simulation::next_stop(double time, double end) const {
 void Simulation::advance(State& state, double stop) {
   StepResult result;
   try {
-    result = integrator_.step(equations_, state, stop);
+    result = integrator_.step(equations_, state, stop, Multipliers::later);
   } catch (...) {
     state = last_;
     throw;
@@ -181,6 +190,7 @@ void Simulation::fail(State& state, const std::string& what, const std::string& 
     } catch (const Error&) {  // NOLINT: the failure itself matters more
     }
   }
+  find_multipliers(state);
   throw SimulationError(what, time_text(last_.time) + ", " + integrator_.name(), mend);
 }
 

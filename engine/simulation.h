@@ -72,6 +72,7 @@ class Simulation {
   void record(const EventFinder::Crossing& crossing);
   void meet(State& state);
   void check_accumulation(State& state, const std::string& name);
+  void find_multipliers(State& state);
   void tell_due(const State& state);
   void tell(Watch& watch, const State& state);
   [[noreturn]] void fail(State& state, const std::string& what, const std::string& mend);

@@ -1,13 +1,14 @@
 #include "engine/snapshot.h"
 
 #include "engine/error.h"
+#include "engine/projection.h"
 
 namespace lithe {
 
 void Snapshot::evaluate(const State& state) {
   const Layout& layout = assembler_.layout();
   if (state.q.size() != layout.q_count() || state.v.size() != layout.v_count() ||
-      state.v_dot.size() != layout.v_count() || state.lambda.size() != layout.row_count())
+      state.v_dot.size() != layout.v_count() || (state.lambda.size() > 0 && state.lambda.size() != layout.row_count()))
     throw SceneError("the state to look at has " + std::to_string(state.q.size()) + " coordinates, " +
                          std::to_string(state.v.size()) + " velocities, " + std::to_string(state.v_dot.size()) +
                          " accelerations and " + std::to_string(state.lambda.size()) + " multipliers; the system has " +
@@ -18,7 +19,7 @@ void Snapshot::evaluate(const State& state) {
   has_multipliers_ = false;
   assembler_.recall(state_.quadrants);
   assembler_.evaluate(state_.time, state_.q, state_.v, Level::acceleration);
-  assembler_.react(state_.lambda);
+  if (assembler_.reacts()) assembler_.react(state_.lambda);
 }
 
 Vector6 Snapshot::acceleration(const Marker& marker) {
@@ -48,10 +49,19 @@ Vector6 Snapshot::acceleration(const Marker& marker) {
   return result;
 }
 
+const VectorX& Snapshot::found_multipliers() {
+  if (state_.lambda.size() == assembler_.layout().row_count()) return state_.lambda;
+  state_.lambda.resize(assembler_.layout().row_count());
+  VectorX v_dot(state_.v.size());
+  Projector(assembler_).accelerations(state_.time, state_.q, state_.v, v_dot, state_.lambda);
+  return state_.lambda;
+}
+
 const VectorX& Snapshot::multipliers() {
-  if (system().redundant_rows().empty()) return state_.lambda;
+  const VectorX& found = found_multipliers();
+  if (system().redundant_rows().empty()) return found;
   if (!has_multipliers_) {
-    multipliers_ = state_.lambda;
+    multipliers_ = found;
     assembler_.minimum_norm(multipliers_);
     has_multipliers_ = true;
   }

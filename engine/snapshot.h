@@ -22,6 +22,7 @@ class Snapshot {
   void evaluate(const State& state);
 
   double time() const { return state_.time; }
+  /// Without lambda where the integrator has left it out: multipliers() has it.
   const State& state() const { return state_; }
   const System& system() const { return assembler_.system(); }
   /// Evaluated at the state. To factorise or evaluate it anew spoils the snapshot for the observers that follow.
@@ -31,7 +32,9 @@ class Snapshot {
   MarkerKinematics marker(const Marker& marker) { return assembler_.marker(marker, Level::acceleration); }
   /// (v_dot, w_dot) = J v_body_dot + bias, world axes, with the accelerations that the integrator left.
   Vector6 acceleration(const Marker& marker);
-  /// state().lambda; with redundant rows the multipliers of least norm that load the bodies alike.
+  /// Those of the state; found here where the integrator has left them out.
+  const VectorX& found_multipliers();
+  /// The same; with redundant rows the multipliers of least norm that load the bodies alike.
   const VectorX& multipliers();
 
  private:

@@ -10,7 +10,7 @@ struct State {
   VectorX q;  // coordinates; a body with a frame has (p, e, eta): metres, unit quaternion w x y z, modal coordinates
   VectorX v;  // velocities (p_dot world axes, omega body axes, eta_dot)
   VectorX v_dot;      // accelerations, as the integrator left them
-  VectorX lambda;     // Lagrange multipliers: M v_dot + Gᵀ lambda = f
+  VectorX lambda;     // Lagrange multipliers: M v_dot + Gᵀ lambda = f; empty: not found yet (Multipliers)
   VectorX quadrants;  // that each measured angle of a joint has passed since it was zero: where whole turns are kept
 };
 

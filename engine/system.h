@@ -8,6 +8,7 @@
 #include "engine/batch.h"
 #include "engine/block_structure.h"
 #include "engine/layout.h"
+#include "engine/rigid_scene.h"
 #include "engine/state.h"
 #include "engine/system_graph.h"
 
@@ -34,6 +35,9 @@ class System {
 
   /// The state as drawn, projected onto the constraints: consistent positions and velocities at t = 0.
   const State& initial_state() const { return initial_; }
+
+  /// How explicit integrators find accelerations.
+  ForwardMethod forward_method() const { return forward_method_; }
 
   /// First row and number of rows of a constraint in lambda. Throws SceneError for one of another graph.
   const Layout::RowSlice& rows(const Constraint& constraint) const;
@@ -69,6 +73,8 @@ class System {
   std::vector<int> first_angles_;  // of the graph's constraints, then its forces
   bool reacts_ = false;            // a force element wants the reaction of a joint
   State initial_;
+  ForwardMethod forward_method_ = ForwardMethod::constraints;
+  std::unique_ptr<const RigidScene> rigid_;  // null: forward_method_ is `constraints`
 };
 
 struct AssembleOptions {
@@ -78,6 +84,10 @@ struct AssembleOptions {
     as_drawn,  // take whatever is drawn: joints are not initialized, nothing is projected (to look at rows anywhere)
   } start = Start::assemble;
   double position_tolerance = 1e-12;  // of consistent positions, in the units of the rows
+  /// Whether explicit integrators may solve rigid trees and planar mechanisms for their free motions alone, where they
+  /// are such (System::forward_method() tells); else all scenes are bodies with constraints. Answers agree to round-off
+  /// of the accelerations and to the integrator's own error of the motion.
+  bool forward_dynamics = true;
 };
 
 /// Freezes the topology; finds redundant rows (named in a warning), consistent initial positions and velocities; logs

@@ -112,7 +112,7 @@ StepResult Automatic::advance(EquationsOfMotion& equations, State& state, double
   std::string why;
   for (int failed = 0;; ++failed) {
     fresh_ = false;
-    const StepResult result = at_work().step(equations, state, t_stop);
+    const StepResult result = at_work().step(equations, state, t_stop, multipliers());
     statistics_ = sum(before_, at_work().statistics());
     if (result.ok()) break;
     why += (failed > 0 ? "; " : "") + at_work().name() + ": " + result.why;

@@ -79,7 +79,7 @@ StepResult ExplicitRungeKutta::advance(EquationsOfMotion& equations, State& stat
     statistics_.evaluations = step_->evaluations;
     statistics_.factorizations = step_->factorizations;
     if (taken && ratio <= 1) {
-      step_->finish(state);
+      step_->finish(state, multipliers());
       state.time = time;
       stiffness_ = step_->stiffness();
       ++statistics_.steps;

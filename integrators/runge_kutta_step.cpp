@@ -25,7 +25,11 @@ void nested_polynomial(const MatrixX& F, double x, VectorX& value, VectorX& rate
 }  // namespace
 
 RungeKuttaStep::RungeKuttaStep(const RungeKuttaTableau& tableau, EquationsOfMotion& equations)
-    : tableau_(tableau), equations_(equations), layout_(equations.layout()), projector_(equations) {
+    : tableau_(tableau),
+      equations_(equations),
+      layout_(equations.layout()),
+      forward_(equations.forward_dynamics()),
+      projector_(equations) {
   const int nv = layout_.v_count(), rows = layout_.row_count();
   for (MatrixX* x : {&d_dot_, &v_dot_}) x->setZero(nv, static_cast<Eigen::Index>(tableau.a.size()));
   for (VectorX* x : {&d_, &v_, &d_before_, &d_error_, &v_error_, &d_second_, &v_second_, &d_size_, &v_size_, &d_rate_})
@@ -77,8 +81,9 @@ void RungeKuttaStep::stage(const State& start, double h, int i) {
 }
 
 void RungeKuttaStep::accelerate(double time, int i, Projector::Factor factor) {
-  projector_.accelerations(time, q_, v_, v_dot_.col(i), lambda_, factor);
   ++evaluations;
+  if (forward_) return forward_->accelerations(time, q_, v_, v_dot_.col(i));
+  projector_.accelerations(time, q_, v_, v_dot_.col(i), lambda_, factor);
   if (factor != Projector::Factor::last) ++factorizations;
 }
 
@@ -99,7 +104,9 @@ RungeKuttaStep::Outcome RungeKuttaStep::attempt(const State& start, double h, do
   // 2. The end of the step, moved onto the constraints. The stage before was near enough to give the direction.
   stage(start, h, last);
   auto factor = Projector::Factor::fresh;
-  if (lambda_.size() > 0) {
+  if (forward_) {
+    if (!forward_->project(time, q_, v_, kPositionTolerance)) return Outcome::off_constraints;
+  } else if (lambda_.size() > 0) {
     if (!projector_.position(time, q_, kPositionTolerance, kMaxProjections, Projector::Factor::last).converged)
       return Outcome::off_constraints;
     projector_.velocity(time, q_, v_);
@@ -150,10 +157,15 @@ int RungeKuttaStep::broken() const {
   return -1;
 }
 
-void RungeKuttaStep::finish(State& state) const {
+void RungeKuttaStep::finish(State& state, Multipliers multipliers) {
   state.q = q_;
   state.v = v_;
   state.v_dot = v_dot_.col(tableau_.stages - 1);
+  if (forward_ && multipliers == Multipliers::later) {
+    state.lambda.resize(0);
+    return;
+  }
+  if (forward_) projector_.accelerations(end_, q_, v_, d_rate_, lambda_);
   state.lambda = lambda_;
 }
 
@@ -168,7 +180,6 @@ void RungeKuttaStep::estimate_stiffness() {
 /// through both ends and those three stages, which are near enough to the motion for it.
 bool RungeKuttaStep::prepare_dense(const State& from, const State& to) {
   const double h = h_;
-  lambda_ = from.lambda;
   const int stages = static_cast<int>(tableau_.a.size());
   for (int i = tableau_.stages; i < stages; ++i) {
     stage(from, h, i);
@@ -209,6 +220,8 @@ bool RungeKuttaStep::interpolate(const State& from, const State& to, double time
   out.v_dot = d_rate_ / h_;
   out.quadrants = from.quadrants;
 
+  out.lambda.resize(0);
+  if (forward_) return true;
   // Lagrange's form for λ.
   const double times[] = {0, tableau_.time[13], tableau_.time[14], tableau_.time[15], 1};
   out.lambda.setZero(from.lambda.size());

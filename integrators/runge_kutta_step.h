@@ -30,8 +30,8 @@ class RungeKuttaStep {
   int component() const { return component_; }
   /// First velocity whose acceleration is no number; -1: none.
   int broken() const;
-  /// Hands out q, v, v_dot and lambda at the end of the step.
-  void finish(State& state) const;
+  /// Hands out q, v, v_dot and lambda at the end of the step; without lambda if it may come later and is not there.
+  void finish(State& state, Multipliers multipliers);
   /// h |λ| of the fastest motion that the last two stages, both at the end of the step, tell apart; 0: they do not
   /// differ. As in Hairer's codes (Hairer & Wanner II, IV.2), but in the terms of a system of second order: with d' =
   /// v, |λ|² = |Δv̇| / |Δd| is right for oscillators and dampers alike, whatever the units of v.
@@ -52,6 +52,7 @@ class RungeKuttaStep {
   const RungeKuttaTableau& tableau_;
   EquationsOfMotion& equations_;
   const Layout& layout_;
+  ForwardDynamics* const forward_;  // null: by the projector, with multipliers
   Projector projector_;
   MatrixX d_dot_, v_dot_;       // a column a stage
   VectorX q_, d_, v_, lambda_;  // of the stage being computed

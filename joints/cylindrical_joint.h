@@ -22,6 +22,9 @@ class CylindricalJoint final : public Joint</*markers=*/2, /*rows=*/4> {
     in_plane(A, A.x(), B, rows);
     in_plane(A, A.y(), B, rows);
   }
+  std::optional<JointFreedom> freedom() const override {
+    return JointFreedom{.z = true, .rotation = JointFreedom::Rotation::about_z};
+  }
   /// The rows also vanish with the axes turned by 180 degrees: refused.
   void initialize(std::span<const MarkerView> markers) override;
 };

@@ -16,6 +16,7 @@ class FixedJoint final : public Joint</*markers=*/2, /*rows=*/6> {
     perpendicular(A, A.y(), B, B.z(), rows);
     perpendicular(A, A.z(), B, B.x(), rows);
   }
+  std::optional<JointFreedom> freedom() const override { return JointFreedom{}; }
   /// The rows also vanish with two axes turned by 180 degrees, and with all three exchanged in a circle: refused.
   void initialize(std::span<const MarkerView> markers) override;
 };

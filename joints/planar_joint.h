@@ -27,6 +27,9 @@ class PlanarJoint final : public Joint</*markers=*/2, /*rows=*/3> {
     perpendicular(A, A.y(), B, B.z(), rows);
     in_plane(A, A.z(), B, rows);
   }
+  std::optional<JointFreedom> freedom() const override {
+    return JointFreedom{.x = true, .y = true, .rotation = JointFreedom::Rotation::about_z};
+  }
   /// The rows also vanish with B upside down: refused.
   void initialize(std::span<const MarkerView> markers) override;
 };

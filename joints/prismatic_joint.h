@@ -20,6 +20,7 @@ class PrismaticJoint final : public Joint</*markers=*/2, /*rows=*/5> {
     in_plane(A, A.x(), B, rows);
     in_plane(A, A.y(), B, rows);
   }
+  std::optional<JointFreedom> freedom() const override { return JointFreedom{.z = true}; }
   /// The rows also vanish with two axes turned by 180 degrees, and with all three exchanged in a circle: refused.
   void initialize(std::span<const MarkerView> markers) override;
 };

@@ -19,6 +19,9 @@ class RevoluteJoint final : public Joint</*markers=*/2, /*rows=*/5> {
     perpendicular(A, A.x(), B, B.z(), rows);
     perpendicular(A, A.y(), B, B.z(), rows);
   }
+  std::optional<JointFreedom> freedom() const override {
+    return JointFreedom{.rotation = JointFreedom::Rotation::about_z};
+  }
   /// The rows also vanish with the axes turned by 180 degrees: refused.
   void initialize(std::span<const MarkerView> markers) override;
 };

@@ -11,6 +11,7 @@ class SphericalJoint final : public Joint</*markers=*/2, /*rows=*/3> {
   void evaluate(double, std::span<const MarkerView> markers, ConstraintRows& rows) const override {
     coincident(markers[0], markers[1], rows);
   }
+  std::optional<JointFreedom> freedom() const override { return JointFreedom{.rotation = JointFreedom::Rotation::any}; }
 };
 
 extern template std::unique_ptr<ConstraintBatch> make_constraint_batch<SphericalJoint>();

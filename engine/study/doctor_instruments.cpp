@@ -50,7 +50,7 @@ class Probe : public Observer {
       run_.residual = std::max(run_.residual, rows_.cwiseAbs().maxCoeff());
     }
     if (const int i = integrator_.statistics().limiting; i >= 0) ++run_.limiting[i];
-    follow_multipliers(now.state().lambda);
+    follow_multipliers(now.found_multipliers());
     run_.before = run_.times.empty() ? now.state() : run_.last;
     run_.last = now.state();
     run_.times.push_back(now.time());

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "engine/constraint.h"
+#include "engine/math.h"
+
+namespace lithe {
+
+class System;
+
+/// A scene of rigid bodies and lower pairs alone, as the kernels of forward dynamics see it.
+struct RigidScene {
+  struct Body {
+    int q, v;  // first coordinate and velocity
+    double mass;
+    Matrix3 inertia;  // body axes
+  };
+  struct Side {
+    int body;          // index, -1: ground
+    Vector3 position;  // of the marker in its body's axes, from the centre of mass; world axes on the ground
+    Matrix3 axes;      // marker axes to those
+  };
+  struct Joint {
+    Side A, B;
+    JointFreedom freedom;
+  };
+  std::vector<Body> bodies;
+  std::vector<Joint> joints;
+  Vector3 gravity;
+  VectorX q;  // at t = 0, on the constraints
+};
+
+/// None if the scene holds anything else, or friction that asks for reactions.
+std::optional<RigidScene> find_rigid_scene(const System& system);
+
+/// How accelerations without multipliers are found: joint by joint along a tree, in a plane, or as all else by
+/// eliminating bodies with constraints.
+enum class ForwardMethod { constraints, tree, planar };
+
+/// Forward dynamics of one kind of rigid scene: scratch of its own, one a thread.
+class ForwardKernel {
+ public:
+  virtual ~ForwardKernel() = default;
+  virtual ForwardMethod method() const = 0;
+  /// `load`: generalized forces besides gravity (world axes; torques in body axes), null for none.
+  virtual void accelerations(const double* q, const double* v, const double* load, double* v_dot) = 0;
+  virtual bool project(double* q, double* v, double tolerance) = 0;
+};
+
+/// The kernel for a scene, null if none serves: planar mechanisms first, then trees.
+std::unique_ptr<ForwardKernel> make_forward_kernel(const RigidScene& scene);
+
+}  // namespace lithe
