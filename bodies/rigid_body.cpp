@@ -19,7 +19,7 @@ Marker RigidBody::marker(const Point& position, const Matrix3& orientation) {
     require::finite(position.at, "marker position");
     require::rotation(orientation, "marker orientation");
   });
-  markers_.push_back({position.at, orientation, orientation != Matrix3::Identity()});
+  markers_.push_back({position.at, orientation != Matrix3::Identity(), orientation});
   return {this, marker_count() - 1};
 }
 

@@ -56,8 +56,8 @@ class RigidBody final : public Body {
  private:
   struct Pose {
     Vector3 position;
-    Matrix3 orientation;
     bool turned;  // orientation is not the identity
+    Matrix3 orientation;
   };
   const Parameters parameters_;
   std::vector<Pose> markers_;

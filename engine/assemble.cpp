@@ -30,6 +30,9 @@ class SystemBuilder {
   System build() {
     if (graph_.bodies().size() < 2)
       throw SceneError("the scene has no body", "assemble", "add one: graph.add<RigidBody>(\"name\", {...})");
+    if (options_.threads < 1)
+      throw SceneError("assemble is to use " + std::to_string(options_.threads) + " threads", "assemble",
+                       "give one or more");
     lay_out();
     gather_markers();
     gather_angles();
@@ -180,7 +183,7 @@ class SystemBuilder {
     const Layout& layout = system_.layout_;
     b.velocity_count = layout.v_count();
     for (const auto& s : layout.bodies()) {
-      BodyRecord record{s.q, s.v, -1, -1, {}};
+      BodyRecord record{s.q, s.v, -1, -1, {}, {}};
       if (s.frame) {
         record.frame = static_cast<int>(b.frames.size());
         b.frames.push_back({s.v, b.reserve(36)});
@@ -201,7 +204,7 @@ class SystemBuilder {
     for (std::size_t i = 0; i < graph_.constraints().size(); ++i) {
       const auto& c = graph_.constraints()[i];
       const auto& rows = layout.rows()[i];
-      ConnectorRecord record = connect(c.markers, rows.first, rows.count, -1);
+      ConnectorRecord record = connect(c.markers, rows.first, rows.count, -1, false);
       record.first_angle = system_.first_angles_[i];
       if (couples(*c.constraint, drawn(c.markers))) add_couplings(record, couplings);
       constraint_records_.push_back(record);
@@ -210,7 +213,7 @@ class SystemBuilder {
     for (const auto& f : graph_.forces()) {
       const int rows = f.force->row_count();
       const int compliant = rows > 0 ? b.reserve(rows) : -1;
-      ConnectorRecord record = connect(f.markers, b.row_count, rows, compliant);
+      ConnectorRecord record = connect(f.markers, b.row_count, rows, compliant, true);
       record.energy = static_cast<int>(force_records_.size());
       record.first_angle = system_.first_angles_[graph_.constraints().size() + force_records_.size()];
       reactions_.push_back(reaction_of(*f.force, record));
@@ -229,8 +232,9 @@ class SystemBuilder {
     }
   }
 
-  ConnectorRecord connect(const std::vector<Marker>& markers, int first_row, int rows, int compliant) {
+  ConnectorRecord connect(const std::vector<Marker>& markers, int first_row, int rows, int compliant, bool loads) {
     BlockStructure& b = system_.blocks_;
+    MarkerSlot slots[kMaxMarkers];
     ConnectorRecord record;
     record.first_row = first_row;
     record.rows = -1;
@@ -254,11 +258,13 @@ class SystemBuilder {
       const Used& used = used_.at({m.body, m.index});
       MarkerSlot slot{used.place, -1, -1, -1, 0, -1, false, false};
       if (m.body == &graph_.ground()) {
-        add_once(ground_markers_, m.index, used.place);
+        add_once(ground_.markers, m.index, used.place);
+        if (loads) add_once(ground_.loaded, m.index, used.place);
       } else {
         const auto& s = slice_of(*m.body);
         BodyRecord& body = records_[&s - system_.layout_.bodies().data()];
         add_once(body.markers, m.index, used.place);
+        if (loads) add_once(body.loaded, m.index, used.place);
         slot.velocity = s.v;
         slot.frame = body.frame;
         if (used.drawn.elastic) slot.linear = body.linear, slot.size = s.linear;
@@ -276,9 +282,20 @@ class SystemBuilder {
         slot.first_linear = slot.linear >= 0 && !t.linear_written;
         t.linear_written |= slot.first_linear;
       }
-      record.slots[i] = slot;
+      slots[i] = slot;
     }
+    record.slots = keep(slots, record.slot_count);
     return record;
+  }
+
+  /// A connector's slots lie side by side in memory that does not move.
+  const MarkerSlot* keep(const MarkerSlot* slots, int count) {
+    constexpr std::size_t kChunk = 1024;
+    auto& chunks = system_.slots_;
+    if (chunks.empty() || chunks.back().size() + count > kChunk) chunks.emplace_back().reserve(kChunk);
+    auto& chunk = chunks.back();
+    chunk.insert(chunk.end(), slots, slots + count);
+    return chunk.data() + chunk.size() - count;
   }
 
   ReactionRecord reaction_of(const ForceElement& force, const ConnectorRecord& record) {
@@ -335,8 +352,7 @@ class SystemBuilder {
       const auto& entry = graph_.bodies()[i];
       const auto [it, fresh] = number.try_emplace(entry.type, static_cast<int>(batches.bodies.size()));
       if (fresh) batches.bodies.push_back(entry.make_batch()), batch_sizes_.push_back(0);
-      batches.bodies[it->second]->add(*entry.body,
-                                      i == 0 ? BodyRecord{0, 0, -1, -1, ground_markers_} : records_[i - 1]);
+      batches.bodies[it->second]->add(*entry.body, i == 0 ? ground_ : records_[i - 1]);
       system_.body_places_.push_back({it->second, batch_sizes_[it->second]++});
     }
     number.clear();
@@ -500,6 +516,7 @@ class SystemBuilder {
     if (!options_.forward_dynamics) return;
     auto scene = find_rigid_scene(system_);
     if (!scene) return;
+    scene->threads = options_.threads;
     const auto kernel = make_forward_kernel(*scene);
     if (!kernel) return;
     system_.forward_method_ = kernel->method();
@@ -525,7 +542,7 @@ class SystemBuilder {
   std::map<const Body*, std::unique_ptr<BodyCache>> drawn_caches_;
   std::map<const Body*, int> slices_;
   std::vector<BodyRecord> records_;
-  std::vector<std::pair<int, int>> ground_markers_;
+  BodyRecord ground_{0, 0, -1, -1, {}, {}};
   std::vector<ConnectorRecord> constraint_records_, force_records_;
   std::vector<ReactionRecord> reactions_;
   std::vector<int> batch_sizes_;

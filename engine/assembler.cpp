@@ -38,7 +38,7 @@ class Assembler::Forward final : public ForwardDynamics {
   }
   bool project(double, VectorRef q, VectorRef v, double tolerance) override {
     if (!kernel_->project(q.data(), v.data(), tolerance)) return false;
-    if (!assembler_.system_.angles_.empty()) assembler_.place_markers(q);  // track() reads them
+    if (!assembler_.system_.angles_.empty()) assembler_.place_markers(q);  // track() is to read them
     return true;
   }
 
@@ -61,7 +61,7 @@ const double* Assembler::applied_forces(double time, ConstVectorRef q, ConstVect
   work_.q = q;
   work_.v = v;
   for (std::size_t b = 0; b < caches_.size(); ++b)
-    system_.batches_.bodies[b]->evaluate(work_, *caches_[b], Level::velocity);
+    system_.batches_.bodies[b]->evaluate_loaded(work_, *caches_[b], Level::velocity);
   work_.load.setZero();
   for (const auto& batch : system_.batches_.forces) batch->evaluate(work_, system_.blocks_);
   if (work_.tension.size() > 0) {
@@ -75,7 +75,7 @@ const double* Assembler::applied_forces(double time, ConstVectorRef q, ConstVect
 void Assembler::place_markers(ConstVectorRef q) {
   work_.q = q;
   for (std::size_t b = 0; b < caches_.size(); ++b)
-    system_.batches_.bodies[b]->evaluate(work_, *caches_[b], Level::position);
+    system_.batches_.bodies[b]->evaluate(work_, *caches_[b], Level::position, Level::position);
 }
 
 void Assembler::recall(const VectorX& quadrants) {
@@ -128,7 +128,12 @@ void Assembler::evaluate(double time, ConstVectorRef q, ConstVectorRef v, Level 
   work_.time = time;
   work_.q = q;
   work_.v = v;
-  for (std::size_t b = 0; b < caches_.size(); ++b) system_.batches_.bodies[b]->evaluate(work_, *caches_[b], level);
+  // Joints ask for the velocities of markers where the velocity terms of g̈ or rows on velocities are wanted.
+  const bool no_velocities =
+      level == Level::velocity && system_.batches_.forces.empty() && system_.velocity_rows_.empty();
+  const Level markers = no_velocities ? Level::position : level;
+  for (std::size_t b = 0; b < caches_.size(); ++b)
+    system_.batches_.bodies[b]->evaluate(work_, *caches_[b], level, markers);
   for (const auto& batch : system_.batches_.constraints) batch->evaluate(work_, system_.blocks_, level);
   if (level == Level::position || system_.batches_.forces.empty()) return;
   work_.load.setZero();
@@ -193,28 +198,10 @@ void Assembler::form(const TangentWeights& weights, ConstVectorRef v_dot, ConstV
                      const VectorX* increment) {
   const auto& blocks = system_.blocks_;
   double* values = work_.values.data();
-  for (const auto& f : blocks.frames) Eigen::Map<Matrix6>(values + f.values).setZero();
-  for (const auto& l : blocks.linears) {
-    if (l.frame >= 0) std::fill_n(values + l.frame_linear, 12 * l.size, 0.0);
-    std::fill_n(values + l.values, l.pattern ? l.pattern->rows.size() : l.size, 0.0);
-  }
   for (const auto& c : blocks.couplings) std::fill_n(values + c.ab, 36, 0.0), std::fill_n(values + c.ba, 36, 0.0);
-
   for (std::size_t b = 0; b < caches_.size(); ++b)
-    system_.batches_.bodies[b]->add_tangent(work_, *caches_[b], blocks, v_dot.data(), weights);
-  if (increment) {  // d_dot = Jr⁻¹ omega: corrections of the increment turn the state by Jr(psi)
-    for (const auto& f : blocks.frames) {
-      const Matrix3 chart = right_jacobian_inverse(increment->segment<3>(f.v + 3));
-      auto turning = Eigen::Map<Matrix6>(values + f.values).rightCols<3>();
-      turning = turning.lazyProduct(chart).eval();
-    }
-    for (const auto& l : blocks.linears) {
-      if (l.frame < 0) continue;
-      const Matrix3 chart = right_jacobian_inverse(increment->segment<3>(blocks.frames[l.frame].v + 3));
-      auto columns = Eigen::Map<MatrixX>(values + l.linear_frame, l.size, 6).rightCols<3>();
-      for (int i = 0; i < l.size; ++i) columns.row(i) = (columns.row(i) * chart).eval();
-    }
-  }
+    system_.batches_.bodies[b]->write_tangent(work_, *caches_[b], blocks, v_dot.data(), weights,
+                                              increment ? increment->data() : nullptr);
   if (weights.position != 0) {
     for (const auto& batch : system_.batches_.constraints)
       batch->add_stiffness(work_, blocks, weights.position, lambda.data());

@@ -15,6 +15,7 @@ namespace lithe {
 struct BodyRecord {
   int q, v, frame, linear;                   // frame, linear: indices into BlockStructure, -1: none
   std::vector<std::pair<int, int>> markers;  // (marker of the body, place in the table): those that connectors use
+  std::vector<std::pair<int, int>> loaded;   // of these, those that force elements use
 };
 
 /// All bodies of one type; the loop knows the type, so its calls are inlined.
@@ -29,10 +30,13 @@ class BodyBatch {
   };
   virtual void add(const Body& body, BodyRecord record) = 0;
   virtual std::unique_ptr<Caches> make_caches() const = 0;
-  virtual void evaluate(Workspace&, Caches&, Level) const = 0;
+  /// Bodies to `level`, and their markers to `markers`: all of them, or those alone that force elements use.
+  virtual void evaluate(Workspace&, Caches&, Level level, Level markers) const = 0;
+  virtual void evaluate_loaded(Workspace&, Caches&, Level level) const = 0;
   virtual void add_residual(Workspace&, Caches&, const double* v_dot, double* r) const = 0;
-  virtual void add_tangent(Workspace&, Caches&, const BlockStructure&, const double* v_dot,
-                           const TangentWeights&) const = 0;
+  /// Writes the bodies' own blocks of S. `increment`: of the chart in which S is to act, or null.
+  virtual void write_tangent(Workspace&, Caches&, const BlockStructure&, const double* v_dot, const TangentWeights&,
+                             const double* increment) const = 0;
 };
 
 struct ConnectorRecord {
@@ -40,7 +44,7 @@ struct ConnectorRecord {
   int energy = -1;      // force elements: index into Workspace::force_energy
   int first_angle = 0;  // of the connector's measured angles, in Workspace::quadrants
   int slot_count = 0;
-  MarkerSlot slots[kMaxMarkers];
+  const MarkerSlot* slots = nullptr;  // the system's
 };
 
 /// All constraints of one type.

@@ -25,12 +25,23 @@ class BodyBatchOf final : public BodyBatch {
     return caches;
   }
 
-  void evaluate(Workspace& work, Caches& caches, Level level) const override {
+  void evaluate(Workspace& work, Caches& caches, Level level, Level markers) const override {
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
       const BodyRecord& record = records_[i];
       const BodyState state = state_of(work, caches, i);
       bodies_[i]->T::evaluate(state, level);
       for (const auto& [marker, place] : record.markers)
+        bodies_[i]->T::marker_kinematics(state, marker, markers, work.markers[place]);
+    }
+  }
+
+  void evaluate_loaded(Workspace& work, Caches& caches, Level level) const override {
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      const BodyRecord& record = records_[i];
+      if (record.loaded.empty()) continue;
+      const BodyState state = state_of(work, caches, i);
+      bodies_[i]->T::evaluate(state, level);
+      for (const auto& [marker, place] : record.loaded)
         bodies_[i]->T::marker_kinematics(state, marker, level, work.markers[place]);
     }
   }
@@ -40,8 +51,8 @@ class BodyBatchOf final : public BodyBatch {
       bodies_[i]->T::add_residual(state_of(work, caches, i), v_dot + records_[i].v, work.gravity, r + records_[i].v);
   }
 
-  void add_tangent(Workspace& work, Caches& caches, const BlockStructure& blocks, const double* v_dot,
-                   const TangentWeights& weights) const override {
+  void write_tangent(Workspace& work, Caches& caches, const BlockStructure& blocks, const double* v_dot,
+                     const TangentWeights& weights, const double* increment) const override {
     double* values = work.values.data();
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
       const BodyRecord& record = records_[i];
@@ -57,7 +68,17 @@ class BodyBatchOf final : public BodyBatch {
       BodyTangent S{Eigen::Map<Matrix6>(frame), Eigen::Map<Matrix6X>(frame_linear, 6, record.frame < 0 ? 0 : size),
                     Eigen::Map<MatrixX>(linear_frame, record.frame < 0 ? 0 : size, 6),
                     Eigen::Map<VectorX>(linear, entries)};
+      for (const auto& [at, count] : {std::pair(frame, 36), std::pair(frame_linear, 6 * size),
+                                      std::pair(linear_frame, 6 * size), std::pair(linear, entries)})
+        if (at) std::fill_n(at, count, 0.0);
       bodies_[i]->T::add_tangent(state_of(work, caches, i), v_dot + record.v, work.gravity, weights, S);
+      if (!increment || record.frame < 0) continue;
+      // d_dot = Jr⁻¹ omega: corrections of the increment turn the state by Jr(psi)
+      const Matrix3 chart = right_jacobian_inverse(Eigen::Map<const Vector3>(increment + record.v + 3));
+      auto turning = S.frame.template rightCols<3>();
+      turning = turning.lazyProduct(chart).eval();
+      auto columns = S.linear_frame.template rightCols<3>();
+      for (int k = 0; k < size; ++k) columns.row(k) = (columns.row(k) * chart).eval();
     }
   }
 
@@ -147,7 +168,7 @@ class ConstraintBatchOf final : public ConstraintBatch {
     for (std::size_t i = 0; i < constraints_.size(); ++i) {
       const ConnectorRecord& record = records_[i];
       const double* multipliers = lambda + record.first_row;
-      ConstraintRows::Stiffness K = ConstraintRows::Stiffness::Zero(6 * record.slot_count, 6 * record.slot_count);
+      ConstraintRows::Stiffness K;  // rows that have any set it to zero first
       ConstraintRows rows(record.slot_count);
       rows.collect_stiffness(multipliers, &K);
       Wrench load[kMaxMarkers];
@@ -164,7 +185,7 @@ class ConstraintBatchOf final : public ConstraintBatch {
       };
       evaluate({work.markers.data(), record}, rows, load);
       if (rows.written()) {  // its wrenches are differenced over the markers' motions
-        K.setZero();
+        K.setZero(6 * record.slot_count, 6 * record.slot_count);
         connector::difference(
             work, record, Level::position,
             [&](const MarkerKinematics* markers, Wrench* out) {
@@ -175,7 +196,7 @@ class ConstraintBatchOf final : public ConstraintBatch {
       }
       for (int m = 0; m < record.slot_count; ++m)
         connector::add_load_stiffness(work, blocks, record.slots[m], load[m], weight);
-      if (K.squaredNorm() > 0) connector::add_marker_stiffness(work, blocks, record, K, weight);
+      if (rows.written() || rows.stiff()) connector::add_marker_stiffness(work, blocks, record, K, weight);
     }
   }
 

@@ -72,12 +72,16 @@ class ConstraintRows : public AngleMemory {
   const double* multipliers() const { return multipliers_; }  // of all rows
   /// ∂(Σ_rows W λ)/∂(marker motions), 6 rows and columns a marker (translation, rotation; world axes).
   using Stiffness = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6 * kMaxMarkers, 6 * kMaxMarkers>;
-  Stiffness* stiffness() const { return stiffness_; }
+  Stiffness* stiffness() {
+    if (stiffness_ && !stiff_) stiffness_->setZero(6 * markers_, 6 * markers_), stiff_ = true;
+    return stiffness_;
+  }
 
   // The engine's side.
   void collect_stiffness(const double* multipliers, Stiffness* into) { multipliers_ = multipliers, stiffness_ = into; }
   int count() const { return count_; }
   bool written() const { return written_; }
+  bool stiff() const { return stiff_; }  // stiffness() has been asked for
   const Wrench& wrench(int row, int marker) const { return wrench_[row][marker]; }
   double residual(int row) const { return residual_[row]; }
   double bias(int row) const { return bias_[row]; }
@@ -88,7 +92,7 @@ class ConstraintRows : public AngleMemory {
   void set(int marker, const Wrench& w) { wrench_[count_][marker] = w; }
 
   int markers_, count_ = 0;
-  bool written_ = false;
+  bool written_ = false, stiff_ = false;
   bool velocity_[kMaxRows] = {};
   const double* multipliers_ = nullptr;
   Stiffness* stiffness_ = nullptr;

@@ -42,7 +42,7 @@ void Layout::retract(ConstVectorRef q, ConstVectorRef d, VectorRef out) const {
 void Layout::chart_rates(ConstVectorRef d, ConstVectorRef v, VectorRef d_dot) const {
   d_dot = v;
   for (const BodySlice& b : bodies_)
-    if (b.frame) d_dot.segment<3>(b.v + 3) = right_jacobian_inverse(d.segment<3>(b.v + 3)) * v.segment<3>(b.v + 3);
+    if (b.frame) d_dot.segment<3>(b.v + 3) = chart_rate(d.segment<3>(b.v + 3), v.segment<3>(b.v + 3));
 }
 
 void Layout::difference(ConstVectorRef q_from, ConstVectorRef q_to, VectorRef d) const {

@@ -31,13 +31,13 @@ struct Marker {
 ///   J = [E, -A r~, A B; 0, A, A T],   elastic = [B; T] (6 x n, body axes, column-major; null if eta does not move it).
 /// A body without frame has A = E and only the elastic columns.
 struct MarkerKinematics {
-  Vector3 p;     // position
-  Matrix3 R;     // marker axes to world axes
-  Vector3 v, w;  // velocity of the point, angular velocity
-  Vector3 bias_v, bias_w;
-  Vector3 r;  // position in body axes
   const Matrix3* A = nullptr;
   const double* elastic = nullptr;
+  Vector3 r;     // position in body axes
+  Vector3 p;     // position
+  Matrix3 R;     // marker axes to world axes
+  Vector3 v, w;  // velocity of the point, angular velocity; last, for most evaluations do not need them
+  Vector3 bias_v, bias_w;
 };
 
 /// What a joint or force sees of one of its markers; `index` is its place in the element's marker list.

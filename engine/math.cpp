@@ -51,14 +51,7 @@ Vector3 left_jacobian_rate(const Vector3& phi, const Vector3& phi_dot) {
 
 Matrix3 right_jacobian_inverse(const Vector3& psi) {
   const double t = psi.squaredNorm();
-  // Jr⁻¹ = E + ½ psi~ + k psi~²,  k = 1/t - (1 + cos)/(2 |psi| sin)
-  double k;
-  if (t < 1e-2) {
-    k = 1.0 / 12 + t / 720 + t * t / 30240 + t * t * t / 1209600;
-  } else {
-    const double half = std::sqrt(t) / 2;
-    k = (1 - half / std::tan(half)) / t;
-  }
+  const double k = chart_coefficient(t);
   Matrix3 J = (k * psi) * psi.transpose();  // psi~² = psi psiᵀ - t E
   J.diagonal().array() += 1 - k * t;
   return J + skew(0.5 * psi);

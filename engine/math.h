@@ -47,11 +47,13 @@ inline Vector4 quaternion_product(const Vector4& a, const Vector4& b) {
 
 /// e ∘ exp(psi): turns by the rotation vector psi given in body axes. Renormalised, so the norm never drifts.
 inline Vector4 rotated(const Vector4& e, const Vector3& psi) {
-  const double t = psi.squaredNorm() / 4;  // (|psi|/2)²
-  double c, s;                             // cos(|psi|/2), sin(|psi|/2)/|psi|
-  if (t < 1e-2) {
-    c = 1 - t / 2 * (1 - t / 12 * (1 - t / 30 * (1 - t / 56)));
-    s = 0.5 * (1 - t / 6 * (1 - t / 20 * (1 - t / 42 * (1 - t / 72))));
+  const double t = 0.25 * psi.squaredNorm();  // (|psi|/2)²
+  double c, s;                                // cos(|psi|/2), sin(|psi|/2)/|psi|
+  if (t < 0.1) {  // to round-off; the compiler may not turn divisions by constants into products
+    constexpr double a2 = 1.0 / 2, a4 = a2 / 12, a6 = a4 / 30, a8 = a6 / 56, a10 = a8 / 90, a12 = a10 / 132;
+    constexpr double b1 = 1.0 / 2, b3 = b1 / 6, b5 = b3 / 20, b7 = b5 / 42, b9 = b7 / 72, b11 = b9 / 110;
+    c = 1 - t * (a2 - t * (a4 - t * (a6 - t * (a8 - t * (a10 - t * a12)))));
+    s = b1 - t * (b3 - t * (b5 - t * (b7 - t * (b9 - t * b11))));
   } else {
     const double half = std::sqrt(t);
     c = std::cos(half);
@@ -79,6 +81,21 @@ Vector3 rotation_log(const Matrix3& R);
 Matrix3 left_jacobian(const Vector3& phi);
 /// (dJl/dt) phi_dot, the bias of the marker's angular acceleration.
 Vector3 left_jacobian_rate(const Vector3& phi, const Vector3& phi_dot);
+/// k(t) of Jr⁻¹(psi) = E + ½ psi~ + k psi~², t = |psi|² < 4 pi²:  k = 1/t - (1 + cos)/(2 |psi| sin).
+inline double chart_coefficient(double t) {
+  if (t < 0.5) {  // |B_2n| t^(n-1) / (2n)!, to round-off
+    constexpr double c1 = 1.0 / 12, c2 = 1.0 / 720, c3 = 1.0 / 30240, c4 = 1.0 / 1209600, c5 = 1.0 / 47900160,
+                     c6 = 691.0 / 1307674368000, c7 = 1.0 / 74724249600, c8 = 3617.0 / 10670622842880000;
+    return c1 + t * (c2 + t * (c3 + t * (c4 + t * (c5 + t * (c6 + t * (c7 + t * c8))))));
+  }
+  const double half = std::sqrt(t) / 2;
+  return (1 - half / std::tan(half)) / t;
+}
+/// Jr⁻¹(psi) omega, the rate of the rotation vector psi of a body that turns at omega (body axes).
+inline Vector3 chart_rate(const Vector3& psi, const Vector3& omega) {
+  const Vector3 c = psi.cross(omega);
+  return omega + 0.5 * c + chart_coefficient(psi.squaredNorm()) * psi.cross(c);
+}
 /// Inverse of the right Jacobian: psi_dot = Jr⁻¹(psi) omega for exp(psi~) turning at body rate omega. |psi| < 2 pi.
 Matrix3 right_jacobian_inverse(const Vector3& psi);
 

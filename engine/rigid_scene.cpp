@@ -26,7 +26,7 @@ RigidScene::Side side(const Marker& marker, int body, const double* q) {
 
 std::optional<RigidScene> find_rigid_scene(const System& system) {
   const SystemGraph& graph = system.graph();
-  RigidScene scene{{}, {}, graph.gravity(), system.initial_state().q};
+  RigidScene scene{{}, {}, graph.gravity(), system.initial_state().q, 1};
   if (graph.constraints().empty() || !system.velocity_rows().empty()) return std::nullopt;
   for (const auto& f : graph.forces())
     if (f.force->reaction_of()) return std::nullopt;

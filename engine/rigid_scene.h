@@ -30,7 +30,8 @@ struct RigidScene {
   std::vector<Body> bodies;
   std::vector<Joint> joints;
   Vector3 gravity;
-  VectorX q;  // at t = 0, on the constraints
+  VectorX q;        // at t = 0, on the constraints
+  int threads = 1;  // that a kernel may use
 };
 
 /// None if the scene holds anything else, or friction that asks for reactions.

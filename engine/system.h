@@ -1,5 +1,6 @@
 #pragma once
 
+#include <deque>
 #include <memory>
 #include <span>
 #include <string>
@@ -59,7 +60,8 @@ class System {
   struct Place {
     int batch, index;
   };
-  std::vector<Place> body_places_;  // of graph bodies, ground first
+  std::vector<Place> body_places_;             // of graph bodies, ground first
+  std::deque<std::vector<MarkerSlot>> slots_;  // of all connectors, in chunks that do not move
   int marker_count_ = 0, compliant_count_ = 0;
   std::vector<RedundantRow> redundant_;
   std::vector<int> velocity_rows_;
@@ -88,6 +90,9 @@ struct AssembleOptions {
   /// are such (System::forward_method() tells); else all scenes are bodies with constraints. Answers agree to round-off
   /// of the accelerations and to the integrator's own error of the motion.
   bool forward_dynamics = true;
+  /// That explicit integrators may use on one rigid tree, for its branches and islands; worth it from some hundred
+  /// bodies on. The bits do not depend on it. Many scenes at once are the business of sweep().
+  int threads = 1;
 };
 
 /// Freezes the topology; finds redundant rows (named in a warning), consistent initial positions and velocities; logs

@@ -6,7 +6,7 @@ namespace lithe {
 namespace {
 
 /// r~ X.
-Matrix3 skew_times(const Vector3& r, const Matrix3& X) {
+[[gnu::always_inline]] inline Matrix3 skew_times(const Vector3& r, const Matrix3& X) {
   Matrix3 Y;
   for (int j = 0; j < 3; ++j) {
     Y(0, j) = r[1] * X(2, j) - r[2] * X(1, j);
@@ -17,7 +17,7 @@ Matrix3 skew_times(const Vector3& r, const Matrix3& X) {
 }
 
 /// X r~.
-Matrix3 times_skew(const Matrix3& X, const Vector3& r) {
+[[gnu::always_inline]] inline Matrix3 times_skew(const Matrix3& X, const Vector3& r) {
   Matrix3 Y;
   Y.col(0) = X.col(1) * r[2] - X.col(2) * r[1];
   Y.col(1) = X.col(2) * r[0] - X.col(0) * r[2];
@@ -25,7 +25,7 @@ Matrix3 times_skew(const Matrix3& X, const Vector3& r) {
   return Y;
 }
 
-Matrix3 inverse_of_symmetric(const Matrix3& S) {
+[[gnu::always_inline]] inline Matrix3 inverse_of_symmetric(const Matrix3& S) {
   const double a = S(0, 0), b = S(1, 0), c = S(2, 0), d = S(1, 1), e = S(2, 1), f = S(2, 2);
   const double A = d * f - e * e, B = c * e - b * f, C = b * e - c * d;
   const double scale = 1 / (a * A + b * B + c * C);
@@ -49,74 +49,106 @@ void for_free_shifts(const JointFreedom& freedom, const Matrix3& axes, Add&& add
 
 }  // namespace
 
-TreeDynamics::TreeDynamics(const Vector3& gravity) : gravity_(gravity), motions_(1) {
+inline void TreeDynamics::clear(Articulated& a) {
+  for (Matrix3* x : {&a.M, &a.H, &a.J}) x->setZero();
+  a.b.setZero(), a.t.setZero();
+}
+
+TreeDynamics::TreeDynamics(const RigidScene& scene) : gravity_(scene.gravity), motions_(1), crew_(scene.threads) {
   Motion& ground = motions_[0];
   ground.A.setIdentity();
   for (Vector3* x : {&ground.w, &ground.a, &ground.alpha}) x->setZero();
 }
 
 std::unique_ptr<TreeDynamics> TreeDynamics::make(const RigidScene& scene) {
-  const int bodies = static_cast<int>(scene.bodies.size());
-  std::vector<std::vector<int>> joints_of(bodies + 1);  // ground last
-  const auto vertex = [&](int body) { return body < 0 ? bodies : body; };
+  const int bodies = static_cast<int>(scene.bodies.size()), ground = bodies;
+  std::vector<std::vector<int>> joints_of(bodies + 1);
+  const auto vertex = [&](int body) { return body < 0 ? ground : body; };
   for (std::size_t j = 0; j < scene.joints.size(); ++j)
     for (const auto* side : {&scene.joints[j].A, &scene.joints[j].B})
       joints_of[vertex(side->body)].push_back(static_cast<int>(j));
 
-  std::unique_ptr<TreeDynamics> tree(new TreeDynamics(scene.gravity));
-  std::vector<int> link_of(bodies + 1, -2);  // -2: not met yet
-  const auto add = [&](int body, Kind kind) -> Link& {
-    const auto& b = scene.bodies[body];
-    link_of[body] = static_cast<int>(tree->links_.size());
-    tree->links_.push_back({.kind = kind, .q = b.q, .v = b.v, .mass = b.mass, .inertia = b.inertia});
-    return tree->links_.back();
+  std::unique_ptr<TreeDynamics> tree(new TreeDynamics(scene));
+  struct Found {
+    int body, joint, parent;  // joint: by which it was found, -1: none; parent: index of a link
   };
-  std::vector<char> used(scene.joints.size(), 0);
-  const auto tie = [&](int from) {  // all joints of a vertex that has been met
-    for (int j : joints_of[from]) {
-      if (used[j]) continue;
-      used[j] = 1;
-      const auto& joint = scene.joints[j];
-      const bool from_A = vertex(joint.A.body) == from;
-      const auto &inner = from_A ? joint.A : joint.B, &outer = from_A ? joint.B : joint.A;
-      if (link_of[vertex(outer.body)] != -2) return false;
-      Link& link = add(outer.body, Kind::other);
-      link.parent = link_of[from];
+  std::vector<Found> open;
+  std::vector<char> seen(bodies + 1, 0);
+  const auto look_beyond = [&](int from, int by, int link) {  // by depth, so that subtrees lie in a row
+    for (auto j = joints_of[from].rbegin(); j != joints_of[from].rend(); ++j) {
+      if (*j == by) continue;
+      const auto& joint = scene.joints[*j];
+      const int other = vertex(joint.A.body) == from ? vertex(joint.B.body) : vertex(joint.A.body);
+      if (seen[other]) return false;
+      seen[other] = 1;
+      open.push_back({other, *j, link});
+    }
+    return true;
+  };
+  seen[ground] = 1;
+  if (!look_beyond(ground, -1, -1)) return nullptr;
+  for (int root = 0;;) {
+    if (open.empty()) {  // what nothing holds
+      while (root < bodies && seen[root]) ++root;
+      if (root == bodies) break;
+      seen[root] = 1;
+      open.push_back({root, -1, -1});
+    }
+    const Found found = open.back();
+    open.pop_back();
+    const auto& body = scene.bodies[found.body];
+    Link link{.kind = Kind::root, .q = body.q, .v = body.v, .mass = body.mass, .inertia = body.inertia};
+    if (found.joint >= 0) {
+      const auto& joint = scene.joints[found.joint];
+      const bool outer_is_B = vertex(joint.B.body) == found.body;
+      const auto &inner = outer_is_B ? joint.A : joint.B, &outer = outer_is_B ? joint.B : joint.A;
+      link.parent = found.parent;
       link.r = outer.position, link.r_parent = inner.position;
       link.axes = outer.axes, link.axes_parent = inner.axes;
       link.freedom = joint.freedom;
       const bool shifts = joint.freedom.x || joint.freedom.y || joint.freedom.z;
+      link.kind = Kind::other;
       if (!shifts && joint.freedom.rotation == JointFreedom::Rotation::any) link.kind = Kind::spherical;
       if (!shifts && joint.freedom.rotation == JointFreedom::Rotation::about_z) link.kind = Kind::revolute;
-      if (link.kind != Kind::other) continue;
-      if (joint.freedom.rotation == JointFreedom::Rotation::any) return false;
-      link.other = static_cast<int>(tree->others_.size());
-      tree->others_.emplace_back();
-    }
-    return true;
-  };
-  link_of[bodies] = -1;
-  if (!tie(bodies)) return nullptr;
-  std::vector<int> body_of;
-  for (int next = 0, root = 0; next < bodies; ++next) {
-    if (next == static_cast<int>(tree->links_.size())) {  // nothing met is left: a body that nothing holds
-      while (link_of[root] != -2) ++root;
-      add(root, Kind::root);
-    }
-    // Links are in the order of meeting; the body of this one is told by its coordinates.
-    while (body_of.size() < tree->links_.size()) {
-      const int q = tree->links_[body_of.size()].q;
-      int low = 0, high = bodies - 1;  // bodies are sorted by their first coordinate
-      while (low < high) {
-        const int middle = (low + high) / 2;
-        (scene.bodies[middle].q < q ? low : high) = scene.bodies[middle].q < q ? middle + 1 : middle;
+      if (link.kind == Kind::other) {
+        if (joint.freedom.rotation == JointFreedom::Rotation::any) return nullptr;
+        link.other = static_cast<int>(tree->others_.size());
+        tree->others_.emplace_back();
       }
-      body_of.push_back(low);
     }
-    if (!tie(body_of[next])) return nullptr;
+    tree->links_.push_back(link);
+    if (!look_beyond(found.body, found.joint, static_cast<int>(tree->links_.size()) - 1)) return nullptr;
   }
   tree->motions_.resize(tree->links_.size() + 1, tree->motions_[0]);
+  tree->divide();
   return tree;
+}
+
+/// Into branches of about kTogether links, whole subtrees, and the trunk that they hang on.
+void TreeDynamics::divide() {
+  constexpr int kTogether = 64;
+  const int n = static_cast<int>(links_.size());
+  std::vector<int> size(n, 1);
+  for (int i = n - 1; i >= 0; --i)
+    if (links_[i].parent >= 0) size[links_[i].parent] += size[i];
+  for (int i = 0; i < n;) {
+    if (size[i] > kTogether) {
+      trunk_.push_back(i++);
+      continue;
+    }
+    const bool joins =
+        !branches_.empty() && branches_.back().last == i && i + size[i] - branches_.back().first <= kTogether;
+    if (joins)
+      branches_.back().last = i + size[i];
+    else
+      branches_.push_back({i, i + size[i]});
+    if (const int parent = links_[i].parent; parent >= 0) {
+      links_[i].handed = static_cast<int>(handed_to_.size());
+      handed_to_.push_back(parent);
+    }
+    i += size[i];
+  }
+  handed_.resize(handed_to_.size());
 }
 
 /// About the point at r from the present one, whose own acceleration differs by ω̇ × r + swing.
@@ -204,8 +236,12 @@ void TreeDynamics::eliminate_other(const Link& link, const Motion& m, const Moti
 }
 
 /// Subtree and link itself, less what the joint leaves free, onto the parent.
-void TreeDynamics::eliminate(const Link& link, Motion& m, const double* q, const double* v, const double* load) {
+void TreeDynamics::eliminate(int i, const double* q, const double* v, const double* load) {
+  const Link& link = links_[i];
+  Motion& m = motions_[i + 1];
   Motion& parent = motions_[link.parent + 1];
+  Articulated& inwards = link.handed < 0 ? parent.subtree : handed_[link.handed];
+  if (link.handed >= 0) clear(inwards);
   const Eigen::Map<const Vector3> w(v + link.v + 3);
   const Vector3 spin = link.inertia * w;
   Articulated own = m.subtree;
@@ -240,11 +276,11 @@ void TreeDynamics::eliminate(const Link& link, Motion& m, const double* q, const
       {
         const Matrix3 H = times_skew(at.M, m.r_parent);
         const Vector3 b = at.b + at.M * m.swing_parent;
-        parent.subtree.M += at.M;
-        parent.subtree.H -= H;
-        parent.subtree.J -= skew_times(m.r_parent, H);
-        parent.subtree.b += b;
-        parent.subtree.t += m.r_parent.cross(b);
+        inwards.M += at.M;
+        inwards.H -= H;
+        inwards.J -= skew_times(m.r_parent, H);
+        inwards.b += b;
+        inwards.t += m.r_parent.cross(b);
       }
       return;
     case Kind::revolute:
@@ -253,18 +289,24 @@ void TreeDynamics::eliminate(const Link& link, Motion& m, const double* q, const
     default:
       eliminate_other(link, m, parent, v, at);
   }
-  if (link.parent >= 0) add_shifted_in(parent.subtree, at, m.r_parent, m.swing_parent);
+  if (link.parent >= 0) add_shifted_in(inwards, at, m.r_parent, m.swing_parent);
 }
 
 /// Accelerations of a link whose parent has its own.
-void TreeDynamics::find(const Link& link, Motion& m) const {
+void TreeDynamics::find(int i, double* v_dot) {
+  const Link& link = links_[i];
+  Motion& m = motions_[i + 1];
+  const auto hand_out = [&] {
+    Eigen::Map<Vector3>(v_dot + link.v) = m.a;
+    Eigen::Map<Vector3>(v_dot + link.v + 3) = m.A.transpose() * m.alpha;
+  };
   if (link.kind == Kind::root) {  // (a, ω̇) = -I⁻¹ (b, t)
     const Articulated& s = m.subtree;
     const Matrix3 inverse = inverse_of_symmetric(s.M), gain = inverse * s.H;
     const Vector3 rest = inverse * s.b;
     m.alpha = inverse_of_symmetric(s.J - s.H.transpose() * gain) * (s.H.transpose() * rest - s.t);
     m.a = -rest - gain * m.alpha;
-    return;
+    return hand_out();
   }
   const Motion& parent = motions_[link.parent + 1];
   Vector3 a = parent.a + parent.alpha.cross(m.r_parent) + m.swing_parent;  // of the joint's point
@@ -291,25 +333,38 @@ void TreeDynamics::find(const Link& link, Motion& m) const {
     }
   }
   m.a = a - m.alpha.cross(m.r) - m.swing;
+  hand_out();
+}
+
+void TreeDynamics::place(int i, const double* q, const double* v) {
+  Motion& m = motions_[i + 1];
+  m.A = rotation_matrix(Eigen::Map<const Vector4>(q + links_[i].q + 3));
+  m.w.noalias() = m.A * Eigen::Map<const Vector3>(v + links_[i].v + 3);
+  clear(m.subtree);
 }
 
 void TreeDynamics::accelerations(const double* q, const double* v, const double* load, double* v_dot) {
-  const std::size_t n = links_.size();
-  for (std::size_t i = 0; i < n; ++i) {
-    Motion& m = motions_[i + 1];
-    m.A = rotation_matrix(Eigen::Map<const Vector4>(q + links_[i].q + 3));
-    m.w.noalias() = m.A * Eigen::Map<const Vector3>(v + links_[i].v + 3);
-    for (Matrix3* x : {&m.subtree.M, &m.subtree.H, &m.subtree.J}) x->setZero();
-    m.subtree.b.setZero(), m.subtree.t.setZero();
+  const int branches = static_cast<int>(branches_.size());
+  // 1. Inwards: branches, then the trunk.
+  for (int i : trunk_) place(i, q, v);
+  const auto inwards = [&](int k) {
+    const Branch& b = branches_[k];
+    for (int i = b.first; i < b.last; ++i) place(i, q, v);
+    for (int i = b.last; i-- > b.first;) eliminate(i, q, v, load);
+  };
+  crew_.run(branches, inwards);
+  for (std::size_t k = 0; k < handed_.size(); ++k) {
+    Articulated& to = motions_[handed_to_[k] + 1].subtree;
+    const Articulated& from = handed_[k];
+    to.M += from.M, to.H += from.H, to.J += from.J, to.b += from.b, to.t += from.t;
   }
-  for (std::size_t i = n; i-- > 0;) eliminate(links_[i], motions_[i + 1], q, v, load);
-  for (std::size_t i = 0; i < n; ++i) {
-    Motion& m = motions_[i + 1];
-    find(links_[i], m);
-    Eigen::Map<Vector3> a(v_dot + links_[i].v), alpha(v_dot + links_[i].v + 3);
-    a = m.a;
-    alpha.noalias() = m.A.transpose() * m.alpha;
-  }
+  for (auto i = trunk_.rbegin(); i != trunk_.rend(); ++i) eliminate(*i, q, v, load);
+  // 2. Outwards.
+  for (int i : trunk_) find(i, v_dot);
+  const auto outwards = [&](int k) {
+    for (int i = branches_[k].first; i < branches_[k].last; ++i) find(i, v_dot);
+  };
+  crew_.run(branches, outwards);
 }
 
 bool TreeDynamics::project(double* q, double* v, double) {

@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "engine/crew.h"
 #include "engine/rigid_scene.h"
 
 namespace lithe {
@@ -10,7 +11,8 @@ namespace lithe {
 /// Rigid bodies in a tree of lower pairs: articulated-body recursion (Featherstone, Rigid Body Dynamics Algorithms,
 /// 2008, ch. 7), in world axes, from the leaves to the roots and back; cost linear in the bodies. What a joint leaves
 /// free is solved for at the joint's point, so that neither multipliers nor relative coordinates are ever formed; the
-/// state stays the absolute one.
+/// state stays the absolute one. Branches and islands are worked on apart from what they hang on, by several threads if
+/// there are; what they hand inwards is added in one order, so that the bits are the same for any number.
 ///   F = I a + b of the subtree at that point,  Sᵀ F = 0 for the free motions S,  a = a_parent + S y + c
 class TreeDynamics final : public ForwardKernel {
  public:
@@ -29,6 +31,7 @@ class TreeDynamics final : public ForwardKernel {
     int q, v;
     int parent = -1;  // index of a link before this one, -1: ground
     int other = -1;   // place in others_, of a joint of another kind
+    int handed = -1;  // place in handed_, of a link whose parent is worked on apart from it
     double mass;
     Matrix3 inertia;
     Vector3 r, r_parent;        // of the joint's markers, in the axes of their bodies
@@ -59,19 +62,30 @@ class TreeDynamics final : public ForwardKernel {
     double rest[3];
   };
 
-  explicit TreeDynamics(const Vector3& gravity);
+  explicit TreeDynamics(const RigidScene& scene);
+  void divide();
+  void place(int i, const double* q, const double* v);
+  static void clear(Articulated& a);
   static Articulated shifted_out(const Articulated& own, const Vector3& r, const Vector3& swing);
   static void add_shifted_in(Articulated& parent, const Articulated& at_joint, const Vector3& r, const Vector3& swing);
-  void eliminate(const Link& link, Motion& m, const double* q, const double* v, const double* load);
+  void eliminate(int i, const double* q, const double* v, const double* load);
   void eliminate_spherical(Motion& m, Articulated& at_joint) const;
   void eliminate_revolute(const Link& link, Motion& m, const Motion& parent, Articulated& at_joint) const;
   void eliminate_other(const Link& link, const Motion& m, const Motion& parent, const double* v, Articulated& at_joint);
-  void find(const Link& link, Motion& m) const;
+  void find(int i, double* v_dot);
 
   Vector3 gravity_;
-  std::vector<Link> links_;      // parents first
+  std::vector<Link> links_;      // parents first, each subtree in a row
   std::vector<Motion> motions_;  // of ground, then of the links
   std::vector<Other> others_;
+  struct Branch {
+    int first, last;  // links: one or more whole subtrees
+  };
+  std::vector<Branch> branches_;
+  std::vector<int> trunk_;           // the links of no branch
+  std::vector<Articulated> handed_;  // what branches add to links of the trunk
+  std::vector<int> handed_to_;       // those links
+  Crew crew_;
   double ground_[3] = {0, 0, 0};  // its place and velocity
 };
 

@@ -70,6 +70,7 @@ class Automatic final : public Integrator {
   Method method_ = Method::explicit_runge_kutta;     // at work
   Method incumbent_ = Method::explicit_runge_kutta;  // that the trials are against
   int switches_ = 0;
+  double explicit_work_ = 1;                // of an evaluation by the explicit method
   bool fresh_ = true;                       // the method at work has not made a step yet
   int steps_ = 0;                           // since it came to work
   int held_steps_ = 0, calm_steps_ = 0;     // in a row, of the explicit method

@@ -132,12 +132,47 @@ double GeneralizedAlpha::natural_step(const State& state, double t_stop) const {
 
 void GeneralizedAlpha::predict(EquationsOfMotion& equations, const State& state, double h) {
   // The old acceleration goes on; with it two Newton iterations are enough on smooth motion.
-  v_dot_ = state.v_dot;
   lambda_ = state.lambda;
-  change_ = ((af_ * state.v_dot - am_ * a_) + (1 - af_) * v_dot_) / (1 - am_);  // a'
-  d_ = h * state.v + h * h * ((0.5 - beta_) * a_ + beta_ * change_);
-  v_ = state.v + h * ((1 - gamma_) * a_ + gamma_ * change_);
+  const double scale = 1 / (1 - am_);
+  for (Eigen::Index i = 0; i < d_.size(); ++i) {
+    const double a = a_[i], next = scale * (state.v_dot[i] - am_ * a);  // a'
+    v_dot_[i] = state.v_dot[i];
+    d_[i] = h * state.v[i] + h * h * ((0.5 - beta_) * a + beta_ * next);
+    v_[i] = state.v[i] + h * ((1 - gamma_) * a + gamma_ * next);
+  }
   equations.layout().retract(state.q, d_, q_);
+}
+
+/// Takes the Newton correction -rv_ over: d, v, v̇ and q, body by body in one pass over memory. The size of the largest
+/// entry of the chart's change; no number if one is none.
+double GeneralizedAlpha::correct(const Layout& layout, const VectorX& q_start, double of_v, double of_v_dot) {
+  double size = 0, finite = 0;
+  double *d = d_.data(), *v = v_.data(), *v_dot = v_dot_.data(), *q = q_.data(), *delta = delta_.data();
+  const double *x = rv_.data(), *q0 = q_start.data();
+  const auto take = [&](int i, double change) {
+    delta[i] = change;
+    d[i] += change;
+    v[i] += of_v * change;
+    v_dot[i] += of_v_dot * change;
+    size = std::max(size, std::abs(change));
+    finite += 0 * change;
+  };
+  for (const Layout::BodySlice& b : layout.bodies()) {
+    int iq = b.q, iv = b.v;
+    if (b.frame) {
+      const Vector3 turn = -chart_rate(Eigen::Map<const Vector3>(d + iv + 3), Eigen::Map<const Vector3>(x + iv + 3));
+      for (int i = 0; i < 3; ++i) take(iv + i, -x[iv + i]), take(iv + 3 + i, turn[i]);
+      for (int i = 0; i < 3; ++i) q[iq + i] = q0[iq + i] + d[iv + i];
+      Eigen::Map<Vector4>(q + iq + 3) =
+          rotated(Eigen::Map<const Vector4>(q0 + iq + 3), Eigen::Map<const Vector3>(d + iv + 3));
+      iq += 7, iv += 6;
+    }
+    for (int i = 0; i < b.linear; ++i) {
+      take(iv + i, -x[iv + i]);
+      q[iq + i] = q0[iq + i] + d[iv + i];
+    }
+  }
+  return size + finite;
 }
 
 GeneralizedAlpha::Newton GeneralizedAlpha::solve(EquationsOfMotion& equations, const State& start, double time,
@@ -160,22 +195,17 @@ GeneralizedAlpha::Newton GeneralizedAlpha::solve(EquationsOfMotion& equations, c
       equations.factorize({1, g1, b1}, v_dot_, lambda_, &d_);
       ++statistics_.factorizations;
     }
-    rv_ = -rv_;
     equations.constraint(Level::position, rl_);
     double size;
     const std::vector<int>& rolling = equations.velocity_rows();
     if (!stabilized) {
       if (!rolling.empty()) equations.constraint(Level::velocity, rl2_);
       for (int row : rolling) rl_[row] = rl2_[row] / g1;  // their increment is that of the velocity
-      rl_ = -rl_;
       equations.solve(rv_, rl_);
-      lambda_ += rl_;
-      equations.layout().chart_rates(d_, rv_, delta_);
-      d_ += delta_;
-      v_ += g1 * delta_;
-      v_dot_ += b1 * delta_;
-      size = delta_.cwiseAbs().maxCoeff();
+      lambda_ -= rl_;
+      size = correct(equations.layout(), start.q, g1, b1);
     } else {
+      rv_ = -rv_;
       // Velocities first: G v' + ∂g/∂t = 0; then positions alone, along the same factor: g(q') = 0.
       equations.constraint(Level::velocity, rl2_);
       rl2_ /= -g1;
@@ -195,8 +225,8 @@ GeneralizedAlpha::Newton GeneralizedAlpha::solve(EquationsOfMotion& equations, c
       size = std::max(size, delta_.cwiseAbs().maxCoeff());
     }
     ++statistics_.newton_iterations;
-    if (!std::isfinite(size) || !delta_.allFinite()) return Newton::failed;
-    equations.layout().retract(start.q, d_, q_);
+    if (!std::isfinite(size) || (stabilized && !delta_.allFinite())) return Newton::failed;
+    if (stabilized) equations.layout().retract(start.q, d_, q_);
     if (size <= tolerance) return Newton::converged;
     const double rate = k > 0 ? size / last : 0;
     if (rate > 2 && fresh) return Newton::failed;
@@ -240,15 +270,18 @@ StepResult GeneralizedAlpha::advance(EquationsOfMotion& equations, State& state,
     if (newton == Newton::converged && automatic) ratio = error(equations.layout(), state, h);
     if (newton == Newton::converged && !(ratio > 1)) {
       // a' from v̇' by the method's own relation.
-      a_ = ((1 - af_) * v_dot_ + af_ * state.v_dot - am_ * a_) / (1 - am_);
-      v_dot_last_ = state.v_dot;
+      const double scale = 1 / (1 - am_);
+      for (Eigen::Index i = 0; i < a_.size(); ++i)
+        a_[i] = scale * ((1 - af_) * v_dot_[i] + af_ * state.v_dot[i] - am_ * a_[i]);
+      v_dot_last_.swap(state.v_dot);
       has_last_ = true;
       h_last_ = h;
       state.time = time;
-      state.q = q_;
-      state.v = v_;
-      state.v_dot = v_dot_;
-      state.lambda = lambda_;
+      // Scratch and state change places: both are written anew before they are read.
+      state.q.swap(q_);
+      state.v.swap(v_);
+      state.v_dot.swap(v_dot_);
+      state.lambda.swap(lambda_);
       ++statistics_.steps;
       if (automatic) {
         const double grow = std::clamp(0.9 / std::cbrt(std::max(ratio, 1e-6)), 0.5, 2.0);

@@ -51,6 +51,7 @@ class GeneralizedAlpha final : public Integrator {
   void change_step(EquationsOfMotion& equations, State& state, double h);
   void shift_velocity(EquationsOfMotion& equations, State& state, double h_squared);
   void predict(EquationsOfMotion& equations, const State& state, double h);
+  double correct(const Layout& layout, const VectorX& q_start, double of_v, double of_v_dot);
   Newton solve(EquationsOfMotion& equations, const State& start, double time, double h);
   double error(const Layout& layout, const State& start, double h);
 

@@ -1,40 +1,53 @@
 #!/usr/bin/env bash
-# Measures Lithe beside hand-written programs of the same scenes: builds, runs both by turns on one core, counts their
-# instructions; then the time of a step for more chains and pendulums. A table on stdout, results/bench/summary.json for
-# machines. About five minutes after the first build.
-#   LITHE_JOBS=2    jobs at once while building
+# Measures Lithe, hand-written programs of the same scenes and the engines that Debian packages, all in one go: builds,
+# runs them by turns on one core. Tables on stdout, results/bench/summary.json for machines, docs/benchmarks.md for readers.
+# About fifteen minutes after the first build.
+#   --quick             about four minutes: fewer methods, least of two; writes the same files
+#   --install-peers     first installs the peers' packages (tools/bench/peers/packages.txt); without it those there are used
+#   --check             only counts instructions and compares them with tools/bench/baseline.json: 1 if over 3 % off
+#   --update-baseline   only counts them, and writes that file
+#   LITHE_JOBS=2        jobs at once while building;  LITHE_CORE=0  the core to measure on
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 jobs=${LITHE_JOBS:-$(nproc)}
-programs=(limit_chain chain limit_flexible pendulum)
-benchmarks=(chain_benchmark pendulum_benchmark)
-counted=build/release
+mode=measure
+quick=()
+install_peers=no
+for option in "$@"; do
+  case $option in
+    --quick) quick=(--quick) ;;
+    --install-peers) install_peers=yes ;;
+    --check) mode=check ;;
+    --update-baseline) mode=update ;;
+    *)
+      sed -n '2,9s/^# \{0,1\}//p' "$0" >&2
+      exit 2
+      ;;
+  esac
+done
+
+counted_programs=(chain explicit_chain pendulum limit_chain limit_explicit limit_flexible)
+counted=build/count  # valgrind knows no AVX-512: instructions are counted in a build for x86-64-v3
 stage_count=3
-if grep -qw avx512f /proc/cpuinfo; then  # valgrind knows no AVX-512: instructions are counted in a build for x86-64-v3
-  counted=build/count
-  stage_count=4
-fi
+[[ $mode == measure ]] && stage_count=5
+[[ $install_peers == yes ]] && stage_count=$((stage_count + 1))
+export PYTHONDONTWRITEBYTECODE=1
 source tools/stages.sh
 
 stage_shown "packages" tools/install_packages.sh
-stage "configure release" cmake --preset release
-build "build release" cmake --build --preset release --parallel "$jobs" --target "${programs[@]}" "${benchmarks[@]}"
-
-if [[ $counted != build/release ]]; then
-  cmake -S . -B $counted -G Ninja -DCMAKE_BUILD_TYPE=Release -DLITHE_NATIVE=OFF -DCMAKE_CXX_FLAGS=-march=x86-64-v3 \
-    -DLITHE_TESTS=OFF -DLITHE_EXAMPLES=OFF -DLITHE_BENCH=ON > /dev/null
-  build "build for counting" cmake --build $counted --parallel "$jobs" --target "${programs[@]}"
+if [[ $install_peers == yes ]]; then
+  stage_shown "peers' packages" tools/install_packages.sh tools/bench/peers/packages.txt
 fi
+stage "configure for counting" cmake -S . -B $counted -G Ninja -DCMAKE_BUILD_TYPE=Release -DLITHE_NATIVE=OFF \
+  -DCMAKE_CXX_FLAGS=-march=x86-64-v3 -DLITHE_TESTS=OFF -DLITHE_EXAMPLES=OFF -DLITHE_BENCH=ON
+build "build for counting" cmake --build $counted --parallel "$jobs" --target "${counted_programs[@]}"
+case $mode in
+  check) exec python3 tools/bench/check.py --counted $counted/tools/bench ;;
+  update) exec python3 tools/bench/check.py --counted $counted/tools/bench --update ;;
+esac
 
-mkdir -p results/bench
-python3 tools/bench/compare.py --timed build/release/tools/bench --counted $counted/tools/bench \
-  --out results/bench/summary.json
-
-pinned=()
-command -v taskset > /dev/null && pinned=(taskset -c 0)
-for program in "${benchmarks[@]}"; do
-  echo
-  "${pinned[@]}" build/release/tools/bench/"$program" --benchmark_min_time=0.2 \
-    --benchmark_out=results/bench/"$program".json --benchmark_out_format=json 2> results/bench/"$program".log
-done
+stage "configure release" cmake --preset release
+build "build release" cmake --build --preset release --parallel "$jobs" --target tools/bench/all
+python3 tools/bench/benchmarks.py --timed build/release/tools/bench --counted $counted/tools/bench \
+  --core "${LITHE_CORE:-0}" "${quick[@]}"

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Installs those of tools/packages.txt that are missing, and nothing else. Does nothing, at once, when all are there.
+# Installs those of tools/packages.txt, or of the file given, that are missing, and nothing else; at once when none is.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-mapfile -t wanted < <(sed 's/#.*//' tools/packages.txt | xargs -n1)
+mapfile -t wanted < <(sed 's/#.*//' "${1:-tools/packages.txt}" | xargs -n1)
 
 if ! command -v dpkg-query > /dev/null || ! command -v apt-get > /dev/null; then
   echo "packages: this is not Debian; please see to these yourself: ${wanted[*]}" >&2

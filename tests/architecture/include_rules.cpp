@@ -55,6 +55,7 @@ const std::vector<Package>& packages() {
       {"Spectra", std::regex(R"(Spectra/.*)"), std::regex(R"(bodies/flexible/.*\.cpp)"), "bodies/flexible/*.cpp"},
       {"CHOLMOD", std::regex(R"((suitesparse/)?(cholmod|SuiteSparse)\w*\.h|Eigen/CholmodSupport)"),
        std::regex(R"(bodies/flexible/.*\.cpp)"), "bodies/flexible/*.cpp"},
+      {"MPI", std::regex(R"(mpi\.h)"), std::regex(R"(engine/study/sweep_mpi\.cpp)"), "engine/study/sweep_mpi.cpp"},
       {"gnuplot", std::regex(R"(spawn\.h)"), std::regex(R"(engine/output/chart\.cpp)"), "engine/output/chart.cpp"},
       {"nlohmann_json", std::regex(R"(nlohmann/.*)"), std::regex(R"(.*\.cpp)"), "any .cpp"},
   };

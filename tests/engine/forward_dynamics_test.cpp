@@ -4,6 +4,7 @@
 
 #include "bodies/rigid_body.h"
 #include "engine/assembler.h"
+#include "engine/error.h"
 #include "engine/projection.h"
 #include "engine/sensors.h"
 #include "engine/simulation.h"
@@ -49,8 +50,7 @@ void draw_tree(SystemGraph& graph) {
   tie(static_cast<SphericalJoint*>(nullptr), "a-b", a, b, {0.9, 0.1, 0}, true);
   tie(static_cast<CylindricalJoint*>(nullptr), "a-c", a, c, {0.5, 0.5, 0.1}, true);
   tie(static_cast<PrismaticJoint*>(nullptr), "c-d", c, d, {0.4, 1.2, 0.2});
-  graph.add<PlanarJoint>("ground-e",
-                         {graph.ground().marker({-0.7, 0, 0}, skew_axes), e.at({-0.7, 0, 0}, skew_axes)});
+  graph.add<PlanarJoint>("ground-e", {graph.ground().marker({-0.7, 0, 0}, skew_axes), e.at({-0.7, 0, 0}, skew_axes)});
   tie(static_cast<FixedJoint*>(nullptr), "e-f", e, f, {-1.2, 0.1, 0.1}, true);
   tie(static_cast<RevoluteJoint*>(nullptr), "g-h", g, h, {0.3, -2.1, 0.1});
   graph.add<SpringDamper>("spring", {b.at({1.4, 0.3, 0.1}), d.at({0.2, 1.7, 0})},
@@ -70,8 +70,8 @@ void draw_linkage(SystemGraph& graph, int normal) {
   const Matrix3 hinge = axes_with_z(normal == 0 ? -up : up, Vector3(0.3, 0.4, 0.5)),
                 slide = axes_with_z(in(1, 0.2), Vector3(0.3, 0.4, 0.5));
   const auto part = [&](const char* name, const Vector3& at, double turn) {
-    return Part(graph, name, 0.7 + at.norm(), {0.05, 0.06, 0.09}, at, rotation_exp(turn * up + 0.3 * in(1, 0)), in(0, 0),
-                0.0 * up);
+    return Part(graph, name, 0.7 + at.norm(), {0.05, 0.06, 0.09}, at, rotation_exp(turn * up + 0.3 * in(1, 0)),
+                in(0, 0), 0.0 * up);
   };
   const Part crank = part("crank", in(0.15, 0.1), 0.3), rod = part("rod", in(0.6, 0.15), -0.2),
              piston = part("piston", in(0.9, 0.1), 0), link = part("link", in(0.45, 0.5), 1),
@@ -167,6 +167,65 @@ TEST(ForwardDynamics, a_state_off_the_constraints_is_moved_onto_them_by_about_as
     EXPECT_LT((q - on.q).cwiseAbs().maxCoeff(), 2e-3);
     EXPECT_LT((v - on.v).cwiseAbs().maxCoeff(), 2e-2);
   }
+}
+
+/// A trunk of `trunk` links with a branch of `length` links at each; and `islands` chains of their own.
+void draw_wide(SystemGraph& graph, int trunk, int length, int islands) {
+  const auto chain = [&](const std::string& name, const RigidBody* root, Vector3 at, const Vector3& step, int count) {
+    Marker last = root ? const_cast<RigidBody*>(root)->marker({0.1, 0.2, 0}) : graph.ground().marker(at);
+    std::vector<RigidBody*> links;
+    for (int i = 0; i < count; ++i, at += step) {
+      auto& link = graph.add<RigidBody>(name + std::to_string(i), {.mass = 1 + 0.1 * i,
+                                                                   .inertia = {0.1, 0.2, 0.25},
+                                                                   .position = at + 0.5 * step,
+                                                                   .angular_velocity = {0.3, 0.1 * i, -0.2}});
+      graph.add<SphericalJoint>("at " + link.name(), {last, link.marker(-0.5 * step)});
+      last = link.marker(0.5 * step);
+      links.push_back(&link);
+    }
+    return links;
+  };
+  const auto stem = chain("stem", nullptr, {0, 0, 0}, {1, 0, 0.1}, trunk);
+  for (int i = 0; i < trunk; ++i)
+    chain("branch" + std::to_string(i) + "-", stem[i], {i + 0.6, 0.2, 0.1 * i + 0.05}, {0, 1, 0.3}, length);
+  for (int i = 0; i < islands; ++i)
+    chain("island" + std::to_string(i) + "-", nullptr, {0, -i - 1.0, 0}, {-1, 0, 0}, 50);
+}
+
+TEST(ForwardDynamics, any_number_of_threads_gives_the_same_bits) {
+  std::vector<VectorX> found;
+  for (int threads : {1, 2, 3, 8}) {
+    SystemGraph graph({.gravity = {0, 0, -9.81}});
+    draw_wide(graph, 80, 7, 3);
+    const System system = assemble(graph, {.threads = threads});
+    ASSERT_EQ(system.forward_method(), ForwardMethod::tree);
+    ExplicitRungeKutta integrator({.tolerance = {.relative = 1e-5, .absolute = 1e-5}});
+    Simulation simulation(system, integrator);
+    State state = system.initial_state();
+    simulation.run(state, 0.2);
+    VectorX all(state.q.size() + state.v.size() + state.lambda.size());
+    all << state.q, state.v, state.lambda;
+    found.push_back(all);
+    EXPECT_GT(integrator.statistics().steps, 5);
+  }
+  for (const VectorX& other : found) EXPECT_EQ(found[0], other);
+}
+
+TEST(ForwardDynamics, what_branches_hand_to_their_trunk_is_what_they_weigh) {
+  const auto draw = [](SystemGraph& graph) { draw_wide(graph, 70, 3, 1); };
+  const Scene general(draw, false), forward(draw, true);
+  const State state = moved(general, 0.1, 1e-8);
+  Assembler by_rows(general.system), by_forward(forward.system);
+  VectorX expected(state.v.size()), lambda(general.system.layout().row_count()), v_dot(state.v.size());
+  Projector(by_rows).accelerations(state.time, state.q, state.v, expected, lambda);
+  by_forward.forward_dynamics()->accelerations(state.time, state.q, state.v, v_dot);
+  EXPECT_LT((v_dot - expected).norm(), 1e-9 * expected.norm());
+}
+
+TEST(ForwardDynamics, no_threads_at_all_are_refused) {
+  SystemGraph graph;
+  graph.add<RigidBody>("a", {});
+  EXPECT_THROW(assemble(graph, {.threads = 0}), SceneError);
 }
 
 TEST(ForwardDynamics, what_a_joint_says_it_leaves_free_is_what_its_rows_leave) {

@@ -1,29 +1,12 @@
 // R02: N four-bar windows in a row; where the uprights lie flat the Jacobian drops rank by N and branches meet.
 #include "tests/reference/accuracy.h"
-#include "tests/reference/mechanism.h"
+#include "tests/reference/loops.h"
 
 namespace lithe::test {
 namespace {
 
-/// N + 1 uprights (bodies 0 .. N) from ground pins (i, 0) and N couplers, all links 1 m and 1 kg; 3-D hinges about z.
 Scene four_bars(int windows) {
-  return Scene({0, -9.81, 0}, [&](SystemGraph& graph) {
-    const auto at = [](double x, double y) { return Vector3(x, y, 0); };
-    const auto link = [&](const std::string& name, const Vector3& a, const Vector3& b, double speed_a) {
-      return rod(graph, name, a, b, 1, 0, at(speed_a, 0), at(1, 0));
-    };
-    std::vector<Part> uprights, couplers;
-    for (int i = 0; i <= windows; ++i) uprights.push_back(link("upright " + std::to_string(i), at(i, 0), at(i, 1), 0));
-    for (int i = 0; i < windows; ++i)
-      couplers.push_back(link("coupler " + std::to_string(i), at(i, 1), at(i + 1, 1), 1));
-    for (int i = 0; i <= windows; ++i) {
-      const std::string number = std::to_string(i);
-      graph.add<RevoluteJoint>("pin " + number, {graph.ground().marker(at(i, 0)), uprights[i].at(at(i, 0))});
-      if (i < windows)
-        graph.add<RevoluteJoint>("right " + number, {uprights[i].at(at(i, 1)), couplers[i].at(at(i, 1))});
-      if (i > 0) graph.add<RevoluteJoint>("left " + number, {uprights[i].at(at(i, 1)), couplers[i - 1].at(at(i, 1))});
-    }
-  });
+  return Scene({0, -9.81, 0}, [&](SystemGraph& graph) { draw_four_bars(graph, windows); });
 }
 
 struct Run {

@@ -1,26 +1,11 @@
 // R04: Bricard's closed 6R loop, 30 rows of rank 29 all along; marks 1e-4 m and 1e-4 J over 10 s, |g| < 1e-8.
 #include "tests/reference/accuracy.h"
-#include "tests/reference/mechanism.h"
+#include "tests/reference/loops.h"
 
 namespace lithe::test {
 namespace {
 
-/// Rods P1P2 ... P5P6 (bodies 0 .. 4), hinges 1 .. 6; the first and the last on ground.
-Scene bricard() {
-  return Scene({0, -9.81, 0}, [](SystemGraph& graph) {
-    const Vector3 P[] = {{0, 0, 0}, {1, 0, 0}, {1, -1, 0}, {1, -1, 1}, {0, -1, 1}, {0, 0, 1}};
-    const Vector3 axis[] = {Vector3::UnitY(), Vector3::UnitZ(), Vector3::UnitX(),
-                            Vector3::UnitY(), Vector3::UnitZ(), Vector3::UnitX()};
-    std::vector<Part> rods;
-    for (int i = 0; i < 5; ++i) rods.push_back(rod(graph, "rod " + std::to_string(i + 1), P[i], P[i + 1], 1, 0.1));
-    for (int i = 0; i < 6; ++i) {
-      const Matrix3 axes = axes_with_z(axis[i]);
-      const Marker before = i > 0 ? rods[i - 1].at(P[i], axes) : graph.ground().marker(P[i], axes);
-      const Marker after = i < 5 ? rods[i].at(P[i], axes) : graph.ground().marker(P[i], axes);
-      graph.add<RevoluteJoint>("hinge " + std::to_string(i + 1), {before, after});
-    }
-  });
-}
+Scene bricard() { return Scene({0, -9.81, 0}, draw_bricard); }
 
 double check(Method method, double position, double energy) {
   const Table table = reference("R04_bricard/reference.csv");

@@ -9,8 +9,7 @@ int main(int argument_count, char** words) {
   return run_program(argument_count, words, [](Arguments& arguments) {
     const int count = arguments.integer("n", 1000), repeats = arguments.integer("repeat", 5);
     const std::string joint = arguments.text("joint", "spherical");
-    if (joint != "spherical" && joint != "revolute")
-      throw std::invalid_argument("no joint '" + joint + "'; known are spherical, revolute");
+    const ChainJoint kind = chain_joint(joint);
     const double end = arguments.number("T", 1);
     const long steps = std::max(1L, std::lround(end / arguments.number("dt", 1e-3)));
     const Stepping stepping{.step = end / static_cast<double>(steps),
@@ -19,9 +18,7 @@ int main(int argument_count, char** words) {
                             .newton_tolerance = arguments.number("newton", 1e-9)};
     arguments.finish();
 
-    const Scene scene([&](lithe::SystemGraph& graph) {
-      return draw_chain(graph, count, joint == "spherical" ? ChainJoint::spherical : ChainJoint::revolute);
-    });
+    const Scene scene([&](lithe::SystemGraph& graph) { return draw_chain(graph, count, kind); });
     const Cost cost = least_of(repeats, [&] { return measure(scene, stepping); });
     std::printf("{\"program\": \"chain\", \"joint\": \"%s\", \"n\": %d, \"us_per_link_step\": %.5g, ", joint.c_str(),
                 count, cost.microseconds_per_step() / count);

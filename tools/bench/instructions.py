@@ -15,16 +15,27 @@ import subprocess
 import tempfile
 
 
-def one_run(program, arguments, steps, profile=None):
-    """(instructions, the program's own JSON line) of so many steps."""
-    command = ["valgrind", "--tool=callgrind", f"--callgrind-out-file={profile or '/dev/null'}", str(program), *arguments,
-               "--dt", "1e-3", "--T", f"{steps * 1e-3:.9g}", "--repeat", "1"]
+def counted(command, profile=None, more=()):
+    """(instructions, the program's own JSON line) of one call."""
+    command = ["valgrind", "--tool=callgrind", f"--callgrind-out-file={profile or '/dev/null'}", *more,
+               *map(str, command), "--repeat", "1"]
     done = subprocess.run(command, capture_output=True, text=True)
     found = re.search(r"Collected : (\d+)", done.stderr)
     lines = [line for line in done.stdout.splitlines() if line.startswith("{")]
     if done.returncode or not found or not lines:
         raise SystemExit(f"error: callgrind failed: {' '.join(command)}\n{done.stderr[-2000:]}")
     return int(found[1]), json.loads(lines[-1])
+
+
+def one_run(program, arguments, steps, profile=None, more=()):
+    """The same of so many steps of 1 ms."""
+    return counted([program, *arguments, "--dt", "1e-3", "--T", f"{steps * 1e-3:.9g}"], profile, more)
+
+
+def per_evaluation(program, arguments, evaluations):
+    """Instructions for one evaluation of all accelerations."""
+    few, many = (counted([program, *arguments, "--evaluations", k])[0] for k in (evaluations, 2 * evaluations))
+    return (many - few) / evaluations
 
 
 def per_step(program, arguments, steps):

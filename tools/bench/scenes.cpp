@@ -4,6 +4,7 @@
 
 #include "bodies/flexible/readers/calculix.h"
 #include "bodies/rigid_body.h"
+#include "joints/forces/bushing.h"
 #include "joints/revolute_joint.h"
 #include "joints/spherical_joint.h"
 #include "joints/three_node_fixation.h"
@@ -17,20 +18,35 @@ const Matrix3 kAlongY = rotation_about({1, 0, 0}, -M_PI / 2);
 
 }  // namespace
 
-Marker draw_chain(SystemGraph& graph, int count, ChainJoint joint) {
-  const bool spherical = joint == ChainJoint::spherical;
-  const Matrix3 axes = spherical ? Matrix3(Matrix3::Identity()) : kAlongY;
+ChainJoint chain_joint(const std::string& name) {
+  if (name == "spherical") return ChainJoint::spherical;
+  if (name == "revolute") return ChainJoint::revolute;
+  throw std::invalid_argument("no joint '" + name + "'; known are spherical, revolute");
+}
+
+Marker draw_chain(SystemGraph& graph, int count, ChainJoint joint, std::vector<Marker>* ends) {
+  const Matrix3 axes = joint == ChainJoint::revolute ? kAlongY : Matrix3(Matrix3::Identity());
+  const Bushing::Parameters soft{.stiffness = Bushing::diagonal({1e6, 1e6, 1e6}, {0, 0, 0}),
+                                 .damping = Bushing::diagonal({1e3, 1e3, 1e3}, {0, 0, 0})};
   Marker end = graph.ground().marker({0, 0, 0}, axes);
   for (int i = 0; i < count; ++i) {
     const std::string number = std::to_string(i + 1);
     auto& rod = graph.add<RigidBody>(
         "rod " + number, {.mass = 1, .inertia = {1.25e-3, 1.0 / 12, 1.0 / 12}, .position = {i + 0.5, 0, 0}});
     const Marker start = rod.marker({-0.5, 0, 0}, axes);
-    if (spherical)
-      graph.add<SphericalJoint>("joint " + number, {end, start});
-    else
-      graph.add<RevoluteJoint>("joint " + number, {end, start});
+    switch (joint) {
+      case ChainJoint::spherical:
+        graph.add<SphericalJoint>("joint " + number, {end, start});
+        break;
+      case ChainJoint::revolute:
+        graph.add<RevoluteJoint>("joint " + number, {end, start});
+        break;
+      case ChainJoint::bushing:
+        graph.add<Bushing>("joint " + number, {end, start}, soft);
+        break;
+    }
     end = rod.marker({0.5, 0, 0}, axes);
+    if (ends) ends->push_back(end);
   }
   return end;
 }

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <functional>
+#include <string>
+#include <vector>
 
 #include "bodies/flexible/flexible_body.h"
 #include "engine/assembler.h"
@@ -13,11 +15,12 @@ namespace lithe::bench {
 /// The scenes measured here: drawn and assembled, ready to step. Neither copied nor moved: the system borrows the
 /// graph.
 struct Scene {
-  SystemGraph graph{{.gravity = {0, 0, -9.81}}};
+  SystemGraph graph;
   Marker tip;
   const System system;
 
-  explicit Scene(const std::function<Marker(SystemGraph&)>& draw) : system(drawn(draw)) {}
+  explicit Scene(const std::function<Marker(SystemGraph&)>& draw, const Vector3& gravity = {0, 0, -9.81})
+      : graph({.gravity = gravity}), system(drawn(draw)) {}
   Scene(const Scene&) = delete;
 
  private:
@@ -27,9 +30,13 @@ struct Scene {
   }
 };
 
-/// Unit rods (1 kg, 1 m) in a level row, each jointed to the one before, the first to the ground; at rest.
-enum class ChainJoint { spherical, revolute };
-Marker draw_chain(SystemGraph& graph, int count, ChainJoint joint);
+/// Unit rods (1 kg, 1 m) in a level row, each tied to the one before, the first to the ground; at rest. `bushing`: by
+/// springs of 1e6 N/m and dampers of 1e3 N s/m in the three directions, turning freely; else by a joint. Returns the
+/// tip; `ends`, if given, gets the outboard end of each rod.
+enum class ChainJoint { spherical, revolute, bushing };
+Marker draw_chain(SystemGraph& graph, int count, ChainJoint joint, std::vector<Marker>* ends = nullptr);
+/// "spherical", "revolute". Throws std::invalid_argument for another name.
+ChainJoint chain_joint(const std::string& name);
 
 /// The rod of examples/data/pendulum/hex8i: 16 bricks with incompatible modes, its matrices from CalculiX.
 FiniteElementModel rod_model();

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <atomic>
+#include <thread>
+#include <vector>
+
+namespace lithe {
+
+/// Threads that share short pieces of work many times over: they wait awake for a moment, then asleep.
+class Crew {
+ public:
+  /// So many threads in all, the caller's among them.
+  explicit Crew(int threads);
+  ~Crew();
+  Crew(const Crew&) = delete;
+
+  /// Calls job(i) for 0 <= i < count, in no order, and returns when all are done. Jobs must not throw.
+  template <class Job>
+  void run(int count, const Job& job) {
+    const Call call = [](const void* data, int i) { (*static_cast<const Job*>(data))(i); };
+    run(count, call, &job);
+  }
+
+ private:
+  using Call = void (*)(const void*, int);
+  void run(int count, Call call, const void* data);
+  void work();
+  void wait_for_work();
+
+  Call call_ = nullptr;
+  const void* data_ = nullptr;
+  int count_ = 0;
+  std::atomic<int> next_{0}, at_work_{0};
+  std::atomic<unsigned> round_{0};
+  std::atomic<bool> over_{false};
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace lithe

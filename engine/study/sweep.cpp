@@ -1,0 +1,228 @@
+#include "engine/study/sweep.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "engine/output/number_text.h"
+#include "engine/output/partial_file.h"
+#include "engine/study/study_run.h"
+#include "engine/study/sweep_internal.h"
+
+namespace lithe {
+namespace {
+
+constexpr int kMostReported = 10;  // failures, in report()
+
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+void check(const SweepScene& scene, const Table& parameters, const SweepOptions& options) {
+  const auto refuse = [](const std::string& what, const std::string& mend) { throw SceneError(what, "sweep", mend); };
+  if (!scene) refuse("there is no scene", "give a function of a SweepPoint");
+  if (options.threads < 0) refuse("a sweep takes no negative number of threads", "0 means all processors");
+  if (parameters.row_count() == 0) refuse("there are no points", "give a table with a row a point, such as grid()");
+  for (std::size_t i = 0; i < parameters.columns.size(); ++i) {
+    const std::string& name = parameters.columns[i];
+    if (name.empty()) refuse("a parameter has no name", "name the columns of the table");
+    if (std::count(parameters.columns.begin(), parameters.columns.end(), name) > 1)
+      refuse("the parameter '" + name + "' appears twice", "give each a name of its own");
+    for (int row = 0; row < parameters.row_count(); ++row)
+      if (!std::isfinite(parameters.at(row, static_cast<int>(i))))
+        refuse("the parameter '" + name + "' is no finite number in row " + std::to_string(row), "mend the table");
+  }
+}
+
+void check_names(const SweepValues& values, const std::vector<std::string>& parameters) {
+  std::vector<std::string> names;
+  for (const SweepValue& value : values) {
+    if (value.name.empty()) throw SceneError("a result has no name", "the scene of the sweep", "name it");
+    if (contains(names, value.name) || contains(parameters, value.name))
+      throw SceneError("the result '" + value.name + "' bears the name of another result or of a parameter",
+                       "the scene of the sweep", "give it a name of its own");
+    names.push_back(value.name);
+  }
+}
+
+bool same_names(const SweepValues& a, const SweepValues& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const SweepValue& x, const SweepValue& y) { return x.name == y.name; });
+}
+
+/// The scene at one point; what it throws is part of the outcome.
+SweepOutcome compute(const SweepScene& scene, const Table& parameters, int row) {
+  const SweepPoint point(parameters, row);
+  SweepOutcome outcome{.row = row};
+  const auto fail = [&](const std::string& what, const std::string& where, const std::string& mend) {
+    outcome.values.clear();
+    outcome.failure = SweepFailure{row, point.text(), what, where, mend};
+  };
+  const auto foreign = [&](const std::string& what) {
+    fail(what, "the scene of the sweep", "this is no error of Lithe's: see what the scene calls at this point");
+  };
+  const auto begun = std::chrono::steady_clock::now();
+  try {
+    outcome.values = scene(point);
+    check_names(outcome.values, parameters.columns);
+  } catch (const Error& error) {
+    fail(error.problem(), error.where(), error.mend());
+  } catch (const std::exception& error) {
+    foreign(error.what());
+  } catch (...) {
+    foreign("something was thrown that is no std::exception");
+  }
+  outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  return outcome;
+}
+
+/// FNV-1a.
+std::uint64_t fingerprint(const Table& table) {
+  std::uint64_t hash = 14695981039346656037u;
+  const auto add = [&](const void* data, std::size_t size) {
+    for (std::size_t i = 0; i < size; ++i) hash = (hash ^ static_cast<const unsigned char*>(data)[i]) * 1099511628211u;
+  };
+  for (const std::string& name : table.columns) add(name.c_str(), name.size() + 1);
+  add(table.values.data(), table.values.size() * sizeof(double));
+  return hash;
+}
+
+/// The outcomes, by row, as a table. Its columns are those of the first point that has results.
+SweepResult gather(const Table& parameters, std::vector<SweepOutcome>& outcomes) {
+  SweepResult result{.table = {.columns = parameters.columns}};
+  const auto first =
+      std::find_if(outcomes.begin(), outcomes.end(), [](const SweepOutcome& outcome) { return !outcome.failure; });
+  const SweepValues named = first == outcomes.end() ? SweepValues{} : first->values;
+  for (const SweepValue& value : named) result.table.columns.push_back(value.name);
+  const std::size_t width = parameters.columns.size();
+  for (SweepOutcome& outcome : outcomes) {
+    if (!outcome.failure && !same_names(outcome.values, named))
+      outcome.failure = SweepFailure{outcome.row, SweepPoint(parameters, outcome.row).text(),
+                                     "it names other results than " + SweepPoint(parameters, first->row).text(),
+                                     "the scene of the sweep",
+                                     "return the same names in the same order; NaN where there is no number"};
+    const auto begin = parameters.values.begin() + static_cast<std::ptrdiff_t>(outcome.row * width);
+    std::vector<double> row(begin, begin + static_cast<std::ptrdiff_t>(width));
+    for (std::size_t i = 0; i < named.size(); ++i)
+      row.push_back(outcome.failure ? std::numeric_limits<double>::quiet_NaN() : outcome.values[i].value);
+    result.table.add_row(row);
+    if (outcome.failure) result.failures.push_back(*outcome.failure);
+  }
+  return result;
+}
+
+/// Points by name in the bar; the time left from what a point takes on average.
+class Bar {
+ public:
+  Bar(const Table& parameters, Progress::Show show)
+      : parameters_(parameters),
+        progress_(std::vector<int>(parameters.row_count(), 1), std::numeric_limits<double>::infinity(), show) {}
+
+  void count(const SweepOutcome& outcome, int threads) {
+    progress_.begin(outcome.row, SweepPoint(parameters_, outcome.row).text());
+    progress_.end(outcome.seconds / threads);
+  }
+
+ private:
+  const Table& parameters_;
+  Progress progress_;
+};
+
+thread_local bool within_point = false;
+
+}  // namespace
+
+double SweepPoint::operator[](const Located& parameter) const {
+  const auto found = std::find(parameters_.columns.begin(), parameters_.columns.end(), parameter.text);
+  if (found != parameters_.columns.end())
+    return parameters_.at(row_, static_cast<int>(found - parameters_.columns.begin()));
+  std::string known;
+  for (const std::string& name : parameters_.columns) known += (known.empty() ? "" : ", ") + name;
+  throw SceneError("the sweep has no parameter '" + parameter.text + "'", to_string(parameter.where),
+                   "known are " + known);
+}
+
+std::string SweepPoint::text() const {
+  std::string list;
+  for (std::size_t i = 0; i < parameters_.columns.size(); ++i)
+    list += (list.empty() ? "" : ", ") + parameters_.columns[i] + " " +
+            short_number(parameters_.at(row_, static_cast<int>(i)));
+  return "point " + std::to_string(row_) + " (" + list + ")";
+}
+
+std::string SweepResult::report() const {
+  std::string text = std::to_string(failures.size()) + " of " + std::to_string(table.row_count()) + " points failed\n";
+  for (std::size_t i = 0; i < failures.size() && i < kMostReported; ++i)
+    text += failures[i].point + ": " + failures[i].what + "\n  at:   " + failures[i].where +
+            "\n  mend: " + failures[i].mend + "\n";
+  if (failures.size() > kMostReported) text += "and " + std::to_string(failures.size() - kMostReported) + " more\n";
+  return text;
+}
+
+void SweepResult::write_csv(const std::string& path) const {
+  if (rank != 0) return;
+  const auto quoted = [](const std::string& cell) {
+    if (cell.find_first_of(",\"\r\n") == std::string::npos) return cell;
+    std::string out = "\"";
+    for (const char c : cell) out += c == '"' ? "\"\"" : std::string(1, c == '\n' || c == '\r' ? ' ' : c);
+    return out + '"';
+  };
+  std::string line;
+  for (const std::string& name : table.columns) line += (line.empty() ? "" : ",") + quoted(name);
+  if (!failures.empty()) line += ",error";
+  PartialFile file(path);
+  file.stream() << line << '\n';
+  auto failure = failures.begin();
+  for (int row = 0; row < table.row_count(); ++row) {
+    line.clear();
+    for (int column = 0; column < static_cast<int>(table.columns.size()); ++column) {
+      if (column > 0) line += ',';
+      if (const double value = table.at(row, column); !std::isnan(value)) append_number(line, value);
+    }
+    if (!failures.empty()) line += ',';
+    if (failure != failures.end() && failure->row == row) {
+      line += quoted(failure->what + "; at " + failure->where + "; " + failure->mend);
+      ++failure;
+    }
+    file.stream() << line << '\n';
+  }
+  file.commit();
+}
+
+SweepResult sweep(const SweepScene& scene, const Table& parameters, const SweepOptions& options) {
+  check(scene, parameters, options);
+  const int count = parameters.row_count();
+  std::vector<SweepOutcome> outcomes(count);
+  if (within_point) {
+    for (int row = 0; row < count; ++row) outcomes[row] = compute(scene, parameters, row);
+    return gather(parameters, outcomes);
+  }
+
+  SweepRanks* ranks = SweepRanks::find();
+  const int rank = ranks ? ranks->rank() : 0;
+  const int threads =
+      options.threads > 0 ? options.threads : free_processors(ranks ? ranks->ranks_on_this_machine() : 1);
+  Bar bar(parameters, rank == 0 ? options.progress : Progress::Show::never);
+  int finished = 0;
+  const auto keep = [&](SweepOutcome outcome, int all_threads) {
+    bar.count(outcome, all_threads);
+    ++finished;
+    outcomes.at(outcome.row) = std::move(outcome);
+  };
+  SweepCrew crew(std::min(threads, count), [&](int row) {
+    within_point = true;
+    return compute(scene, parameters, row);
+  });
+  if (ranks) {
+    ranks->share(crew, count, fingerprint(parameters), keep);
+  } else {
+    for (int row = 0; row < count; ++row) crew.add(row);
+    while (finished < count)
+      for (SweepOutcome& outcome : crew.take(std::chrono::seconds(1))) keep(std::move(outcome), crew.size());
+  }
+  SweepResult result = gather(parameters, outcomes);
+  result.rank = rank;
+  return result;
+}
+
+}  // namespace lithe
