@@ -68,8 +68,9 @@ class BodyBatchOf final : public BodyBatch {
       BodyTangent S{Eigen::Map<Matrix6>(frame), Eigen::Map<Matrix6X>(frame_linear, 6, record.frame < 0 ? 0 : size),
                     Eigen::Map<MatrixX>(linear_frame, record.frame < 0 ? 0 : size, 6),
                     Eigen::Map<VectorX>(linear, entries)};
-      for (const auto& [at, count] : {std::pair(frame, 36), std::pair(frame_linear, 6 * size),
-                                      std::pair(linear_frame, 6 * size), std::pair(linear, entries)})
+      const int coupled = static_cast<int>(S.frame_linear.size());
+      for (const auto& [at, count] : {std::pair(frame, 36), std::pair(frame_linear, coupled),
+                                      std::pair(linear_frame, coupled), std::pair(linear, entries)})
         if (at) std::fill_n(at, count, 0.0);
       bodies_[i]->T::add_tangent(state_of(work, caches, i), v_dot + record.v, work.gravity, weights, S);
       if (!increment || record.frame < 0) continue;

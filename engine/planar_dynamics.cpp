@@ -10,6 +10,9 @@
 namespace lithe {
 namespace {
 
+/// m, rad, or parts of the fastest motion: what lies farther off is not where the step should have ended, but across a
+/// singular position, where a small gap has a large answer. The step is tried again, shorter.
+constexpr double kLargestMove = 0.02;
 constexpr double kParallel = 1e-10;      // what an axis may be off
 constexpr std::size_t kMostJoints = 12;  // of a body: each pair of them costs a block
 
@@ -377,6 +380,7 @@ bool PlanarDynamics::project(double* q, double* v, double tolerance) {
     factorize();
     solve();
     respond();
+    if (!(largest_response() < kLargestMove)) return false;
     for (std::size_t b = 0; b < bodies_.size(); ++b) move(b, q);
   }
   // Velocities likewise.
@@ -390,6 +394,9 @@ bool PlanarDynamics::project(double* q, double* v, double tolerance) {
   add_rates(free_.data());
   solve();
   respond();
+  double fastest = 1;
+  for (double rate : free_) fastest = std::max(fastest, std::abs(rate));
+  if (!(largest_response() < kLargestMove * fastest)) return false;
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const Body& body = bodies_[b];
     const double *x = free_.data() + 3 * b, *r = response_.data() + 3 * b;
@@ -398,6 +405,13 @@ bool PlanarDynamics::project(double* q, double* v, double tolerance) {
     for (int i = 0; i < 3; ++i) to[3 + i] = body.normal[i] * (x[2] + r[2]);
   }
   return true;
+}
+
+double PlanarDynamics::largest_response() const {
+  double largest = 0;
+  for (double x : response_)
+    if (!(std::abs(x) <= largest)) largest = std::abs(x);
+  return largest;
 }
 
 /// Of the gaps, by the largest coordinate.

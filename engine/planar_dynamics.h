@@ -78,6 +78,7 @@ class PlanarDynamics final : public ForwardKernel {
   void add_rates(const double* x);
   void move(std::size_t body, double* q) const;
   double round_off() const;
+  double largest_response() const;
 
   int e1_ = 0, e2_ = 1, e3_ = 2;  // world axes of the plane, and its normal
   Point gravity_;
