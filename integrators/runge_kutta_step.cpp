@@ -104,10 +104,10 @@ RungeKuttaStep::Outcome RungeKuttaStep::attempt(const State& start, double h, do
   // 2. The end of the step, moved onto the constraints. The stage before was near enough to give the direction.
   stage(start, h, last);
   auto factor = Projector::Factor::fresh;
-  if (forward_) {
-    if (!forward_->project(time, q_, v_, kPositionTolerance)) return Outcome::off_constraints;
-  } else if (lambda_.size() > 0) {
-    if (!projector_.position(time, q_, kPositionTolerance, kMaxProjections, Projector::Factor::last).converged)
+  const bool projected = forward_ && forward_->project(time, q_, v_, kPositionTolerance);
+  if (!projected && lambda_.size() > 0) {
+    const auto direction = forward_ ? Projector::Factor::fresh : Projector::Factor::last;
+    if (!projector_.position(time, q_, kPositionTolerance, kMaxProjections, direction).converged)
       return Outcome::off_constraints;
     projector_.velocity(time, q_, v_);
     ++factorizations;
