@@ -121,6 +121,7 @@ void PlanarDynamics::plan() {
   gamma_.resize(2 * n), rhs_.resize(2 * n);
   free_.resize(3 * bodies_.size()), response_.resize(3 * bodies_.size());
   compliance_.resize(2 * n);
+  saved_.resize(7 * bodies_.size());
   inverse_.resize(n);
   // 1. Joints that share a body, and an order of their elimination.
   struct Tie {
@@ -364,6 +365,13 @@ void PlanarDynamics::accelerations(const double* q, const double* v, const doubl
 }
 
 bool PlanarDynamics::project(double* q, double* v, double tolerance) {
+  for (std::size_t b = 0; b < bodies_.size(); ++b) std::copy_n(q + bodies_[b].q, 7, saved_.data() + 7 * b);
+  if (project_onto(q, v, tolerance)) return true;
+  for (std::size_t b = 0; b < bodies_.size(); ++b) std::copy_n(saved_.data() + 7 * b, 7, q + bodies_[b].q);
+  return false;
+}
+
+bool PlanarDynamics::project_onto(double* q, double* v, double tolerance) {
   constexpr int kMaxIterations = 10;
   double before = 0;
   for (int k = 0;; ++k) {

@@ -19,7 +19,8 @@ class PlanarDynamics final : public ForwardKernel {
 
   ForwardMethod method() const override { return ForwardMethod::planar; }
   void accelerations(const double* q, const double* v, const double* load, double* v_dot) override;
-  /// Newton steps in the metric of the masses; bodies are put back into their planes.
+  /// Newton steps in the metric of the masses; bodies are put back into their planes. False, and nothing changed, where
+  /// a singular position leaves no way.
   bool project(double* q, double* v, double tolerance) override;
 
  private:
@@ -69,6 +70,7 @@ class PlanarDynamics final : public ForwardKernel {
 
   PlanarDynamics() = default;
   void plan();
+  bool project_onto(double* q, double* v, double tolerance);
   void place(const double* q, const double* v);
   double write_gaps();  // into rhs_; the largest
   void write_rows();    // and γ
@@ -90,6 +92,7 @@ class PlanarDynamics final : public ForwardKernel {
   std::vector<double> gamma_, rhs_;      // two a joint
   std::vector<double> compliance_;       // of each row by itself
   std::vector<double> free_, response_;  // three a body: motions without joints, and what joints add
+  std::vector<double> saved_;            // coordinates, while they are projected
   std::vector<Product> products_;
   std::vector<Pivot> pivots_;
   std::vector<Neighbour> neighbours_;

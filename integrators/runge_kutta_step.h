@@ -46,6 +46,7 @@ class RungeKuttaStep {
  private:
   void stage(const State& start, double h, int i);
   void accelerate(double time, int i, Projector::Factor factor = Projector::Factor::fresh);
+  bool is_near_constraints(double time);
   void estimate_stiffness();
   bool prepare_dense(const State& from, const State& to);
 
