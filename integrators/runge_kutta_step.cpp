@@ -105,8 +105,10 @@ RungeKuttaStep::Outcome RungeKuttaStep::attempt(const State& start, double h, do
   stage(start, h, last);
   auto factor = Projector::Factor::fresh;
   if (forward_) {
-    if (!forward_->project(time, q_, v_, kPositionTolerance) && !is_near_constraints(time))
+    if (!forward_->project(time, q_, v_, kPositionTolerance)) {
+      forward_ = nullptr;  // a singular position: from here on by the projector, which knows how to pass it
       return Outcome::off_constraints;
+    }
   } else if (lambda_.size() > 0) {
     if (!projector_.position(time, q_, kPositionTolerance, kMaxProjections, Projector::Factor::last).converged)
       return Outcome::off_constraints;
@@ -120,14 +122,6 @@ RungeKuttaStep::Outcome RungeKuttaStep::attempt(const State& start, double h, do
   if (!v_dot_.col(last).allFinite() || !q_.allFinite()) return Outcome::no_number;
   estimate_stiffness();
   return Outcome::taken;
-}
-
-/// In a singular position no projection is to be had, nor needed: the step after it brings the drift back.
-bool RungeKuttaStep::is_near_constraints(double time) {
-  constexpr double kNear = 1e-6;  // in the units of the rows
-  equations_.evaluate(time, q_, v_, Level::position);
-  equations_.constraint(Level::position, lambda_);
-  return lambda_.cwiseAbs().maxCoeff() < kNear;
 }
 
 double RungeKuttaStep::error(const State& start, double h, const Tolerance& tolerance) {

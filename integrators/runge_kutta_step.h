@@ -46,14 +46,13 @@ class RungeKuttaStep {
  private:
   void stage(const State& start, double h, int i);
   void accelerate(double time, int i, Projector::Factor factor = Projector::Factor::fresh);
-  bool is_near_constraints(double time);
   void estimate_stiffness();
   bool prepare_dense(const State& from, const State& to);
 
   const RungeKuttaTableau& tableau_;
   EquationsOfMotion& equations_;
   const Layout& layout_;
-  ForwardDynamics* const forward_;  // null: by the projector, with multipliers
+  ForwardDynamics* forward_;  // null: by the projector, with multipliers
   Projector projector_;
   MatrixX d_dot_, v_dot_;       // a column a stage
   VectorX q_, d_, v_, lambda_;  // of the stage being computed
