@@ -13,7 +13,9 @@ namespace {
 /// m, rad, or parts of the fastest motion: what lies farther off is not where the step should have ended, but across a
 /// singular position, where a small gap has a large answer. The step is tried again, shorter.
 constexpr double kLargestMove = 0.02;
-constexpr double kParallel = 1e-10;      // what an axis may be off
+constexpr double kParallel = 1e-10;  // what an axis may be off
+/// Where many loops are singular at one time (forty four-bars in a row), steps get through by constraints only.
+constexpr int kMostLoops = 8;
 constexpr std::size_t kMostJoints = 12;  // of a body: each pair of them costs a block
 
 enum class InPlane { none, hinge, slider, free };
@@ -101,6 +103,7 @@ std::unique_ptr<PlanarDynamics> PlanarDynamics::make(const RigidScene& scene) {
       plane->joints_.push_back({side(joint.A), side(joint.B), kinds[j] == InPlane::slider, {-along[e2], along[e1]}});
     }
     if (plane->joints_.empty() || *std::max_element(degree.begin(), degree.end()) > kMostJoints) return nullptr;
+    if (static_cast<int>(plane->joints_.size()) > n + kMostLoops) return nullptr;
 
     // 3. Redundant rows in the plane itself are the business of others.
     constexpr double kDependent = 1e-9;
