@@ -106,9 +106,13 @@ RungeKuttaStep::Outcome RungeKuttaStep::attempt(const State& start, double h, do
   auto factor = Projector::Factor::fresh;
   if (forward_) {
     if (!forward_->project(time, q_, v_, kPositionTolerance)) {
-      forward_ = nullptr;  // a singular position: from here on by the projector, which knows how to pass it
+      // Shorter steps drift less; where they do not help, it is a singular position: then by the projector from here
+      // on.
+      constexpr int kMostRefusals = 4;
+      if (++refusals_ == kMostRefusals) forward_ = nullptr;
       return Outcome::off_constraints;
     }
+    refusals_ = 0;
   } else if (lambda_.size() > 0) {
     if (!projector_.position(time, q_, kPositionTolerance, kMaxProjections, Projector::Factor::last).converged)
       return Outcome::off_constraints;

@@ -52,6 +52,7 @@ class RungeKuttaStep {
   const RungeKuttaTableau& tableau_;
   EquationsOfMotion& equations_;
   const Layout& layout_;
+  int refusals_ = 0;          // of forward_ to project, in a row
   ForwardDynamics* forward_;  // null: by the projector, with multipliers
   Projector projector_;
   MatrixX d_dot_, v_dot_;       // a column a stage
