@@ -208,8 +208,8 @@ EigenModes lowest_modes(const SparseMatrix& K, const SparseMatrix& M, const Matr
   return modes;
 }
 
-EigenModes with_static_modes(const SparseMatrix& K, const SparseMatrix& M, const MatrixX& rigid,
-                             const EigenModes& modes, const MatrixX& loads, const std::string& where) {
+MatrixX static_deflections(const SparseMatrix& K, const SparseMatrix& M, const MatrixX& rigid, const MatrixX& loads,
+                           const std::string& where) {
   double shift = 0;
   const SparseCholesky factor(shifted_stiffness(K, M, shift));
   require_positive(factor, where);
@@ -225,9 +225,15 @@ EigenModes with_static_modes(const SparseMatrix& K, const SparseMatrix& M, const
     X += factor.solve(residual);
     deflation.clean(X);
   }
+  return X;
+}
+
+EigenModes with_static_modes(const SparseMatrix& K, const SparseMatrix& M, const MatrixX& rigid,
+                             const EigenModes& modes, const MatrixX& loads, const std::string& where) {
+  MatrixX X = static_deflections(K, M, rigid, loads, where);
 
   // Unit compliance each, then what the eigenmodes and the other deflections lack: the K-orthonormal rest.
-  const VectorX compliance = X.cwiseProduct(F).colwise().sum().transpose();
+  const VectorX compliance = X.cwiseProduct(loads).colwise().sum().transpose();
   const double negligible = 1e-20 * compliance.maxCoeff();
   for (Eigen::Index k = 0; k < X.cols(); ++k) X.col(k) *= compliance[k] > negligible ? 1 / std::sqrt(compliance[k]) : 0;
   for (int pass = 0; pass < 2; ++pass) X -= modes.vectors * (modes.vectors.transpose() * (M * X));

@@ -23,6 +23,11 @@ enum class EigenMethod { automatic, dense, lanczos };
 EigenModes lowest_modes(const SparseMatrix& K, const SparseMatrix& M, const MatrixX& rigid, int count,
                         const std::string& where, EigenMethod method = EigenMethod::automatic);
 
+/// Deflections X, K X = P loads (n x k): the loads rid of what moves the body along `rigid` (inertia relief), X
+/// M-orthogonal to it. Accurate to round-off.
+MatrixX static_deflections(const SparseMatrix& K, const SparseMatrix& M, const MatrixX& rigid, const MatrixX& loads,
+                           const std::string& where);
+
 /// `modes` (eigenpairs as above) and the static deflections under `loads` (n x k), as Ritz vectors of both together:
 /// M-orthonormal, K diagonal, ascending. The loads are first rid of what moves the body along `rigid` (inertia relief);
 /// deflections that add less than 1e-12 of a load's compliance to the others are left out.

@@ -11,24 +11,50 @@ namespace lithe {
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
-/// Surface of the mesh for pictures (VTU): element connectivity by node index (0-based), CalculiX/Abaqus node order.
+/// Isotropic linear elastic material.
+struct Material {
+  double young = 0;    // E, Pa; 0: not known
+  double poisson = 0;  // ν
+  double density = 0;  // kg/m³
+};
+
+/// Elements of one type and material: connectivity by node index (0-based), CalculiX/Abaqus node order. For pictures;
+/// with a material, also for stress and geometric stiffness (bodies/flexible/elements).
 struct ElementBlock {
-  std::string type;                     // "C3D8", "C3D20", "C3D10", ...
+  std::string type;                     // "C3D8", "C3D8I", "C3D20", "C3D10", ...
   std::vector<std::vector<int>> nodes;  // node indices of each element
+  Material material{};
+};
+
+/// A rotation of a node that is a degree of freedom beside its translations (beams, shells).
+struct RotationalDof {
+  int node;  // index
+  int axis;  // 0, 1, 2: about x, y, z of the mesh
+};
+
+/// Stress stiffness of the body under one load, as a finite-element code gives it: K(loaded) - K(unloaded).
+struct StressStiffness {
+  VectorX load;         // nodal forces, one a degree of freedom, mesh axes, N
+  SparseMatrix matrix;  // dofs x dofs, N/m, both triangles
 };
 
 /// What a finite-element code hands over at t = 0: nodes, M_A and K_A in the axes of the mesh (Vlasenko & Kasper,
-/// I-II). Degree of freedom 3 * node + axis; no support is applied: K has six zero eigenvalues.
+/// I-II). Degree of freedom 3 * node + axis for translations, then one for each of `rotations`; no support is applied:
+/// K has six zero eigenvalues.
 struct FiniteElementModel {
   std::string name;                                   // where it came from, for messages
   std::vector<int> node_ids;                          // labels of the FE code, by node index
   Matrix3X nodes;                                     // 3 x n positions, metres
-  SparseMatrix stiffness;                             // 3n x 3n, N/m, both triangles
-  SparseMatrix mass;                                  // 3n x 3n, kg, both triangles, consistent or lumped
+  std::vector<RotationalDof> rotations;               // degrees of freedom 3n, 3n + 1, ...; none for solids
+  SparseMatrix stiffness;                             // dofs x dofs, N/m, both triangles
+  SparseMatrix mass;                                  // dofs x dofs, kg, both triangles, consistent or lumped
+  SparseMatrix damping;                               // dofs x dofs, N s/m, or empty: none given
+  std::vector<StressStiffness> stress_stiffness{};    // for bodies whose elements are not known; may be empty
   std::map<std::string, std::vector<int>> node_sets;  // node labels by set name
   std::vector<ElementBlock> elements;                 // may be empty
 
   int node_count() const { return static_cast<int>(nodes.cols()); }
+  int dof_count() const { return 3 * node_count() + static_cast<int>(rotations.size()); }
   /// Index of a node label; throws SceneError naming the model and the nearest labels.
   int node_index(int id) const;
   /// Node labels of a set; throws SceneError listing the known sets.

@@ -25,7 +25,10 @@ void add_symmetric_product(const LinearPattern& pattern, const VectorX& entries,
 
 }  // namespace
 
-FlexibleBody::Cache::Cache(const FlexibleBody& body) : terms(body.mode_count()), elastic(body.marker_count()) {}
+FlexibleBody::Cache::Cache(const FlexibleBody& body)
+    : terms(body.field_count()),
+      deflection(body.deflection_ ? body.field_count() : 0, body.deflection_ ? body.mode_count() : 0),
+      elastic(body.marker_count()) {}
 
 FlexibleBody::FlexibleBody(Parameters parameters) : parameters_(std::move(parameters)) {
   if (!parameters_.basis) throw SceneError("has no basis", "", "give .basis = make_basis(model, frame, mode_count)");
@@ -41,15 +44,20 @@ FlexibleBody::FlexibleBody(Parameters parameters) : parameters_(std::move(parame
                      "use all its coordinates, 0 for a rigid body, or make_basis() with a mode count");
   if (basis.nodal && modes_ > 0) {
     inertia_ = std::make_unique<NodalInertia>(parameters_.basis);
-  } else if (modes_ == available) {
-    inertia_ = std::make_unique<ModalInertia>(inertia_integrals(basis));
+  } else if (basis.nodal) {
+    ModalBasis rigid = basis;
+    rigid.nodal = false;
+    rigid.modes = MatrixX(3 * basis.nodes.cols(), 0);
+    rigid.stiffness = rigid.modal_mass = SparseMatrix(0, 0);
+    inertia_ = std::make_unique<ModalInertia>(inertia_integrals(rigid));
+  } else if (basis.deflection && modes_ > 0) {
+    if (!basis.diagonal)
+      throw SceneError("a quadratic deflection needs an eigenmode basis", "", "use make_basis() with a mode count");
+    deflection_ = std::make_unique<DeflectionMap>(*basis.deflection, modes_);
+    inertia_ = std::make_unique<ModalInertia>(basis.deflection->integrals);
   } else {
-    ModalBasis part = basis;  // the first modes only, or none
-    part.modes = basis.nodal ? MatrixX(3 * basis.nodes.cols(), 0) : MatrixX(basis.modes.leftCols(modes_));
-    part.nodal = false;
-    part.stiffness = basis.stiffness.topLeftCorner(modes_, modes_);
-    part.modal_mass = basis.modal_mass.topLeftCorner(modes_, modes_);
-    inertia_ = std::make_unique<ModalInertia>(inertia_integrals(part));
+    const bool known = basis.integrals.mass > 0 && basis.integrals.mode_count() == available;
+    inertia_ = std::make_unique<ModalInertia>(leading(known ? basis.integrals : inertia_integrals(basis), modes_));
   }
   set_up();
 }
@@ -78,13 +86,15 @@ void FlexibleBody::set_up() {
                        "", "give one entry a mode, or none");
   }
 
-  diagonal_ = basis.diagonal;
+  const bool damped = basis.damping.size() > 0;
+  diagonal_ = basis.diagonal && !damped && !deflection_;
   if (diagonal_) {
     stiffness_ = basis.stiffness.diagonal().head(modes_);
     modal_mass_ = VectorX::Ones(modes_);
   } else {
-    // The lower triangle of Mff and K^ together.
+    // The lower triangle of Mff, K^ and D together; all of it where deflection fills it.
     SparseMatrix pattern = (basis.stiffness + basis.modal_mass).topLeftCorner(modes_, modes_);
+    if (damped || deflection_) pattern = MatrixX::Ones(modes_, modes_).sparseView();
     const SparseMatrix lower = pattern.triangularView<Eigen::Lower>();
     const int entries = static_cast<int>(lower.nonZeros());
     pattern_.rows.resize(entries), pattern_.columns.resize(entries);
@@ -98,9 +108,11 @@ void FlexibleBody::set_up() {
       }
   }
   damping_ = p.damping.mass_proportional * modal_mass_ + p.damping.stiffness_proportional * stiffness_;
+  if (damped)
+    for (int k = 0; k < damping_.size(); ++k) damping_[k] += basis.damping(pattern_.rows[k], pattern_.columns[k]);
   const auto& ratios = p.damping.modal_ratios;
   if (ratios.empty()) return;
-  if (!diagonal_)
+  if (!basis.diagonal)
     throw SceneError("modal damping needs an eigenmode basis", "",
                      "use Rayleigh damping with nodal or given coordinates");
   if (ratios.size() != 1 && static_cast<int>(ratios.size()) != modes_)
@@ -110,7 +122,8 @@ void FlexibleBody::set_up() {
   for (int k = 0; k < modes_; ++k) {
     const double zeta = ratios[ratios.size() == 1 ? 0 : k];
     require::not_negative(zeta, "damping.modal_ratios[" + std::to_string(k) + "]");
-    damping_[k] += 2 * zeta * std::sqrt(stiffness_[k]);
+    // In a full lower triangle, columns one after another, mode k's diagonal entry comes after k longer columns.
+    damping_[diagonal_ ? k : k * modes_ - k * (k - 1) / 2] += 2 * zeta * std::sqrt(basis.stiffness.coeff(k, k));
   }
 }
 
@@ -140,25 +153,52 @@ void FlexibleBody::initial_state(VectorRef q, VectorRef v) const {
 void FlexibleBody::evaluate(const BodyState& state, Level level) const {
   auto& cache = static_cast<Cache&>(*state.cache);
   cache.A = rotation_matrix(Eigen::Map<const Vector4>(state.q + 3));
-  inertia_->evaluate(state.q + 7, state.v + 6, ConstVector3(state.v + 3), level, cache.terms);
+  if (!deflection_) return inertia_->evaluate(state.q + 7, state.v + 6, ConstVector3(state.v + 3), level, cache.terms);
+  DeflectionTerms& d = cache.deflection;
+  deflection_->evaluate(state.q + 7, state.v + 6, level, d);
+  inertia_->evaluate(d.xi.data(), d.xi_rate.data(), ConstVector3(state.v + 3), level, cache.terms);
+  d.Ct.noalias() = inertia_->Ct * d.P;
+  d.Cr.noalias() = cache.terms.Cr * d.P;
+  if (level == Level::position) return;
+  d.G_omega.noalias() = cache.terms.G_omega * d.P;
+  d.u.noalias() = cache.terms.u * d.P;
+  d.Cr_rate.noalias() = cache.terms.Cr_rate * d.P;
 }
 
 void FlexibleBody::add_residual(const BodyState& state, const double* v_dot, const Vector3& gravity, double* r) const {
-  const auto& cache = static_cast<const Cache&>(*state.cache);
+  auto& cache = static_cast<Cache&>(*state.cache);
   const InertiaTerms& t = cache.terms;
   const ConstVector3 w(state.v + 3), acceleration(v_dot), w_dot(v_dot + 3);
-  const ConstVector eta_acc(v_dot + 6, modes_);
+  const int fields = field_count();
+  const double* xi_acc = v_dot + 6;
+  if (deflection_) {
+    cache.deflection.acceleration = cache.deflection.xi_bias;
+    cache.deflection.acceleration.noalias() += cache.deflection.P * ConstVector(v_dot + 6, modes_);
+    xi_acc = cache.deflection.acceleration.data();
+  }
+  const ConstVector field_acc(xi_acc, fields);
   const Matrix3X& Ct = inertia_->Ct;
   const Vector3 lift = acceleration - gravity, lift_body = cache.A.transpose() * lift;
-  const Vector3 pull = w_dot.cross(t.s) + Ct.lazyProduct(eta_acc) + w.cross(w.cross(t.s)) + 2 * w.cross(t.s_rate);
+  const Vector3 pull = w_dot.cross(t.s) + Ct.lazyProduct(field_acc) + w.cross(w.cross(t.s)) + 2 * w.cross(t.s_rate);
   Eigen::Map<Vector3>(r) += inertia_->mass * lift + cache.A * pull;
-  Eigen::Map<Vector3>(r + 3) += t.s.cross(lift_body) + t.J * w_dot + t.Cr.lazyProduct(eta_acc) + t.J_rate * w +
+  Eigen::Map<Vector3>(r + 3) += t.s.cross(lift_body) + t.J * w_dot + t.Cr.lazyProduct(field_acc) + t.J_rate * w +
                                 w.cross(Vector3(t.J * w + t.h)) + t.Cr_rate_h;
   double* modal = r + 6;
+  if (deflection_) {
+    DeflectionTerms& d = cache.deflection;
+    for (int k = 0; k < fields; ++k)
+      d.acceleration[k] += Ct.col(k).dot(lift_body) + t.Cr.col(k).dot(w_dot) - t.quadratic[k];
+    Eigen::Map<VectorX> rows(modal, modes_);
+    rows.noalias() += d.P.transpose() * d.acceleration;
+    rows += d.force;
+    add_modal(0, 1, 0, state.v + 6, modal);
+    add_modal(0, 0, 1, state.q + 7, modal);
+    return;
+  }
   for (int k = 0; k < modes_; ++k) modal[k] += Ct.col(k).dot(lift_body) + t.Cr.col(k).dot(w_dot) - t.quadratic[k];
   if (diagonal_) {
     const double *eta = state.q + 7, *rate = state.v + 6;
-    for (int k = 0; k < modes_; ++k) modal[k] += eta_acc[k] + damping_[k] * rate[k] + stiffness_[k] * eta[k];
+    for (int k = 0; k < modes_; ++k) modal[k] += xi_acc[k] + damping_[k] * rate[k] + stiffness_[k] * eta[k];
   } else {
     add_modal(1, 0, 0, v_dot + 6, modal);
     add_modal(0, 1, 0, state.v + 6, modal);
@@ -168,10 +208,11 @@ void FlexibleBody::add_residual(const BodyState& state, const double* v_dot, con
 
 void FlexibleBody::add_tangent(const BodyState& state, const double* v_dot, const Vector3& gravity,
                                const TangentWeights& weights, BodyTangent& S) const {
-  const auto& cache = static_cast<const Cache&>(*state.cache);
+  auto& cache = static_cast<Cache&>(*state.cache);
   const InertiaTerms& t = cache.terms;
+  DeflectionTerms& map = cache.deflection;
   const Matrix3& A = cache.A;
-  const Matrix3X& Ct = inertia_->Ct;
+  const Matrix3X &Ct = deflection_ ? map.Ct : inertia_->Ct, &Cr_columns = deflection_ ? map.Cr : t.Cr;
   const ConstVector3 w(state.v + 3);
   const double a = weights.acceleration, d = weights.velocity, p = weights.position;
 
@@ -181,25 +222,29 @@ void FlexibleBody::add_tangent(const BodyState& state, const double* v_dot, cons
   S.frame.bottomLeftCorner<3, 3>() -= a * As.transpose();
   S.frame.bottomRightCorner<3, 3>() += a * t.J;
   for (int k = 0; k < modes_; ++k) {
-    const Vector3 ACt = a * (A * Ct.col(k)), Cr = a * t.Cr.col(k);
+    const Vector3 ACt = a * (A * Ct.col(k)), Cr = a * Cr_columns.col(k);
     S.frame_linear.col(k).head<3>() += ACt;
     S.frame_linear.col(k).tail<3>() += Cr;
     for (int i = 0; i < 3; ++i) S.linear_frame(k, i) += ACt[i], S.linear_frame(k, 3 + i) += Cr[i];
   }
   if (diagonal_)
     for (int k = 0; k < modes_; ++k) S.linear[k] += a + d * damping_[k] + p * stiffness_[k];
+  else if (deflection_)
+    add_linear_tangent(cache, v_dot, gravity, weights, S.linear);
   else
     S.linear += a * modal_mass_ + d * damping_ + p * stiffness_;
 
   if (d != 0) {  // EQUATIONS.md 3.3, left-hand side; the small modal-modal gyroscopic part is left to Newton
     const Matrix3 W = skew(w);
     const Vector3 spin = t.J * w + t.h;
+    const Matrix3X &G_omega = deflection_ ? map.G_omega : t.G_omega, &u_columns = deflection_ ? map.u : t.u,
+                   &Cr_rate = deflection_ ? map.Cr_rate : t.Cr_rate;
     S.frame.topRightCorner<3, 3>() -= d * (A * (skew(w.cross(t.s)) + W * skew(t.s) + 2 * skew(t.s_rate)));
     S.frame.bottomRightCorner<3, 3>() += d * (t.J_rate + W * t.J - skew(spin));
     for (int k = 0; k < modes_; ++k) {
-      const Vector3 Gw = t.G_omega.col(k), u = t.u.col(k), c = t.Cr_rate.col(k);
+      const Vector3 Gw = G_omega.col(k), u = u_columns.col(k), c = Cr_rate.col(k);
       S.frame_linear.col(k).head<3>() += 2 * d * (A * w.cross(Vector3(Ct.col(k))));
-      S.frame_linear.col(k).tail<3>() += d * (Gw + w.cross(Vector3(t.Cr.col(k))) + u + c);
+      S.frame_linear.col(k).tail<3>() += d * (Gw + w.cross(Vector3(Cr_columns.col(k))) + u + c);
       const Vector3 row = d * (Gw + u - c);
       for (int i = 0; i < 3; ++i) S.linear_frame(k, 3 + i) -= row[i];
     }
@@ -207,8 +252,9 @@ void FlexibleBody::add_tangent(const BodyState& state, const double* v_dot, cons
   if (p != 0) {  // turning the body under gravity and acceleration
     const ConstVector3 acceleration(v_dot), w_dot(v_dot + 3);
     const Vector3 lift = p * (A.transpose() * (acceleration - gravity));
-    const Vector3 pull = w_dot.cross(t.s) + Ct.lazyProduct(ConstVector(v_dot + 6, modes_)) + w.cross(w.cross(t.s)) +
-                         2 * w.cross(t.s_rate);
+    Vector3 pull = w_dot.cross(t.s) + Ct.lazyProduct(ConstVector(v_dot + 6, modes_)) + w.cross(w.cross(t.s)) +
+                   2 * w.cross(t.s_rate);
+    if (deflection_) pull.noalias() += inertia_->Ct.lazyProduct(map.xi_bias);
     const Matrix3 L = skew(lift);
     S.frame.topRightCorner<3, 3>() -= p * (A * skew(pull));
     S.frame.bottomRightCorner<3, 3>() += skew(t.s) * L;
@@ -220,6 +266,30 @@ void FlexibleBody::add_tangent(const BodyState& state, const double* v_dot, cons
   }
 }
 
+/// The modal block of a quadratic deflection: Pᵀ P, damping, and the tangent of V and of P under the fields' loads.
+void FlexibleBody::add_linear_tangent(Cache& cache, const double* v_dot, const Vector3& gravity,
+                                      const TangentWeights& weights, Eigen::Map<VectorX>& linear) const {
+  const InertiaTerms& t = cache.terms;
+  DeflectionTerms& map = cache.deflection;
+  if (weights.position != 0) {
+    // The loads of inertia and gravity on the fields, as add_residual() sums them.
+    const ConstVector3 acceleration(v_dot), w_dot(v_dot + 3);
+    const Vector3 lift = cache.A.transpose() * (acceleration - gravity);
+    map.acceleration = map.xi_bias;
+    map.acceleration.noalias() += map.P * ConstVector(v_dot + 6, modes_);
+    for (int k = 0; k < field_count(); ++k)
+      map.acceleration[k] += inertia_->Ct.col(k).dot(lift) + t.Cr.col(k).dot(w_dot) - t.quadratic[k];
+    deflection_->geometric_stiffness(map.acceleration, map.loaded);
+  }
+  const double a = weights.acceleration, d = weights.velocity, p = weights.position;
+  int entry = 0;
+  for (int l = 0; l < modes_; ++l)
+    for (int k = l; k < modes_; ++k, ++entry) {
+      linear[entry] += a * map.P.col(k).dot(map.P.col(l)) + d * damping_[entry] + p * stiffness_[entry];
+      if (p != 0) linear[entry] += p * (map.stiffness(k, l) + map.loaded(k, l));
+    }
+}
+
 BodyEnergy FlexibleBody::energy(const BodyState& state, const Vector3& gravity) const {
   const auto& cache = static_cast<const Cache&>(*state.cache);
   const InertiaTerms& t = cache.terms;
@@ -227,12 +297,13 @@ BodyEnergy FlexibleBody::energy(const BodyState& state, const Vector3& gravity) 
   const ConstVector eta(state.q + 7, modes_), rate(state.v + 6, modes_);
   VectorX product = VectorX::Zero(modes_);
   add_modal(1, 0, 0, rate.data(), product.data());
+  if (deflection_) product.noalias() = cache.deflection.P.transpose() * cache.deflection.xi_rate;
   BodyEnergy e;
   e.kinetic = 0.5 * inertia_->mass * v.squaredNorm() + (cache.A.transpose() * v).dot(w.cross(t.s) + t.s_rate) +
               0.5 * w.dot(t.J * w) + w.dot(t.h) + 0.5 * rate.dot(product);
   product.setZero();
   add_modal(0, 0, 1, eta.data(), product.data());
-  e.elastic = 0.5 * eta.dot(product);
+  e.elastic = 0.5 * eta.dot(product) + (deflection_ ? cache.deflection.energy : 0.0);
   e.gravity = -gravity.dot(inertia_->mass * x + cache.A * t.s);
   return e;
 }

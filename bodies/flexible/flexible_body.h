@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "bodies/flexible/deflection_map.h"
 #include "bodies/flexible/flexible_inertia.h"
 #include "bodies/flexible/reduction.h"
 #include "engine/batch.h"
@@ -29,7 +30,9 @@ struct NodalLoad {
 ///   q_i = x0 + A (r0_i + B_i η),   M v̇ = f_v + f_gravity - K^ η - D η̇     (Vlasenko & Kasper eqs. 7-10, 23, 40;
 ///   M and f_v with every coupling as corrected in EQUATIONS.md 2.3, 3.2)
 /// Three fidelities by one number, mode_count: all coordinates of a nodal basis, the first modes of a reduced one, or
-/// 0: rigid. Linear in the deformation: no stiffening by spin or load. Its cost a step does not depend on the mesh.
+/// 0: rigid. Stiffening by spin and load, and moderately large deflection, come with the basis (Reduction::deflection):
+///   u = [B, Ψ] ξ(η), so that each B above becomes [B, Ψ] P, P = ∂ξ/∂η (deflection_map.h).
+/// Its cost a step does not depend on the mesh.
 class FlexibleBody final : public Body {
  public:
   static constexpr int kAll = std::numeric_limits<int>::max();
@@ -46,7 +49,8 @@ class FlexibleBody final : public Body {
   };
   struct Cache : BodyCache {
     InertiaTerms terms;
-    std::vector<Matrix6X> elastic;  // of markers that rotate with the deformation
+    DeflectionTerms deflection;     // of a body with a quadratic deflection
+    std::vector<Matrix6X> elastic;  // of markers whose columns depend on the deformation
     explicit Cache(const FlexibleBody&);
   };
 
@@ -58,6 +62,8 @@ class FlexibleBody final : public Body {
   const ModalBasis& basis() const { return *parameters_.basis; }
   const Parameters& parameters() const { return parameters_; }
   int mode_count() const { return modes_; }
+  /// Coordinates ξ of the displacement fields [B, Ψ] of the basis; ξ = η for a linear deflection.
+  VectorX field_coordinates(const BodyState&) const;
   double mass() const { return inertia_->mass; }
 
   // ---- markers; orientations are given in mesh axes ----
@@ -79,7 +85,8 @@ class FlexibleBody final : public Body {
   NodalLoad nodal_load(const std::vector<int>& ids, const Matrix3X& forces);
   /// The body frame itself; does not follow the deformation.
   Marker frame(const Matrix3& orientation = Matrix3::Identity());
-  /// Any point with given modal Jacobians, body axes: c, Bm, Theta (3 x nm each), R0 (EQUATIONS.md 7.1).
+  /// Any point with given modal Jacobians, body axes: c, Bm, Theta (3 x nm each, or a column for each field of a basis
+  /// with a quadratic deflection), R0 (EQUATIONS.md 7.1).
   Marker modal_marker(const Vector3& c, const Matrix3X& Bm, const Matrix3X& Theta, const Matrix3& R0);
 
   // ---- results: all nodes, world axes, 3 x n ----
@@ -117,17 +124,24 @@ class FlexibleBody final : public Body {
     bool turns;        // Theta is not zero
   };
   void set_up();
+  /// Displacement fields that the markers and nodes follow: modes_, or all of [B, Ψ].
+  int field_count() const { return deflection_ ? deflection_->field_count() : modes_; }
+  Matrix3X node_fields(int node) const;
   std::vector<int> indices_of(const std::vector<int>& ids) const;
   int add_marker(const Vector3& c, const Matrix3X& Bm, const Matrix3X& Theta, const Matrix3& R0);
   /// out += (mass Mff + damping D + stiffness K^) x
   void add_modal(double mass, double damping, double stiffness, const double* x, double* out) const;
 
+  void add_linear_tangent(Cache& cache, const double* v_dot, const Vector3& gravity, const TangentWeights& weights,
+                          Eigen::Map<VectorX>& linear) const;
+
   Parameters parameters_;
   int modes_ = 0;
   bool diagonal_ = true;
-  std::unique_ptr<const FlexibleInertia> inertia_;
-  VectorX stiffness_, damping_;  // diagonal, or entries along the pattern
-  VectorX modal_mass_;           // entries along the pattern; diagonal bases: ones
+  std::unique_ptr<const FlexibleInertia> inertia_;   // of all fields
+  std::unique_ptr<const DeflectionMap> deflection_;  // null: linear
+  VectorX stiffness_, damping_;                      // diagonal, or entries along the pattern
+  VectorX modal_mass_;                               // entries along the pattern; diagonal bases: ones
   LinearPattern pattern_;
   std::vector<MarkerShape> markers_;
 };

@@ -8,12 +8,17 @@ namespace lithe {
 int FlexibleBody::add_marker(const Vector3& c, const Matrix3X& Bm, const Matrix3X& Theta, const Matrix3& R0) {
   MarkerShape shape{c, R0, Matrix6X(6, 0), Theta.size() > 0 && !Theta.isZero(0)};
   if (!Bm.isZero(0) || shape.turns) {  // else the deformation never moves it: no columns at joints
-    shape.elastic.setZero(6, modes_);
+    shape.elastic.setZero(6, field_count());
     shape.elastic.topRows<3>() = Bm;
     if (shape.turns) shape.elastic.bottomRows<3>() = Theta;
   }
   markers_.push_back(std::move(shape));
   return marker_count() - 1;
+}
+
+Matrix3X FlexibleBody::node_fields(int node) const {
+  if (modes_ == 0) return Matrix3X(3, 0);
+  return basis().node_modes(node, deflection_ != nullptr).leftCols(field_count());
 }
 
 std::vector<int> FlexibleBody::indices_of(const std::vector<int>& ids) const {
@@ -26,8 +31,12 @@ Marker FlexibleBody::node(int id, const Matrix3& orientation) {
   require::at("'" + name() + "' of " + where(),
               [&] { require::rotation(orientation, "orientation of a node marker"); });
   const int i = basis().node_index(id);
-  const Matrix3X Bi = modes_ > 0 ? Matrix3X(basis().node_modes(i).leftCols(modes_)) : Matrix3X(3, 0);
-  return {this, add_marker(basis().nodes.col(i), Bi, Matrix3X(3, 0), basis().rotation.transpose() * orientation)};
+  Matrix3X Theta(3, 0);  // of a beam's or shell's node
+  if (modes_ > 0 && !basis().rotations.empty()) {
+    Theta = basis().node_rotation_modes(i, deflection_ != nullptr);
+    if (Theta.cols() > 0) Theta = Theta.leftCols(field_count()).eval();
+  }
+  return {this, add_marker(basis().nodes.col(i), node_fields(i), Theta, basis().rotation.transpose() * orientation)};
 }
 
 Marker FlexibleBody::average(const std::vector<int>& ids, const Matrix3& orientation,
@@ -35,10 +44,10 @@ Marker FlexibleBody::average(const std::vector<int>& ids, const Matrix3& orienta
   require::at("'" + name() + "' of " + where(),
               [&] { require::rotation(orientation, "orientation of an average marker"); });
   const NodeAverage mean(basis().nodes, indices_of(ids), weights, "'" + name() + "' of " + where());
-  Matrix3X Bm = Matrix3X::Zero(3, modes_), Theta = Matrix3X::Zero(3, modes_);
+  Matrix3X Bm = Matrix3X::Zero(3, field_count()), Theta = Matrix3X::Zero(3, field_count());
   for (size_t k = 0; k < ids.size() && modes_ > 0; ++k) {
     const auto column = static_cast<Eigen::Index>(k);
-    const Matrix3X B = mean.weights[column] * basis().node_modes(mean.nodes[k]).leftCols(modes_);
+    const Matrix3X B = mean.weights[column] * node_fields(mean.nodes[k]);
     Bm += B;
     Theta += skew(mean.arms.col(column)) * B;
   }
@@ -86,12 +95,12 @@ NodalLoad FlexibleBody::nodal_load(const std::vector<int>& ids, const Matrix3X& 
       const double sum = part.sum();
       if (sum == 0) continue;
       Vector3 c = Vector3::Zero();
-      Matrix3X Bm = Matrix3X::Zero(3, modes_);
+      Matrix3X Bm = Matrix3X::Zero(3, field_count());
       for (size_t k = 0; k < nodes.size(); ++k) {
         const double weight = part[static_cast<Eigen::Index>(k)] / sum;
         if (weight == 0) continue;
         c += weight * basis().nodes.col(nodes[k]);
-        if (modes_ > 0) Bm += weight * basis().node_modes(nodes[k]).leftCols(modes_);
+        if (modes_ > 0) Bm += weight * node_fields(nodes[k]);
       }
       load.markers.push_back({this, add_marker(c, Bm, Matrix3X(3, 0), basis().rotation.transpose())});
       load.forces.push_back(sign * sum * Vector3::Unit(axis));
@@ -103,7 +112,7 @@ NodalLoad FlexibleBody::nodal_load(const std::vector<int>& ids, const Matrix3X& 
 Marker FlexibleBody::frame(const Matrix3& orientation) {
   require::at("'" + name() + "' of " + where(),
               [&] { require::rotation(orientation, "orientation of the frame marker"); });
-  return {this, add_marker(Vector3::Zero(), Matrix3X::Zero(3, modes_), Matrix3X(3, 0),
+  return {this, add_marker(Vector3::Zero(), Matrix3X::Zero(3, field_count()), Matrix3X(3, 0),
                            basis().rotation.transpose() * orientation)};
 }
 
@@ -112,10 +121,10 @@ Marker FlexibleBody::modal_marker(const Vector3& c, const Matrix3X& Bm, const Ma
     require::finite(c, "position of a modal marker");
     require::rotation(R0, "orientation of a modal marker");
   });
-  if (Bm.cols() != modes_ || (Theta.size() > 0 && Theta.cols() != modes_))
+  if (Bm.cols() != field_count() || (Theta.size() > 0 && Theta.cols() != field_count()))
     throw SceneError("a modal marker on '" + name() + "' has " + std::to_string(Bm.cols()) + " columns for " +
-                         std::to_string(modes_) + " modes",
-                     where(), "give Bm and Theta one column a mode");
+                         std::to_string(field_count()) + " displacement fields",
+                     where(), "give Bm and Theta one column a mode (and field of a quadratic deflection)");
   return {this, add_marker(c, Bm, Theta, R0)};
 }
 
@@ -128,31 +137,45 @@ void FlexibleBody::marker_kinematics(const BodyState& state, int marker, Level l
   k.r = m.c;
   k.elastic = nullptr;
   const bool moves = m.elastic.cols() > 0;
-  const Eigen::Map<const VectorX> eta(state.q + 7, modes_), rate(state.v + 6, modes_);
+  const DeflectionTerms& d = cache.deflection;
+  const int fields = field_count();
+  const Eigen::Map<const VectorX> xi(deflection_ ? d.xi.data() : state.q + 7, fields),
+      rate(deflection_ ? d.xi_rate.data() : state.v + 6, fields);
   Vector3 phi = Vector3::Zero();
   Matrix3 Jl;
   if (moves) {
-    k.r.noalias() += m.elastic.topRows<3>().lazyProduct(eta);
+    k.r.noalias() += m.elastic.topRows<3>().lazyProduct(xi);
     k.elastic = m.elastic.data();
   }
-  if (m.turns) {
-    phi.noalias() = m.elastic.bottomRows<3>().lazyProduct(eta);
-    Jl = left_jacobian(phi);
+  if (moves && (m.turns || deflection_)) {
+    // Columns that depend on the deformation: [Bm; Jl Θ] P.
     if (static_cast<int>(cache.elastic.size()) <= marker) cache.elastic.resize(marker_count());
-    Matrix6X& turned = cache.elastic[marker];
-    if (turned.cols() != modes_) turned = m.elastic;
-    turned.bottomRows<3>() = Jl.lazyProduct(m.elastic.bottomRows<3>());
-    k.elastic = turned.data();
-    k.R = A * rotation_exp(phi) * m.R0;
-  } else {
-    k.R = A * m.R0;
+    Matrix6X& columns = cache.elastic[marker];
+    if (columns.cols() != modes_) columns.resize(6, modes_);
+    if (deflection_)
+      columns.noalias() = m.elastic.lazyProduct(d.P);
+    else
+      columns.topRows<3>() = m.elastic.topRows<3>();
+    k.elastic = columns.data();
+    if (m.turns) {
+      phi.noalias() = m.elastic.bottomRows<3>().lazyProduct(xi);
+      Jl = left_jacobian(phi);
+      if (deflection_)
+        for (int c = 0; c < modes_; ++c) columns.col(c).tail<3>() = (Jl * columns.col(c).tail<3>()).eval();
+      else
+        columns.bottomRows<3>() = Jl.lazyProduct(m.elastic.bottomRows<3>());
+    }
   }
+  if (m.turns)
+    k.R = A * rotation_exp(phi) * m.R0;
+  else
+    k.R = A * m.R0;
   const Vector3 arm = A * k.r;
   k.p = Eigen::Map<const Vector3>(state.q) + arm;
   if (level == Level::position) return;
 
   const Eigen::Map<const Vector3> w(state.v + 3);
-  Vector3 deform = Vector3::Zero(), turn_rate = Vector3::Zero();  // Bm η̇, Jl φ̇
+  Vector3 deform = Vector3::Zero(), turn_rate = Vector3::Zero();  // Bm ξ̇, Jl φ̇
   if (moves) deform.noalias() = m.elastic.topRows<3>().lazyProduct(rate);
   Vector3 phi_dot = Vector3::Zero();
   if (m.turns) {
@@ -162,9 +185,14 @@ void FlexibleBody::marker_kinematics(const BodyState& state, int marker, Level l
   k.v = Eigen::Map<const Vector3>(state.v) + A * (w.cross(k.r) + deform);
   k.w = A * (w + turn_rate);
   if (level == Level::velocity) return;
-  k.bias_v = A * (w.cross(w.cross(k.r)) + 2 * w.cross(deform));
-  k.bias_w.setZero();
-  if (m.turns) k.bias_w = A * (w.cross(turn_rate) + left_jacobian_rate(phi, phi_dot));
+  Vector3 bias = w.cross(w.cross(k.r)) + 2 * w.cross(deform), turn_bias = Vector3::Zero();
+  if (m.turns) turn_bias = w.cross(turn_rate) + left_jacobian_rate(phi, phi_dot);
+  if (moves && deflection_) {
+    bias.noalias() += m.elastic.topRows<3>().lazyProduct(d.xi_bias);
+    if (m.turns) turn_bias += Jl * m.elastic.bottomRows<3>().lazyProduct(d.xi_bias);
+  }
+  k.bias_v = A * bias;
+  k.bias_w = A * turn_bias;
 }
 
 }  // namespace lithe

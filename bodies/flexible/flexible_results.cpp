@@ -15,20 +15,36 @@ FlexibleBody::NodalMotion FlexibleBody::nodal_motion(const BodyState& state, con
   const auto deform = [&](const double* x) {
     Matrix3X u = Matrix3X::Zero(3, n);
     if (modes_ == 0) return u;
-    if (basis().nodal)
-      for (int k = 0; k < modes_; ++k) u.data()[basis().free_dofs[k]] = x[k];
-    else
-      Eigen::Map<VectorX>(u.data(), 3 * n) = basis().modes.leftCols(modes_) * ConstVector(x, modes_);
+    Eigen::Map<VectorX> all(u.data(), 3 * n);
+    if (basis().nodal) {
+      for (int k = 0; k < modes_; ++k) all[basis().free_dofs[k]] = x[k];
+    } else if (deflection_) {
+      const int linear = basis().mode_count();
+      all = basis().modes.topRows(3 * n) * ConstVector(x, linear);
+      all += basis().deflection->fields.topRows(3 * n) * ConstVector(x + linear, field_count() - linear);
+    } else {
+      all = basis().modes.topLeftCorner(3 * n, modes_) * ConstVector(x, modes_);
+    }
     return u;
   };
+  const DeflectionTerms& d = static_cast<const Cache&>(*state.cache).deflection;
+  VectorX fields_acc;
+  if (deflection_) fields_acc = d.P * ConstVector(v_dot + 6, modes_) + d.xi_bias;
   const ConstVector3 x(state.q), v(state.v), w(state.v + 3), a(v_dot), w_dot(v_dot + 3);
   const Matrix3 W = skew(w);
-  const Matrix3X r = basis().nodes + deform(state.q + 7), rate = deform(state.v + 6), acceleration = deform(v_dot + 6);
+  const Matrix3X r = basis().nodes + deform(deflection_ ? d.xi.data() : state.q + 7),
+                 rate = deform(deflection_ ? d.xi_rate.data() : state.v + 6),
+                 acceleration = deform(deflection_ ? fields_acc.data() : v_dot + 6);
   NodalMotion motion;
   motion.position = (A * r).colwise() + Vector3(x);
   motion.velocity = (A * (W * r + rate)).colwise() + Vector3(v);
   motion.acceleration = (A * (skew(w_dot) * r + W * (W * r) + 2 * W * rate + acceleration)).colwise() + Vector3(a);
   return motion;
+}
+
+VectorX FlexibleBody::field_coordinates(const BodyState& state) const {
+  const ConstVector eta(state.q + 7, modes_);
+  return deflection_ ? deflection_->coordinates(eta) : VectorX(eta);
 }
 
 /// EQUATIONS.md section 9: P = A (m A^T ẋ + ω × s + Ct η̇), H = s × A^T ẋ + J ω + Cr η̇ about the frame origin.
@@ -51,7 +67,14 @@ VectorX FlexibleBody::quadratic_velocity_force(const BodyState& state) const {
   VectorX f(6 + modes_);
   f.head<3>() = -(state.cache->A * (w.cross(w.cross(t.s)) + 2 * w.cross(t.s_rate)));
   f.segment<3>(3) = -(t.J_rate * w + w.cross(Vector3(t.J * w + t.h)) + t.Cr_rate_h);
-  f.tail(modes_) = t.quadratic;
+  if (!deflection_) {
+    f.tail(modes_) = t.quadratic;
+    return f;
+  }
+  const DeflectionTerms& d = static_cast<const Cache&>(*state.cache).deflection;
+  f.head<3>() -= state.cache->A * (inertia_->Ct * d.xi_bias);
+  f.segment<3>(3) -= t.Cr * d.xi_bias;
+  f.tail(modes_) = d.P.transpose() * (t.quadratic - d.xi_bias);
   return f;
 }
 
@@ -61,13 +84,15 @@ VectorX FlexibleBody::gravity_force(const BodyState& state, const Vector3& gravi
   VectorX f(6 + modes_);
   f.head<3>() = inertia_->mass * gravity;
   f.segment<3>(3) = t.s.cross(g);
-  f.tail(modes_) = inertia_->Ct.transpose() * g;
+  const Matrix3X& Ct = deflection_ ? static_cast<const Cache&>(*state.cache).deflection.Ct : inertia_->Ct;
+  f.tail(modes_) = Ct.transpose() * g;
   return f;
 }
 
 VectorX FlexibleBody::elastic_force(const BodyState& state) const {
   VectorX f = VectorX::Zero(6 + modes_);
   add_modal(0, 0, -1, state.q + 7, f.data() + 6);
+  if (deflection_) f.tail(modes_) -= static_cast<const Cache&>(*state.cache).deflection.force;
   return f;
 }
 

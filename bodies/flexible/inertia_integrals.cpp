@@ -95,4 +95,15 @@ InertiaIntegrals inertia_integrals(const ModalBasis& basis) {
   return I;
 }
 
+InertiaIntegrals leading(const InertiaIntegrals& all, int modes) {
+  InertiaIntegrals part = all;
+  part.Ct = all.Ct.leftCols(modes).eval();
+  part.J1 = all.J1.leftCols(modes).eval();
+  part.J2 = all.J2.topLeftCorner(6 * modes, modes).eval();
+  part.C0 = all.C0.leftCols(modes).eval();
+  part.C1 = all.C1.topLeftCorner(3 * modes, modes).eval();
+  part.Mff = all.Mff.topLeftCorner(modes, modes).eval();
+  return part;
+}
+
 }  // namespace lithe

@@ -11,7 +11,9 @@
 
 #include "bodies/flexible/eigen_modes.h"
 #include "bodies/flexible/frames.h"
+#include "bodies/flexible/inertia_integrals.h"
 #include "bodies/flexible/node_sets.h"
+#include "bodies/flexible/quadratic_deflection.h"
 #include "engine/error.h"
 #include "engine/log.h"
 
@@ -52,12 +54,6 @@ SparseMatrix unit_matrix(Eigen::Index n) {
   return E;
 }
 
-/// What the frame leaves free, u = T z, its supported problem K_zz a = ω² S_zz a and the rigid motions in it.
-struct SupportedProblem {
-  SparseMatrix T, K, M;
-  MatrixX rigid;
-};
-
 SupportedProblem supported(const SparseMatrix& K, const SparseMatrix& M, const SparseMatrix& T, const MatrixX& rigid) {
   const SparseMatrix transposed = T.transpose();
   return {T, transposed * K * T, transposed * M * T, transposed * rigid};
@@ -83,7 +79,7 @@ std::vector<int> with_swing_held(const FramePlacement& placed) {
 }
 
 void fill_nodal(const FiniteElementModel& model, const BodyFrame& frame, FramePlacement placed, const SparseMatrix& K,
-                const Interfaces& interfaces, ModalBasis& basis) {
+                const Reduction& interfaces, ModalBasis& basis) {
   if (std::holds_alternative<MeanAxisFrame>(frame))
     throw SceneError("mean axes are no selection of nodal coordinates.", placed.where,
                      "use a ThreeNodeFrame (or a tangent or hinge frame) with kAllNodal.");
@@ -120,7 +116,7 @@ MatrixX unit_loads(const FiniteElementModel& model, const FramePlacement& placed
 }
 
 void fill_modes(const FiniteElementModel& model, const FramePlacement& placed, const SparseMatrix& K, int mode_count,
-                const Interfaces& interfaces, ModalBasis& basis) {
+                const Reduction& interfaces, ModalBasis& basis) {
   const SparseMatrix T = free_motions(placed, indices_of(model, interfaces.rigid));
   const SupportedProblem problem = supported(K, model.mass, T, placed.rigid);
   const auto available = static_cast<int>(T.cols() - placed.rigid.cols());
@@ -142,6 +138,8 @@ void fill_modes(const FiniteElementModel& model, const FramePlacement& placed, c
   basis.modal_mass = unit_matrix(count);
   basis.diagonal = true;
   basis.frequencies = modes.eigenvalues.unaryExpr([](double lambda) { return hertz(lambda); });
+  if (interfaces.deflection != Deflection::linear && count > 0)
+    basis.deflection = make_quadratic_deflection(model, basis, problem, interfaces.deflection, placed.where);
 }
 
 void log_basis(const ModalBasis& basis, const std::string& where) {
@@ -158,12 +156,30 @@ void log_basis(const ModalBasis& basis, const std::string& where) {
 
 }  // namespace
 
-Matrix3X ModalBasis::node_modes(int node) const {
-  if (!nodal) return modes.middleRows(3 * node, 3);
+Matrix3X ModalBasis::node_modes(int node, bool all_fields) const {
+  if (!nodal && all_fields && deflection) {
+    Matrix3X rows(3, mode_count() + deflection->field_count());
+    rows << modes.middleRows<3>(3 * node), deflection->fields.middleRows<3>(3 * node);
+    return rows;
+  }
+  if (!nodal) return modes.middleRows<3>(3 * node);
   Matrix3X rows = Matrix3X::Zero(3, mode_count());
   for (int axis = 0; axis < 3; ++axis) {
     const auto found = std::lower_bound(free_dofs.begin(), free_dofs.end(), 3 * node + axis);
     if (found != free_dofs.end() && *found == 3 * node + axis) rows(axis, found - free_dofs.begin()) = 1;
+  }
+  return rows;
+}
+
+Matrix3X ModalBasis::node_rotation_modes(int node, bool all_fields) const {
+  const bool wide = all_fields && deflection;
+  Matrix3X rows(3, 0);
+  for (size_t k = 0; k < rotations.size(); ++k) {
+    if (rotations[k].node != node) continue;
+    if (rows.cols() == 0) rows.setZero(3, mode_count() + (wide ? deflection->field_count() : 0));
+    const Eigen::Index row = 3 * nodes.cols() + static_cast<Eigen::Index>(k);
+    rows.row(rotations[k].axis).head(mode_count()) = modes.row(row);
+    if (wide) rows.row(rotations[k].axis).tail(deflection->field_count()) = deflection->fields.row(row);
   }
   return rows;
 }
@@ -175,7 +191,7 @@ const std::vector<int>& ModalBasis::node_set(const std::string& set) const {
 }
 
 std::shared_ptr<const ModalBasis> make_basis(const FiniteElementModel& model, const BodyFrame& frame, int mode_count,
-                                             const Interfaces& interfaces) {
+                                             const Reduction& interfaces) {
   require_sound(model);
   const FramePlacement placed = place_frame(model, frame);
   if (mode_count < kAllNodal)
@@ -197,6 +213,7 @@ std::shared_ptr<const ModalBasis> make_basis(const FiniteElementModel& model, co
     fill_nodal(model, frame, placed, K, interfaces, *basis);
   else
     fill_modes(model, placed, K, mode_count, interfaces, *basis);
+  if (!basis->nodal) basis->integrals = inertia_integrals(*basis);
   log_basis(*basis, placed.where);
   return basis;
 }
@@ -249,6 +266,7 @@ std::shared_ptr<const ModalBasis> basis_from_modes(std::string name, const Matri
     const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixX> pairs(K, Mff, Eigen::EigenvaluesOnly);
     basis->frequencies = pairs.eigenvalues().unaryExpr([](double lambda) { return hertz(lambda); });
   }
+  basis->integrals = inertia_integrals(*basis);
   return basis;
 }
 

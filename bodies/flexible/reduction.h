@@ -5,7 +5,7 @@
 #include <variant>
 #include <vector>
 
-#include "bodies/flexible/finite_element_model.h"
+#include "bodies/flexible/modal_basis.h"
 #include "engine/math.h"
 
 namespace lithe {
@@ -36,43 +36,36 @@ struct WeightedNodes {
   std::vector<double> weights{};
 };
 
-/// Where a body is to be tied or loaded.
-struct Interfaces {
+/// Static shapes for the interfaces that are `loaded`, six each (EQUATIONS.md 6).
+enum class InterfaceModes {
+  attachment,     // free interfaces: deflections under unit forces and torques (Rubin, Craig-Chang)
+  craig_bampton,  // fixed interfaces: rigid sets moved by unit displacements and rotations, modes with all of them held
+  krylov,  // moment matching about s = 0: K⁻¹ F, K⁻¹ M K⁻¹ F, ..., and no eigenmodes but those asked for
+};
+
+/// How deformation moves the nodes.
+enum class Deflection {
+  linear,     // u = B η: no stiffening by spin or load
+  stiffened,  // with the displacements of second order that carry geometric stiffness: small deflection, any load
+  quadratic,  // with static modal derivatives and the energy to fourth order: moderately large deflection
+};
+
+/// What a basis holds beside the eigenmodes of its frame, and how it deflects.
+struct Reduction {
   /// Sets whose nodes keep their shape, in every mode (RBE2): FlexibleBody::rigid() makes the marker.
   std::vector<std::vector<int>> rigid{};
   /// Each gets six static modes, the deflections under unit forces and torques spread as by FlexibleBody::average():
   /// what is tied or loaded there yields exactly as the mesh does at rest, however few eigenmodes there are. What a
   /// free body cannot bear at rest is balanced by its inertia (inertia relief).
   std::vector<WeightedNodes> loaded{};
+  InterfaceModes interface_modes = InterfaceModes::attachment;
+  int krylov_blocks = 2;  // K⁻¹ F and K⁻¹ M K⁻¹ F
+  /// Shapes from elsewhere, dofs x k, mesh axes (a file, a test): taken into the basis, minus what the frame holds.
+  MatrixX given_modes{};
+  Deflection deflection = Deflection::linear;
 };
 
 inline constexpr int kAllNodal = -1;  // mode count: every nodal coordinate that the frame leaves free
-
-/// Everything a flexible body needs from its finite-element model, in body axes; frozen and shared.
-struct ModalBasis {
-  std::string name;
-  Vector3 origin = Vector3::Zero();        // of the body frame, in mesh axes
-  Matrix3 rotation = Matrix3::Identity();  // body axes to mesh axes
-  std::vector<int> node_ids;
-  std::map<std::string, std::vector<int>> node_sets;
-  std::vector<ElementBlock> elements;
-  Matrix3X nodes;                   // r0, 3 x n, body axes
-  SparseMatrix nodal_mass;          // m_ij, n x n: S_ij = m_ij E
-  MatrixX modes;                    // B, 3n x nm, body axes; empty when nodal
-  bool nodal = false;               // B selects the free nodal coordinates: B = E(:, free_dofs)
-  std::vector<int> free_dofs;       // when nodal
-  SparseMatrix stiffness;           // K^ = Bᵀ K B, nm x nm (diagonal matrix for eigenmodes)
-  SparseMatrix modal_mass;          // Mff = Bᵀ S B, nm x nm (identity for eigenmodes)
-  bool diagonal = false;            // K^ diagonal and Mff = E
-  VectorX frequencies;              // Hz, of the modes with the frame's supports (size nm; empty when nodal)
-  bool free_swing_dropped = false;  // HingeFrame: zero-frequency motion (one swing, or three turns) left out
-
-  int mode_count() const { return static_cast<int>(stiffness.rows()); }
-  /// B_i, the 3 x nm rows of node index i.
-  Matrix3X node_modes(int node) const;
-  int node_index(int id) const;
-  const std::vector<int>& node_set(const std::string& set) const;
-};
 
 /// Reduces a model to `mode_count` eigenmodes of the frame (or kAllNodal, or 0 for a rigid body), and static modes of
 /// the loaded interfaces. Both together are made orthogonal, lowest first: K^ stays diagonal and Mff = E (Craig &
@@ -83,7 +76,7 @@ struct ModalBasis {
 /// Throws SceneError for unknown nodes, collinear frame nodes, more modes than coordinates, a support that leaves a
 /// mechanism, a node in two rigid sets, or a model that require_sound() refuses.
 std::shared_ptr<const ModalBasis> make_basis(const FiniteElementModel& model, const BodyFrame& frame, int mode_count,
-                                             const Interfaces& interfaces = {});
+                                             const Reduction& reduction = {});
 
 /// A basis given column by column (modes from a file, a test): Mff is computed, nothing is orthogonalised.
 /// nodes, modes, mass (scalar m_ij, n x n) and stiffness already in body axes; the stiffness is K^ = Bᵀ K B, nm x nm,

@@ -61,7 +61,7 @@ double exact_compliance() {
 }
 
 /// The girder welded to the ground by its root, its tip tied by a ball to a slide along x that a force pulls.
-double compliance(int modes, const Interfaces& interfaces) {
+double compliance(int modes, const Reduction& interfaces) {
   constexpr double kForce = 1, kTie = 1e6;  // N: small deflections; N/m, of the tie itself
   const FiniteElementModel model = girder();
   const auto tip = model.node_set("tip");
@@ -81,7 +81,7 @@ double compliance(int modes, const Interfaces& interfaces) {
   return (end.q[scene.system.layout().bodies()[1].q] - kBays * kSide) / kForce - 1 / kTie;
 }
 
-Finding finding(int modes, const Interfaces& interfaces, const std::string& why) {
+Finding finding(int modes, const Reduction& interfaces, const std::string& why) {
   const double measured = compliance(modes, interfaces), exact = exact_compliance();
   return {judged(measured / exact - 1, 0.01),
           {{"compliance along the girder over the mesh's", measured / exact}, {"of the mesh, m/N", exact}},

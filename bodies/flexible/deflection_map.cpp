@@ -1,0 +1,98 @@
+#include "bodies/flexible/deflection_map.h"
+
+namespace lithe {
+namespace {
+
+using ConstVector = Eigen::Map<const VectorX>;
+
+int pair_count(int modes) { return modes * (modes + 1) / 2; }
+
+/// w = ½ x xᵀ, packed.
+void pack(const ConstVector& x, VectorX& w) {
+  Eigen::Index p = 0;
+  for (Eigen::Index l = 0; l < x.size(); ++l) {
+    for (Eigen::Index k = 0; k < l; ++k) w[p++] = x[k] * x[l];
+    w[p++] = 0.5 * x[l] * x[l];
+  }
+}
+
+}  // namespace
+
+DeflectionTerms::DeflectionTerms(int fields, int modes)
+    : xi(VectorX::Zero(fields)),
+      xi_rate(VectorX::Zero(fields)),
+      xi_bias(VectorX::Zero(fields)),
+      P(MatrixX::Identity(fields, modes)),
+      force(VectorX::Zero(modes)),
+      stiffness(MatrixX::Zero(modes, modes)),
+      loaded(MatrixX::Zero(modes, modes)),
+      pairs(VectorX::Zero(pair_count(modes))),
+      pair_force(VectorX::Zero(pair_count(modes))),
+      acceleration(VectorX::Zero(fields)),
+      Ct(Matrix3X::Zero(3, modes)),
+      Cr(Matrix3X::Zero(3, modes)),
+      G_omega(Matrix3X::Zero(3, modes)),
+      u(Matrix3X::Zero(3, modes)),
+      Cr_rate(Matrix3X::Zero(3, modes)) {}
+
+DeflectionMap::DeflectionMap(const QuadraticDeflection& deflection, int modes)
+    : modes_(modes), curvature_(deflection.curvature.leftCols(pair_count(modes))) {
+  if (deflection.cubic.size() == 0) return;
+  cubic_ = deflection.cubic.topLeftCorner(modes, pair_count(modes));
+  quartic_ = deflection.quartic.topLeftCorner(pair_count(modes), pair_count(modes));
+}
+
+void DeflectionMap::evaluate(const double* eta_data, const double* rate_data, Level level, DeflectionTerms& t) const {
+  const ConstVector eta(eta_data, modes_), rate(rate_data, modes_);
+  if (level != Level::position) {
+    pack(rate, t.pairs);
+    t.xi_bias.noalias() = 2 * (curvature_ * t.pairs);
+  }
+  pack(eta, t.pairs);
+  t.xi.noalias() = curvature_ * t.pairs;
+  t.xi.head(modes_) += eta;
+
+  // ∂w_kl/∂η_k = η_l, ∂w_kk/∂η_k = η_k.
+  t.P.setIdentity();
+  Eigen::Index p = 0;
+  for (int l = 0; l < modes_; ++l) {
+    for (int k = 0; k < l; ++k, ++p) {
+      t.P.col(k) += eta[l] * curvature_.col(p);
+      t.P.col(l) += eta[k] * curvature_.col(p);
+    }
+    t.P.col(l) += eta[l] * curvature_.col(p++);
+  }
+  if (level != Level::position) t.xi_rate.noalias() = t.P * rate;
+  if (cubic_.size() == 0) return;
+
+  // V = ⅓ ηᵀ T w + ⅙ wᵀ Q w: force T w + ⅓ (Q w)_kl η_l, stiffness T_kl· η + (Q w)_kl.
+  t.pair_force.noalias() = quartic_ * t.pairs;
+  t.force.noalias() = cubic_ * t.pairs;
+  t.energy = eta.dot(t.force) / 3 + t.pairs.dot(t.pair_force) / 6;
+  p = 0;
+  for (int l = 0; l < modes_; ++l)
+    for (int k = 0; k <= l; ++k, ++p) {
+      t.force[k] += t.pair_force[p] * eta[l] / 3;
+      if (k != l) t.force[l] += t.pair_force[p] * eta[k] / 3;
+      t.stiffness(k, l) = t.stiffness(l, k) = t.pair_force[p] + cubic_.col(p).dot(eta);
+    }
+}
+
+VectorX DeflectionMap::coordinates(const VectorX& eta) const {
+  VectorX w(pair_count(modes_));
+  pack(ConstVector(eta.data(), modes_), w);
+  VectorX xi = curvature_ * w;
+  xi.head(modes_) += eta;
+  return xi;
+}
+
+void DeflectionMap::geometric_stiffness(const VectorX& force, MatrixX& stiffness) const {
+  Eigen::Index p = 0;
+  for (int l = 0; l < modes_; ++l)
+    for (int k = 0; k <= l; ++k, ++p) {
+      const double value = curvature_.col(p).dot(force);
+      stiffness(k, l) = stiffness(l, k) = value;
+    }
+}
+
+}  // namespace lithe
