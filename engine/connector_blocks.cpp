@@ -55,6 +55,7 @@ void add_load_stiffness(Workspace& work, const BlockStructure& blocks, const Mar
   auto lf = Eigen::Map<MatrixX>(work.values.data() + L.linear_frame, L.size, 6).rightCols<3>();
   lf += elastic(k, slot, 0).transpose().lazyProduct(f);
   lf += elastic(k, slot, 3).transpose().lazyProduct(t);
+  if (k.deflected) k.deflected->add_load_stiffness(force, torque, work.values.data() + L.values);
 }
 
 void add_marker_stiffness(Workspace& work, const BlockStructure& blocks, const ConnectorRecord& record,

@@ -51,8 +51,14 @@ LinearBlock<Scalar>::LinearBlock(const BlockStructure& structure, int linear)
   inverse_diagonal_.setOnes(n);
   if (!linear_.pattern) return;
 
-  sparse_ = std::make_unique<Sparse>();
   const auto& p = *linear_.pattern;
+  permuted_.resize(n, std::max(m, 1));
+  if (p.rows.size() == n * (n + 1) / 2) {
+    full_.setIdentity(n, n);
+    full_factor_.compute(full_);
+    return;
+  }
+  sparse_ = std::make_unique<Sparse>();
   std::vector<Eigen::Triplet<Scalar>> entries;
   const auto mirrored = [&](int k) { return !Sparse::kReal && p.rows[k] != p.columns[k]; };
   for (int k = 0; k < p.rows.size(); ++k) {
@@ -69,7 +75,6 @@ LinearBlock<Scalar>::LinearBlock(const BlockStructure& structure, int linear)
     if constexpr (!Sparse::kReal) sparse_->place.push_back(place(p.columns[k], p.rows[k]));
   }
   sparse_->factor.analyzePattern(sparse_->matrix);
-  permuted_.resize(n, std::max(m, 1));
 }
 
 template <class Scalar>
@@ -97,7 +102,12 @@ void LinearBlock<Scalar>::factorize(const std::vector<Scalar>& values, const std
   load(values, dropped);
   const int n = linear_.size, m = neighbour_size();
   const Scalar* D = values.data() + linear_.values;
-  if (!sparse_) {
+  if (full()) {
+    const auto& p = *linear_.pattern;
+    for (int k = 0; k < p.rows.size(); ++k) full_(p.rows[k], p.columns[k]) = full_(p.columns[k], p.rows[k]) = D[k];
+    full_factor_.compute(full_);
+    solve_linear(T_);
+  } else if (!sparse_) {
     for (int i = 0; i < n; ++i) inverse_diagonal_[i] = 1.0 / D[i];
     T_ = inverse_diagonal_.asDiagonal() * T_;
   } else {
@@ -118,6 +128,14 @@ void LinearBlock<Scalar>::factorize(const std::vector<Scalar>& values, const std
 
 template <class Scalar>
 void LinearBlock<Scalar>::solve_linear(Eigen::Ref<Matrix> columns) const {
+  if (full()) {
+    auto y = permuted_.leftCols(columns.cols());
+    y.noalias() = full_factor_.permutationP() * columns;
+    full_factor_.matrixLU().template triangularView<Eigen::UnitLower>().solveInPlace(y);
+    full_factor_.matrixLU().template triangularView<Eigen::Upper>().solveInPlace(y);
+    columns = y;
+    return;
+  }
   if constexpr (!Sparse::kReal) {
     columns = sparse_->factor.solve(columns).eval();
     return;
@@ -134,7 +152,7 @@ void LinearBlock<Scalar>::solve_linear(Eigen::Ref<Matrix> columns) const {
 template <class Scalar>
 void LinearBlock<Scalar>::forward(Scalar* x) const {
   Eigen::Map<Vector> own(x + linear_.v, linear_.size);
-  if (!sparse_)
+  if (!sparse_ && !full())
     own.array() *= inverse_diagonal_.array();
   else
     solve_linear(own);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/LU>
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseLU>
 #include <complex>
@@ -12,9 +13,9 @@
 
 namespace lithe {
 
-/// One body's linear coordinates, eliminated before all else: with D their block (diagonal, or sparse and positive
-/// definite), Y the columns of everything they touch and X its rows, D goes out and -X D⁻¹ Y is left for the rest.
-/// A reduced body costs O(n m²) here, m = 6 + rows at its markers: nothing that grows with the nodes of its mesh.
+/// One body's linear coordinates, eliminated before all else: with D their block (diagonal, full, or sparse and
+/// positive definite), Y the columns of everything they touch and X its rows, D goes out and -X D⁻¹ Y is left for the
+/// rest. A reduced body costs O(n m²) here, m = 6 + rows at its markers: nothing that grows with the nodes of its mesh.
 template <class Scalar>
 class LinearBlock {
  public:
@@ -40,6 +41,7 @@ class LinearBlock {
  private:
   void load(const std::vector<Scalar>& values, const std::vector<char>& dropped_rows);
   void solve_linear(Eigen::Ref<Matrix> columns) const;
+  bool full() const { return full_.cols() > 0; }
 
   const BlockStructure& structure_;
   BlockStructure::Linear linear_;
@@ -56,6 +58,8 @@ class LinearBlock {
     std::vector<Scalar> last;  // values of the last factorisation: constant while the step is
   };
   std::unique_ptr<Sparse> sparse_;
+  Matrix full_;  // D where every entry of its pattern is there: may be indefinite, beyond a buckling load
+  Eigen::PartialPivLU<Matrix> full_factor_;
   mutable Matrix permuted_;
 };
 

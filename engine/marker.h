@@ -25,6 +25,15 @@ struct Marker {
   bool operator==(const Marker&) const = default;
 };
 
+/// Of a marker whose elastic columns change with the deformation: what a wrench on it adds to the tangent.
+class DeflectedMarker {
+ public:
+  virtual ~DeflectedMarker() = default;
+  /// linear += ∂(elasticᵀ w)/∂eta for a constant wrench in body axes: entries of the body's linear-linear block, as
+  /// Body::linear_pattern() orders them.
+  virtual void add_load_stiffness(const Vector3& force, const Vector3& torque, double* linear) const = 0;
+};
+
 /// Motion of a marker in world axes, and what its body's velocities do to it.
 ///   (v, w) = J v_body,   (v_dot, w_dot) = J v_body_dot + (bias_v, bias_w)
 /// J is never stored: for a body with a frame (rotation A, marker at r in body axes) and linear coordinates eta
@@ -33,9 +42,10 @@ struct Marker {
 struct MarkerKinematics {
   const Matrix3* A = nullptr;
   const double* elastic = nullptr;
-  Vector3 r;     // position in body axes
-  Vector3 p;     // position
-  Matrix3 R;     // marker axes to world axes
+  const DeflectedMarker* deflected = nullptr;  // null: the columns are constant
+  Vector3 r;                                   // position in body axes
+  Vector3 p;                                   // position
+  Matrix3 R;                                   // marker axes to world axes
   Vector3 v, w;  // velocity of the point, angular velocity; last, for most evaluations do not need them
   Vector3 bias_v, bias_w;
 };

@@ -37,8 +37,7 @@ DeflectionTerms::DeflectionTerms(int fields, int modes)
 
 DeflectionMap::DeflectionMap(const QuadraticDeflection& deflection, int modes)
     : modes_(modes), curvature_(deflection.curvature.leftCols(pair_count(modes))) {
-  if (deflection.cubic.size() == 0) return;
-  cubic_ = deflection.cubic.topLeftCorner(modes, pair_count(modes));
+  if (deflection.quartic.size() == 0) return;
   quartic_ = deflection.quartic.topLeftCorner(pair_count(modes), pair_count(modes));
 }
 
@@ -63,18 +62,18 @@ void DeflectionMap::evaluate(const double* eta_data, const double* rate_data, Le
     t.P.col(l) += eta[l] * curvature_.col(p++);
   }
   if (level != Level::position) t.xi_rate.noalias() = t.P * rate;
-  if (cubic_.size() == 0) return;
+  if (quartic_.size() == 0) return;
 
-  // V = ⅓ ηᵀ T w + ⅙ wᵀ Q w: force T w + ⅓ (Q w)_kl η_l, stiffness T_kl· η + (Q w)_kl.
+  // V = ⅙ wᵀ Q w: force ⅓ (Q w)_kl η_l, stiffness (Q w)_kl.
   t.pair_force.noalias() = quartic_ * t.pairs;
-  t.force.noalias() = cubic_ * t.pairs;
-  t.energy = eta.dot(t.force) / 3 + t.pairs.dot(t.pair_force) / 6;
+  t.force.setZero();
+  t.energy = t.pairs.dot(t.pair_force) / 6;
   p = 0;
   for (int l = 0; l < modes_; ++l)
     for (int k = 0; k <= l; ++k, ++p) {
       t.force[k] += t.pair_force[p] * eta[l] / 3;
       if (k != l) t.force[l] += t.pair_force[p] * eta[k] / 3;
-      t.stiffness(k, l) = t.stiffness(l, k) = t.pair_force[p] + cubic_.col(p).dot(eta);
+      t.stiffness(k, l) = t.stiffness(l, k) = t.pair_force[p];
     }
 }
 

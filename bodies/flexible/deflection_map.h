@@ -38,7 +38,7 @@ class DeflectionMap {
 
  private:
   int modes_;
-  MatrixX curvature_, cubic_, quartic_;
+  MatrixX curvature_, quartic_;
 };
 
 }  // namespace lithe

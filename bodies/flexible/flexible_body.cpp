@@ -25,11 +25,6 @@ void add_symmetric_product(const LinearPattern& pattern, const VectorX& entries,
 
 }  // namespace
 
-FlexibleBody::Cache::Cache(const FlexibleBody& body)
-    : terms(body.field_count()),
-      deflection(body.deflection_ ? body.field_count() : 0, body.deflection_ ? body.mode_count() : 0),
-      elastic(body.marker_count()) {}
-
 FlexibleBody::FlexibleBody(Parameters parameters) : parameters_(std::move(parameters)) {
   if (!parameters_.basis) throw SceneError("has no basis", "", "give .basis = make_basis(model, frame, mode_count)");
   const ModalBasis& basis = *parameters_.basis;

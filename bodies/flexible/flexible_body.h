@@ -47,11 +47,14 @@ class FlexibleBody final : public Body {
     VectorX modal_coordinates{};                // η(0), empty: undeformed
     VectorX modal_velocities{};                 // η̇(0), empty: at rest
   };
+  struct TurningMarker;  // the columns of a marker that depend on the deformation
   struct Cache : BodyCache {
     InertiaTerms terms;
-    DeflectionTerms deflection;     // of a body with a quadratic deflection
-    std::vector<Matrix6X> elastic;  // of markers whose columns depend on the deformation
+    DeflectionTerms deflection;  // of a body with a quadratic deflection
+    std::vector<std::unique_ptr<TurningMarker>> markers;
     explicit Cache(const FlexibleBody&);
+    Cache(Cache&&) noexcept;
+    ~Cache() override;
   };
 
   /// Throws SceneError for a missing basis, more modes than it has, wrong sizes, damping that does not fit, NaN.

@@ -5,6 +5,38 @@
 
 namespace lithe {
 
+/// [Bm; Jl Θ] P, and what a wrench there adds to the tangent: Σ_j C_j ([Bm; Jl Θ]ᵀ w)_j.
+struct FlexibleBody::TurningMarker final : DeflectedMarker {
+  Matrix6X columns;  // 6 x nm
+  Matrix3 Jl = Matrix3::Identity();
+  const DeflectionMap* map;
+  const MarkerShape& shape;
+  mutable VectorX field_load;
+  mutable MatrixX stiffness;
+
+  TurningMarker(const FlexibleBody& body, int marker)
+      : columns(6, body.modes_),
+        map(body.deflection_.get()),
+        shape(body.markers_[static_cast<size_t>(marker)]),
+        field_load(body.field_count()),
+        stiffness(body.modes_, body.modes_) {}
+
+  void add_load_stiffness(const Vector3& force, const Vector3& torque, double* linear) const override {
+    field_load.noalias() = shape.elastic.topRows<3>().transpose() * force;
+    if (shape.turns) field_load.noalias() += shape.elastic.bottomRows<3>().transpose() * (Jl.transpose() * torque);
+    map->geometric_stiffness(field_load, stiffness);
+    for (Eigen::Index l = 0; l < stiffness.cols(); ++l)
+      for (Eigen::Index k = l; k < stiffness.rows(); ++k) *linear++ += stiffness(k, l);
+  }
+};
+
+FlexibleBody::Cache::Cache(const FlexibleBody& body)
+    : terms(body.field_count()),
+      deflection(body.deflection_ ? body.field_count() : 0, body.deflection_ ? body.mode_count() : 0) {}
+
+FlexibleBody::Cache::Cache(Cache&&) noexcept = default;
+FlexibleBody::Cache::~Cache() = default;
+
 int FlexibleBody::add_marker(const Vector3& c, const Matrix3X& Bm, const Matrix3X& Theta, const Matrix3& R0) {
   MarkerShape shape{c, R0, Matrix6X(6, 0), Theta.size() > 0 && !Theta.isZero(0)};
   if (!Bm.isZero(0) || shape.turns) {  // else the deformation never moves it: no columns at joints
@@ -149,22 +181,21 @@ void FlexibleBody::marker_kinematics(const BodyState& state, int marker, Level l
   }
   if (moves && (m.turns || deflection_)) {
     // Columns that depend on the deformation: [Bm; Jl Θ] P.
-    if (static_cast<int>(cache.elastic.size()) <= marker) cache.elastic.resize(marker_count());
-    Matrix6X& columns = cache.elastic[marker];
-    if (columns.cols() != modes_) columns.resize(6, modes_);
+    if (static_cast<int>(cache.markers.size()) <= marker) cache.markers.resize(markers_.size());
+    auto& turning = cache.markers[static_cast<size_t>(marker)];
+    if (!turning) turning = std::make_unique<TurningMarker>(*this, marker);
+    Matrix6X& columns = turning->columns;
     if (deflection_)
       columns.noalias() = m.elastic.lazyProduct(d.P);
     else
-      columns.topRows<3>() = m.elastic.topRows<3>();
-    k.elastic = columns.data();
+      columns = m.elastic;
     if (m.turns) {
       phi.noalias() = m.elastic.bottomRows<3>().lazyProduct(xi);
-      Jl = left_jacobian(phi);
-      if (deflection_)
-        for (int c = 0; c < modes_; ++c) columns.col(c).tail<3>() = (Jl * columns.col(c).tail<3>()).eval();
-      else
-        columns.bottomRows<3>() = Jl.lazyProduct(m.elastic.bottomRows<3>());
+      Jl = turning->Jl = left_jacobian(phi);
+      for (int c = 0; c < modes_; ++c) columns.col(c).tail<3>() = (Jl * columns.col(c).tail<3>()).eval();
     }
+    k.elastic = columns.data();
+    k.deflected = deflection_ ? turning.get() : nullptr;
   }
   if (m.turns)
     k.R = A * rotation_exp(phi) * m.R0;

@@ -28,13 +28,12 @@ struct InertiaIntegrals {
 
 /// How deformation of the second order moves the nodes and stores energy (EQUATIONS.md 4.5, 6). With the pairs
 /// w = ½ ηηᵀ packed by columns of the upper triangle (pair k <= l at l (l + 1)/2 + k; w_kk = ½ η_k², w_kl = η_k η_l):
-///   u = [B, Ψ] ξ,   ξ = (η, 0) + C w,   V = ½ ηᵀ K^ η + ⅓ ηᵀ T w + ⅙ wᵀ Q w
+///   u = [B, Ψ] ξ,   ξ = (η, 0) + C w,   V = ½ ηᵀ K^ η + ⅙ wᵀ Q w
 /// The body is the linear one of the modes [B, Ψ] whose coordinates follow η.
 struct QuadraticDeflection {
   MatrixX fields;              // Ψ, dofs x r, mass-orthonormal, orthogonal to B
   MatrixX curvature;           // C, (nm + r) x pairs
-  MatrixX cubic;               // T, nm x pairs: third derivatives of the strain energy; empty: linear elastic
-  MatrixX quartic;             // Q, pairs x pairs: fourth derivatives; empty like T
+  MatrixX quartic;             // Q, pairs x pairs: fourth derivatives of the strain energy; empty: none
   InertiaIntegrals integrals;  // of [B, Ψ]
   int field_count() const { return static_cast<int>(fields.cols()); }
 };

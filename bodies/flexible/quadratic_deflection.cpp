@@ -13,8 +13,7 @@
 namespace lithe {
 namespace {
 
-constexpr double kElementsMatch = 1e-6;   // of the largest modal stiffness
-constexpr double kFieldTolerance = 1e-3;  // of the largest field, pairs weighted by the inverse of their frequencies
+constexpr double kElementsMatch = 1e-6;  // of the largest modal stiffness
 
 /// Symmetric tensors as (xx yy zz xy yz xz), shear as 2 E_xy.
 Vector6 strain_of(const Matrix3& H) {
@@ -33,61 +32,77 @@ MatrixX turned(const MatrixX& columns, const Matrix3& R) {
   return result;
 }
 
-/// Derivatives of the strain energy at rest along the modes (mesh axes, a column a mode).
+/// Derivatives of the strain energy at rest along the modes (mesh axes, a column a mode or pair of modes); internal
+/// coordinates of the elements condensed, and what they relax beside it.
 struct EnergyDerivatives {
-  MatrixX second;    // nm x nm: must be K^
-  MatrixX forces;    // 3n x pairs: f_kl
-  MatrixX cubic;     // nm x pairs
-  MatrixX membrane;  // pairs x pairs: ∫ E2_kl C E2_mn
-  MatrixX internal;  // pairs x pairs: what the elements' internal coordinates relax, f_kl K_ii⁻¹ f_mn
+  MatrixX second;          // nm x nm: must be K^
+  MatrixX stress_forces;   // 3n x pairs: v ↦ 2 ∫ C E2(φ_k, φ_l) : ∇v
+  MatrixX turning_forces;  // 3n x pairs: v ↦ ∫ (H_l C ε_k + H_k C ε_l) : ∇v
+  MatrixX membrane;        // pairs x pairs: ∫ E2_kl C E2_mn
+  MatrixX relaxed;         // pairs x pairs, internal coordinates alone: s_kl K_ii⁻¹ s_mn, s the stress forces
+  MatrixX turned;          // pairs x pairs, the same: -t_kl K_ii⁻¹ s_mn, t the turning forces
 };
 
-/// Adds one element's share. With H the displacement gradients, at each point:
-///   f_kl: v ↦ ∫ (2 C E2(φ_k, φ_l) + H_l C ε_k + H_k C ε_l) : ∇v, the last two for `whole` derivatives only.
+/// Adds one element's share; `whole`: all that the energy of fourth order needs. H: displacement gradients at a point.
 void add_element(const SolidElement& element, const MatrixX& modes, bool whole, EnergyDerivatives& out) {
   const auto nm = static_cast<int>(modes.cols()), pairs = nm * (nm + 1) / 2;
   const auto shapes = static_cast<Eigen::Index>(element.nodes.size()) + element.internal;
-  const auto nodal = 3 * static_cast<Eigen::Index>(element.nodes.size());
+  const auto inner = 3 * element.internal;
   const Matrix6 C = elasticity(element.material);
-  MatrixX coordinates(3 * shapes, nm), forces = MatrixX::Zero(3 * shapes, pairs),
-                                       linear = MatrixX::Zero(3 * shapes, nm);
+  MatrixX coordinates(3 * shapes, nm), linear = MatrixX::Zero(3 * shapes, nm);
+  MatrixX stress_forces = MatrixX::Zero(3 * shapes, pairs),
+          turning_forces = MatrixX::Zero(3 * shapes, whole ? pairs : 0);
   for (int k = 0; k < nm; ++k) coordinates.col(k) = element.coordinates_of(modes.col(k));
   MatrixX strains(6, pairs);
   std::vector<Matrix3> H(static_cast<size_t>(nm)), S(static_cast<size_t>(nm));
   for (const SolidPoint& point : element.points) {
+    const auto add = [&](MatrixX& forces, int column, const Matrix3& stress) {
+      Eigen::Map<Matrix3X>(forces.col(column).data(), 3, shapes) +=
+          point.volume * (stress * point.gradients.transpose());
+    };
     for (int k = 0; k < nm; ++k) {
       const auto at = static_cast<size_t>(k);
       H[at] = Eigen::Map<const Matrix3X>(coordinates.col(k).data(), 3, shapes) * point.gradients;
       S[at] = stress_tensor(C * strain_of(H[at]));
-      Eigen::Map<Matrix3X>(linear.col(k).data(), 3, shapes) += point.volume * (S[at] * point.gradients.transpose());
+      add(linear, k, S[at]);
     }
     for (int l = 0; l < nm; ++l)
       for (int k = 0; k <= l; ++k) {
         const auto a = static_cast<size_t>(k), b = static_cast<size_t>(l);
         const int p = pair_of(k, l);
-        strains.col(p) = strain_of(Matrix3(0.5 * H[a].transpose() * H[b]));  // symmetrised by strain_of: 2 shear halves
-        Matrix3 stress = 2 * stress_tensor(C * strains.col(p));
-        if (whole) stress += H[b] * S[a] + H[a] * S[b];
-        Eigen::Map<Matrix3X>(forces.col(p).data(), 3, shapes) += point.volume * (stress * point.gradients.transpose());
+        strains.col(p) = strain_of(Matrix3(0.5 * H[a].transpose() * H[b]));  // E2: strain_of() takes the symmetric part
+        add(stress_forces, p, 2 * stress_tensor(C * strains.col(p)));
+        if (whole) add(turning_forces, p, H[b] * S[a] + H[a] * S[b]);
       }
     if (whole) out.membrane.noalias() += strains.transpose() * (point.volume * C * strains);
   }
   out.second.noalias() += coordinates.transpose() * linear;
-  if (whole) out.cubic.noalias() += coordinates.transpose() * forces;
-  if (element.internal > 0) {
-    const MatrixX inner = forces.bottomRows(3 * element.internal);
-    forces.topRows(nodal).noalias() += element.internal_from_nodal.transpose() * inner;
-    if (whole) out.internal.noalias() += inner.transpose() * (element.internal_compliance * inner);
+  if (inner > 0 && whole) {
+    const MatrixX relaxation = element.internal_compliance * stress_forces.bottomRows(inner);
+    out.relaxed.noalias() += stress_forces.bottomRows(inner).transpose() * relaxation;
+    out.turned.noalias() -= turning_forces.bottomRows(inner).transpose() * relaxation;
   }
-  for (size_t a = 0; a < element.nodes.size(); ++a)
-    out.forces.middleRows<3>(3 * element.nodes[a]) += forces.middleRows<3>(3 * static_cast<Eigen::Index>(a));
+  const auto scatter = [&](MatrixX& forces, MatrixX& nodal) {
+    const auto count = static_cast<Eigen::Index>(element.nodes.size());
+    if (inner > 0)
+      forces.topRows(3 * count).noalias() += element.internal_from_nodal.transpose() * forces.bottomRows(inner).eval();
+    for (Eigen::Index a = 0; a < count; ++a)
+      nodal.middleRows<3>(3 * element.nodes[static_cast<size_t>(a)]) += forces.middleRows<3>(3 * a);
+  };
+  scatter(stress_forces, out.stress_forces);
+  if (whole) scatter(turning_forces, out.turning_forces);
 }
 
 EnergyDerivatives differentiate(const FiniteElementModel& model, const ModalBasis& basis, bool whole,
                                 const std::string& where) {
   const int nm = basis.mode_count(), pairs = nm * (nm + 1) / 2;
-  EnergyDerivatives found{MatrixX::Zero(nm, nm), MatrixX::Zero(basis.modes.rows(), pairs), MatrixX::Zero(nm, pairs),
-                          MatrixX::Zero(pairs, pairs), MatrixX::Zero(pairs, pairs)};
+  const int quartic = whole ? pairs : 0;
+  EnergyDerivatives found{MatrixX::Zero(nm, nm),
+                          MatrixX::Zero(basis.modes.rows(), pairs),
+                          MatrixX::Zero(basis.modes.rows(), quartic),
+                          MatrixX::Zero(quartic, quartic),
+                          MatrixX::Zero(quartic, quartic),
+                          MatrixX::Zero(quartic, quartic)};
   const MatrixX modes = turned(basis.modes, basis.rotation);
   for (const SolidElement& element : make_solid_elements(model)) add_element(element, modes, whole, found);
   const double error =
@@ -101,7 +116,8 @@ EnergyDerivatives differentiate(const FiniteElementModel& model, const ModalBasi
                      "give each block its type (C3D8 or C3D8I, C3D20 or C3D20R) and the material of K, or the "
                      "stress stiffness of unit loads instead.");
   }
-  found.forces = turned(found.forces, basis.rotation.transpose());
+  found.stress_forces = turned(found.stress_forces, basis.rotation.transpose());
+  found.turning_forces = turned(found.turning_forces, basis.rotation.transpose());
   return found;
 }
 
@@ -144,7 +160,8 @@ MatrixX symmetrised(const MatrixX& X, int nm) {
 }
 
 /// θ = B C_B + Ψ C_Ψ, Ψ mass-orthonormal: the fields that matter, by singular values.
-void split_fields(const ModalBasis& basis, const SparseMatrix& mass, MatrixX theta, QuadraticDeflection& out) {
+void split_fields(const ModalBasis& basis, const SparseMatrix& mass, MatrixX theta, double tolerance,
+                  QuadraticDeflection& out) {
   const int nm = basis.mode_count();
   const MatrixX along = basis.modes.transpose() * (mass * theta);
   theta -= basis.modes * along;
@@ -157,7 +174,7 @@ void split_fields(const ModalBasis& basis, const SparseMatrix& mass, MatrixX the
   const MatrixX gram = scaled.transpose() * (mass * scaled);
   const Eigen::SelfAdjointEigenSolver<MatrixX> parts(0.5 * (gram + gram.transpose()));
   const double largest = std::max(parts.eigenvalues().tail<1>()[0], 0.0);
-  const auto kept = (parts.eigenvalues().array() > kFieldTolerance * kFieldTolerance * largest).count();
+  const auto kept = (parts.eigenvalues().array() > tolerance * tolerance * largest).count();
   out.fields = scaled * parts.eigenvectors().rightCols(kept) *
                parts.eigenvalues().tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
   out.curvature.resize(nm + kept, theta.cols());
@@ -169,8 +186,9 @@ void split_fields(const ModalBasis& basis, const SparseMatrix& mass, MatrixX the
 std::shared_ptr<const QuadraticDeflection> make_quadratic_deflection(const FiniteElementModel& model,
                                                                      const ModalBasis& basis,
                                                                      const SupportedProblem& problem,
-                                                                     Deflection deflection, const std::string& where) {
-  const bool whole = deflection == Deflection::quadratic;
+                                                                     const Reduction& reduction,
+                                                                     const std::string& where) {
+  const bool whole = reduction.deflection == Deflection::quadratic;
   const bool by_loads = !whole && !model.stress_stiffness.empty();
   if (!model.rotations.empty() || (model.elements.empty() && !by_loads))
     throw SceneError("stiffening needs the solid elements and their material, or the stress stiffness of unit loads.",
@@ -182,17 +200,17 @@ std::shared_ptr<const QuadraticDeflection> make_quadratic_deflection(const Finit
     theta = fields_of_loads(model, basis, problem, where);
   } else {
     const EnergyDerivatives energy = differentiate(model, basis, whole, where);
-    const MatrixX loads = problem.T.transpose() * energy.forces;
-    theta = -(problem.T * static_deflections(problem.K, problem.M, problem.rigid, loads, where));
+    const MatrixX loads = problem.T.transpose() * energy.stress_forces;
+    const MatrixX z = static_deflections(problem.K, problem.M, problem.rigid, loads, where);
+    theta = -(problem.T * z);
     if (whole) {
-      theta -= basis.modes * (basis.modes.transpose() * (model.mass * theta));
-      const MatrixX z = problem.T.transpose() * theta;
-      const MatrixX relaxed = z.transpose() * (problem.K * z) + energy.internal;
-      out->cubic = energy.cubic;
-      out->quartic = symmetrised(4 * energy.membrane - relaxed, nm);
+      // Fourth order: ½ ∫ E2 C E2, less what θ relieves of it, and the bending strain's work on E2(φ, θ).
+      const MatrixX turning = energy.turning_forces.transpose() * theta + energy.turned;
+      out->quartic =
+          symmetrised(4 * energy.membrane - z.transpose() * loads - energy.relaxed + turning + turning.transpose(), nm);
     }
   }
-  split_fields(basis, model.mass, std::move(theta), *out);
+  split_fields(basis, model.mass, std::move(theta), reduction.deflection_tolerance, *out);
 
   ModalBasis all;
   all.nodes = basis.nodes;

@@ -139,7 +139,7 @@ void fill_modes(const FiniteElementModel& model, const FramePlacement& placed, c
   basis.diagonal = true;
   basis.frequencies = modes.eigenvalues.unaryExpr([](double lambda) { return hertz(lambda); });
   if (interfaces.deflection != Deflection::linear && count > 0)
-    basis.deflection = make_quadratic_deflection(model, basis, problem, interfaces.deflection, placed.where);
+    basis.deflection = make_quadratic_deflection(model, basis, problem, interfaces, placed.where);
 }
 
 void log_basis(const ModalBasis& basis, const std::string& where) {

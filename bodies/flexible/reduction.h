@@ -47,7 +47,7 @@ enum class InterfaceModes {
 enum class Deflection {
   linear,     // u = B η: no stiffening by spin or load
   stiffened,  // with the displacements of second order that carry geometric stiffness: small deflection, any load
-  quadratic,  // with static modal derivatives and the energy to fourth order: moderately large deflection
+  quadratic,  // and with the strain energy to fourth order: moderately large deflection
 };
 
 /// What a basis holds beside the eigenmodes of its frame, and how it deflects.
@@ -63,6 +63,9 @@ struct Reduction {
   /// Shapes from elsewhere, dofs x k, mesh axes (a file, a test): taken into the basis, minus what the frame holds.
   MatrixX given_modes{};
   Deflection deflection = Deflection::linear;
+  /// Displacements of second order smaller than this part of the largest are left out, pairs of modes compared at equal
+  /// strain energy.
+  double deflection_tolerance = 0.02;
 };
 
 inline constexpr int kAllNodal = -1;  // mode count: every nodal coordinate that the frame leaves free

@@ -72,6 +72,18 @@ ShapeValues shape_functions(int node_count, const Vector3& xi) {
   return tetrahedron(node_count, xi);
 }
 
+Matrix3X natural_nodes(int node_count) {
+  Matrix3X xi = Matrix3X::Zero(3, node_count);
+  if (node_count == 8 || node_count == 20) {
+    for (int a = 0; a < node_count; ++a) xi.col(a) << kBrick[a][0], kBrick[a][1], kBrick[a][2];
+    return xi;
+  }
+  for (int a = 1; a < 4; ++a) xi(a - 1, a) = 1;
+  for (int e = 4; e < node_count; ++e)
+    xi.col(e) = 0.5 * (xi.col(kTetrahedronEdges[e - 4][0]) + xi.col(kTetrahedronEdges[e - 4][1]));
+  return xi;
+}
+
 std::vector<IntegrationPoint> brick_rule(int points_per_direction) {
   std::vector<std::array<double, 2>> line;  // position, weight
   if (points_per_direction == 2)

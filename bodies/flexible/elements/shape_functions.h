@@ -24,6 +24,9 @@ struct IntegrationPoint {
 /// Applications, 2004, section 2.1.
 ShapeValues shape_functions(int node_count, const Vector3& xi);
 
+/// Natural coordinates of the nodes, 3 x node_count.
+Matrix3X natural_nodes(int node_count);
+
 /// Gauss points per direction along a brick, first coordinate fastest: 2³ (exact to the third power) or 3³ (fifth).
 std::vector<IntegrationPoint> brick_rule(int points_per_direction);
 /// 1, 4 or 15 points of a tetrahedron, exact to degree 1, 2, 5 (Keast 1986, Comput. Meth. Appl. Mech. Eng. 55, 339).
