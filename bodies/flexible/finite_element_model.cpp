@@ -1,12 +1,13 @@
 #include "bodies/flexible/finite_element_model.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <cstdio>
-#include <numeric>
+#include <set>
+#include <utility>
 
+#include "bodies/flexible/general_inertia.h"
 #include "bodies/flexible/sparse_cholesky.h"
 #include "engine/error.h"
 
@@ -16,9 +17,9 @@ namespace {
 // Bounds of require_sound(). CalculiX prints 14 digits, so its matrices are symmetric and rigid to some 1e-13.
 constexpr double kAsymmetryBound = 1e-10;
 constexpr double kRigidBound = 1e-8;
-constexpr double kIsotropyBound = 1e-10;  // EQUATIONS.md 2.1
 // K + shift M, shift = this times tr K / tr M: above the noise of printed matrices, far below the first eigenvalue.
 constexpr double kDefiniteShift = 1e-10;
+constexpr double kMassShift = 1e-10;  // of the mean diagonal: above the round-off of a singular mass matrix
 
 std::string figure(double value) {
   char text[32];
@@ -37,11 +38,13 @@ double asymmetry(const SparseMatrix& A) {
 }
 
 void require_square(const FiniteElementModel& model, const SparseMatrix& A, const char* what) {
-  const int dofs = 3 * model.node_count();
+  const int dofs = model.dof_count();
   if (A.rows() == dofs && A.cols() == dofs) return;
+  const std::string turns =
+      model.rotations.empty() ? "" : " with " + std::to_string(model.rotations.size()) + " rotations";
   throw SceneError("the " + std::string(what) + " matrix is " + std::to_string(A.rows()) + " x " +
-                       std::to_string(A.cols()) + ", but " + std::to_string(model.node_count()) + " nodes have " +
-                       std::to_string(dofs) + " degrees of freedom.",
+                       std::to_string(A.cols()) + ", but " + std::to_string(model.node_count()) + " nodes" + turns +
+                       " have " + std::to_string(dofs) + " degrees of freedom.",
                    where(model), "give the matrix of all nodes, three translations each, without supports.");
 }
 
@@ -81,6 +84,19 @@ void require_labels(const FiniteElementModel& model) {
                            where(model), "element connectivity is by node index, counted from 0.");
 }
 
+void require_rotations(const FiniteElementModel& model) {
+  std::set<std::pair<int, int>> seen;
+  for (const RotationalDof& turn : model.rotations) {
+    if (turn.node < 0 || turn.node >= model.node_count() || turn.axis < 0 || turn.axis > 2)
+      throw SceneError("a nodal rotation is about axis " + std::to_string(turn.axis) + " of node index " +
+                           std::to_string(turn.node) + " of " + std::to_string(model.node_count()) + " nodes.",
+                       where(model), "node indices count from 0, axes are 0, 1, 2.");
+    if (!seen.insert({turn.node, turn.axis}).second)
+      throw SceneError("node " + std::to_string(model.node_ids[turn.node]) + " has two rotations about one axis.",
+                       where(model), "list a degree of freedom once.");
+  }
+}
+
 /// m_ij E, three equal diagonals a block.
 SparseMatrix isotropic(const SparseMatrix& scalar) {
   std::vector<Eigen::Triplet<double>> entries;
@@ -106,6 +122,16 @@ double row_sum_deviation(const SparseMatrix& mass) {
     scale = std::max(scale, std::abs(k));
   }
   return scale > 0 ? worst / scale : 0.0;
+}
+
+/// Every node has mass, and no motion has a negative one. That some motion has none is borne: CalculiX integrates the
+/// mass of tetrahedra at too few points for a regular matrix.
+bool positive_mass(const SparseMatrix& M) {
+  const VectorX diagonal = M.diagonal();
+  if (!(diagonal.minCoeff() > 0)) return false;
+  SparseMatrix shifted = M;
+  shifted.diagonal() += VectorX::Constant(M.rows(), kMassShift * diagonal.mean());
+  return SparseCholesky(shifted).positive_definite();
 }
 
 }  // namespace
@@ -168,48 +194,56 @@ MatrixX rigid_motions(const Matrix3X& nodes, const Vector3& center) {
   return R;
 }
 
-ModelCheck check(const FiniteElementModel& model) {
+ModelCheck check(const FiniteElementModel& model, Definiteness definiteness) {
   require_labels(model);
   require_square(model, model.stiffness, "stiffness");
   require_square(model, model.mass, "mass");
   require_finite(model, model.stiffness, "stiffness");
   require_finite(model, model.mass, "mass");
+  require_rotations(model);
+  if (model.damping.size() > 0) {
+    require_square(model, model.damping, "damping");
+    require_finite(model, model.damping, "damping");
+  }
 
   const SparseMatrix &K = model.stiffness, &M = model.mass;
   ModelCheck found;
   found.name = model.name;
   found.nodes = model.node_count();
+  found.rotations = static_cast<int>(model.rotations.size());
   found.stiffness_asymmetry = asymmetry(K);
   found.mass_asymmetry = asymmetry(M);
 
-  // Rᵀ M R about the mesh origin: [m E, -m c~; m c~, J]. The centre comes from the antisymmetric part of Y0ᵀ M Phi.
-  const MatrixX R = rigid_motions(model.nodes, Vector3::Zero());
-  const Matrix6 rigid_mass = R.transpose() * (M * R);
-  found.mass = rigid_mass.topLeftCorner<3, 3>().trace() / 3;
-  if (found.mass > 0) {
-    const Matrix3 first = rigid_mass.bottomLeftCorner<3, 3>() / found.mass;
-    found.center = 0.5 * Vector3(first(2, 1) - first(1, 2), first(0, 2) - first(2, 0), first(1, 0) - first(0, 1));
-    const Matrix3 c = skew(found.center);
-    found.inertia = rigid_mass.bottomRightCorner<3, 3>() + found.mass * c * c;
-  }
+  const RigidMass rigid_part = rigid_mass(model);
+  found.mass = rigid_part.mass;
+  found.center = rigid_part.center;
+  found.inertia = rigid_part.inertia;
 
-  // Six rigid motions about the centre must meet no force.
-  const double norm = (K.cwiseAbs() * VectorX::Ones(K.cols())).maxCoeff();
-  const MatrixX rigid = rigid_motions(model.nodes, found.center);
-  const MatrixX force = K * rigid;
+  // Six rigid motions about the centre must meet no force. Rotations count by the length that makes their stiffnesses
+  // comparable to those of translations, so that the figure does not depend on the unit of length.
+  VectorX unit = VectorX::Ones(model.dof_count());
+  if (found.rotations > 0) {
+    const double length2 = K.diagonal().tail(found.rotations).mean() / K.diagonal().head(3 * found.nodes).mean();
+    if (length2 > 0) unit.tail(found.rotations).setConstant(1 / std::sqrt(length2));
+  }
+  const double norm = unit.cwiseProduct(K.cwiseAbs() * unit).maxCoeff();
+  const MatrixX rigid = rigid_motions(model.nodes, model.rotations, found.center);
+  const MatrixX force = unit.asDiagonal() * (K * rigid);
   for (int k = 0; k < 6; ++k) {
-    const double scale = norm * rigid.col(k).cwiseAbs().maxCoeff();
+    const double scale = norm * rigid.col(k).cwiseQuotient(unit).cwiseAbs().maxCoeff();
     found.rigid_residual[k] = scale > 0 ? force.col(k).cwiseAbs().maxCoeff() / scale : 0.0;
   }
 
   // S_ij = m_ij E? If so, M is positive exactly if m is, at a ninth of the entries.
-  const SparseMatrix m = scalar_mass(M);
-  const SparseMatrix anisotropic = M - isotropic(m);
-  const double mass_scale = max_entry(M);
-  found.mass_isotropy = mass_scale > 0 ? max_entry(anisotropic) / mass_scale : 0.0;
-  found.row_sum_deviation = row_sum_deviation(M);
-  found.mass_positive = SparseCholesky(found.mass_isotropy <= kIsotropyBound ? m : M).positive_definite();
+  {
+    const SparseMatrix S = translations(M, found.nodes), m = scalar_mass(S), anisotropic = S - isotropic(m);
+    const double mass_scale = max_entry(S);
+    found.mass_isotropy = mass_scale > 0 ? max_entry(anisotropic) / mass_scale : 0.0;
+    found.row_sum_deviation = row_sum_deviation(S);
+    found.mass_positive = positive_mass(is_scalar_interpolation(model, found) ? m : M);
+  }
 
+  if (definiteness == Definiteness::not_looked_at) return found;
   // K is only semidefinite; a shift above its rounding noise makes Cholesky decide, and Sylvester count if it fails.
   const double shift = found.mass > 0 ? kDefiniteShift * K.diagonal().sum() / M.diagonal().sum() : 0.0;
   const SparseMatrix shifted = K + shift * M;
@@ -217,8 +251,8 @@ ModelCheck check(const FiniteElementModel& model) {
   return found;
 }
 
-ModelCheck require_sound(const FiniteElementModel& model) {
-  const ModelCheck found = check(model);
+ModelCheck require_sound(const FiniteElementModel& model, Definiteness definiteness) {
+  const ModelCheck found = check(model, definiteness);
   const auto refuse = [&](const std::string& problem, const std::string& mend) {
     throw SceneError(problem, where(model), mend);
   };
@@ -235,13 +269,13 @@ ModelCheck require_sound(const FiniteElementModel& model) {
   if (!(found.mass > 0))
     refuse("the mass is " + figure(found.mass) + " kg, it must be positive.",
            "give the material a density and check the units.");
-  if (found.mass_isotropy > kIsotropyBound)
-    refuse("the mass matrix is no scalar interpolation: max|S_ij - m_ij E| / max|S| is " +
-               beyond(found.mass_isotropy, kIsotropyBound),
-           "export the mass of the uncondensed solid mesh (no Guyan condensation, no rotations), or lump it.");
   if (!found.mass_positive)
     refuse("the mass matrix is not positive definite.",
            "every node needs mass: use a consistent mass, or give all elements a density.");
+  if (model.damping.size() > 0 && asymmetry(model.damping) > kAsymmetryBound)
+    refuse("the damping matrix is not symmetric: max|C - C'| / max|C| is " +
+               beyond(asymmetry(model.damping), kAsymmetryBound),
+           "export viscous damping alone, without gyroscopic terms.");
   for (int k = 0; k < 6; ++k)
     if (found.rigid_residual[k] > kRigidBound)
       refuse("a rigid " + std::string(k < 3 ? "translation along " : "rotation about ") + "xyz"[k % 3] +
@@ -255,28 +289,33 @@ ModelCheck require_sound(const FiniteElementModel& model) {
 }
 
 std::string ModelCheck::report() const {
-  char text[1600];
+  char text[2000];
   const double rigid = *std::max_element(std::begin(rigid_residual), std::end(rigid_residual));
   const auto verdict = [](bool sound) { return sound ? "ok" : "REFUSED"; };
-  std::snprintf(text, sizeof text,
-                "model '%s', %d nodes\n"
-                "  mass                      %.6g kg  %s\n"
-                "  centre of mass            %.6g %.6g %.6g m\n"
-                "  inertia about it          xx %.6g  yy %.6g  zz %.6g  xy %.6g  xz %.6g  yz %.6g kg m2\n"
-                "  M positive definite       %s  %s\n"
-                "  K negative eigenvalues    %d  %s\n"
-                "  K asymmetry               %.1e  (bound %.0e)  %s\n"
-                "  M asymmetry               %.1e  (bound %.0e)  %s\n"
-                "  rigid motion meets force  %.1e  (bound %.0e)  %s\n"
-                "  M off m_ij E              %.1e  (bound %.0e)  %s\n"
-                "  M row sums off k_i E      %.1e\n",
-                name.substr(0, 200).c_str(), nodes, mass, verdict(mass > 0), center[0], center[1], center[2],
-                inertia(0, 0), inertia(1, 1), inertia(2, 2), inertia(0, 1), inertia(0, 2), inertia(1, 2),
-                mass_positive ? "yes" : "no", verdict(mass_positive), stiffness_negative,
-                verdict(stiffness_negative == 0), stiffness_asymmetry, kAsymmetryBound,
-                verdict(stiffness_asymmetry <= kAsymmetryBound), mass_asymmetry, kAsymmetryBound,
-                verdict(mass_asymmetry <= kAsymmetryBound), rigid, kRigidBound, verdict(rigid <= kRigidBound),
-                mass_isotropy, kIsotropyBound, verdict(mass_isotropy <= kIsotropyBound), row_sum_deviation);
+  const bool scalar = rotations == 0 && mass_isotropy <= kIsotropyBound;
+  std::snprintf(
+      text, sizeof text,
+      "model '%s', %d nodes, %d nodal rotations\n"
+      "  mass                      %.6g kg  %s\n"
+      "  centre of mass            %.6g %.6g %.6g m\n"
+      "  inertia about it          xx %.6g  yy %.6g  zz %.6g  xy %.6g  xz %.6g  yz %.6g kg m2\n"
+      "  M positive definite       %s  %s\n"
+      "  K negative eigenvalues    %d  %s\n"
+      "  K asymmetry               %.1e  (bound %.0e)  %s\n"
+      "  M asymmetry               %.1e  (bound %.0e)  %s\n"
+      "  rigid motion meets force  %.1e  (bound %.0e)  %s\n"
+      "  M off m_ij E              %.1e  (bound %.0e)  %s\n"
+      "  M row sums off k_i E      %.1e\n"
+      "%s",
+      name.substr(0, 200).c_str(), nodes, rotations, mass, verdict(mass > 0), center[0], center[1], center[2],
+      inertia(0, 0), inertia(1, 1), inertia(2, 2), inertia(0, 1), inertia(0, 2), inertia(1, 2),
+      mass_positive ? "yes" : "no", verdict(mass_positive), stiffness_negative, verdict(stiffness_negative == 0),
+      stiffness_asymmetry, kAsymmetryBound, verdict(stiffness_asymmetry <= kAsymmetryBound), mass_asymmetry,
+      kAsymmetryBound, verdict(mass_asymmetry <= kAsymmetryBound), rigid, kRigidBound, verdict(rigid <= kRigidBound),
+      mass_isotropy, kIsotropyBound, scalar ? "ok" : "note", row_sum_deviation,
+      scalar ? ""
+             : "  note: M is no scalar interpolation. Mass, centre, inertia and their coupling to deformation\n"
+               "        are exact; how deformation changes them is that of masses lumped at the nodes.\n");
   return text;
 }
 

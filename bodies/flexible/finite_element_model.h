@@ -65,13 +65,15 @@ struct FiniteElementModel {
 struct ModelCheck {
   std::string name;  // of the model
   int nodes = 0;
+  int rotations = 0;                  // nodal rotations among the degrees of freedom
   double mass = 0;                    // kg, Phiᵀ M Phi
   Vector3 center = Vector3::Zero();   // centre of mass, mesh axes
   Matrix3 inertia = Matrix3::Zero();  // about the centre of mass, mesh axes
   double stiffness_asymmetry = 0;     // max|K - Kᵀ| / max|K|
   double mass_asymmetry = 0;
   double rigid_residual[6] = {};  // |K r| / (|K| |r|), max norms: three translations, three rotations about the centre
-  double mass_isotropy = 0;       // max|S_ij - tr(S_ij)/3 E| / max|S|: scalar interpolation if <= 1e-10
+  double mass_isotropy = 0;       // of the translations, max|S_ij - tr(S_ij)/3 E| / max|S|: scalar interpolation if
+                                  // <= 1e-10; else, and with rotations, J1, J2, C1 are of lumped masses (2.4)
   double row_sum_deviation = 0;   // eqs. (19)-(20): max|sum_j S_ij - k_i E| / max|k_i|
   bool mass_positive = false;     // Cholesky of M succeeds
   int stiffness_negative = 0;     // negative eigenvalues of K + small shift M beyond round-off
@@ -88,10 +90,12 @@ SparseMatrix scalar_mass(const SparseMatrix& mass);
 /// Rigid motions of nodes about a point c, 3n x 6: three unit translations e, three unit rotations e x (r - c).
 MatrixX rigid_motions(const Matrix3X& nodes, const Vector3& center);
 
+/// Whether check() factorises K to count its negative eigenvalues; one who factorises it next need not.
+enum class Definiteness { counted, not_looked_at };
 /// Measures a model. Throws SceneError only for what cannot be measured (sizes that do not match, NaN, unknown labels).
-ModelCheck check(const FiniteElementModel& model);
+ModelCheck check(const FiniteElementModel& model, Definiteness definiteness = Definiteness::counted);
 /// check(), then throws SceneError on what makes a model unusable: asymmetry, mass <= 0, a rigid motion with
-/// stiffness, indefinite M or K, M not a scalar interpolation. Names the figure, the bound and how to mend it.
-ModelCheck require_sound(const FiniteElementModel& model);
+/// stiffness, indefinite M or K, asymmetric damping. Names the figure, the bound and how to mend it.
+ModelCheck require_sound(const FiniteElementModel& model, Definiteness definiteness = Definiteness::counted);
 
 }  // namespace lithe

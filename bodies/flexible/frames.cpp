@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bodies/flexible/general_inertia.h"
 #include "engine/error.h"
 
 namespace lithe {
@@ -32,10 +33,18 @@ Vector3 mean_of(const FiniteElementModel& model, const std::vector<int>& indices
   return sum / static_cast<double>(indices.size());
 }
 
-std::vector<int> all_dofs(const std::vector<int>& indices) {
+std::vector<int> translations_of(const std::vector<int>& indices) {
   std::vector<int> dofs;
   for (int i : indices)
     for (int axis = 0; axis < 3; ++axis) dofs.push_back(3 * i + axis);
+  return dofs;
+}
+
+std::vector<int> rotations_of(const FiniteElementModel& model, const std::vector<int>& indices) {
+  std::vector<int> dofs;
+  for (size_t k = 0; k < model.rotations.size(); ++k)
+    if (std::find(indices.begin(), indices.end(), model.rotations[k].node) != indices.end())
+      dofs.push_back(3 * model.node_count() + static_cast<int>(k));
   return dofs;
 }
 
@@ -72,21 +81,22 @@ void place(const FiniteElementModel& model, const ThreeNodeFrame& frame, FramePl
 void place(const FiniteElementModel& model, const TangentFrame& frame, FramePlacement& placed) {
   std::vector<int> nodes = indices_of(model, frame.nodes, placed.where);
   placed.origin = mean_of(model, nodes);
-  if (nodes.size() == 1) nodes = neighbours(model, nodes.front(), placed.where);
-  placed.fixed_dofs = all_dofs(nodes);
+  // A node of a solid carries no rotation: its elements are held with it.
+  if (nodes.size() == 1 && rotations_of(model, nodes).size() < 3)
+    nodes = neighbours(model, nodes.front(), placed.where);
+  placed.fixed_dofs = translations_of(nodes);
+  const std::vector<int> turns = rotations_of(model, nodes);
+  placed.fixed_dofs.insert(placed.fixed_dofs.end(), turns.begin(), turns.end());
 }
 
 void place(const FiniteElementModel& model, const HingeFrame& frame, FramePlacement& placed) {
   const std::vector<int> nodes = indices_of(model, frame.nodes, placed.where);
   placed.origin = mean_of(model, nodes);
-  placed.fixed_dofs = all_dofs(nodes);
+  placed.fixed_dofs = translations_of(nodes);
 }
 
 void place(const FiniteElementModel& model, const MeanAxisFrame&, FramePlacement& placed) {
-  // Undeformed centre of mass from the row sums of the scalar mass.
-  const SparseMatrix m = scalar_mass(model.mass);
-  const VectorX k = m * VectorX::Ones(m.cols());
-  placed.origin = model.nodes * k / k.sum();
+  placed.origin = rigid_mass(model).center;
 }
 
 std::string words(const ThreeNodeFrame& f) { return "three-node frame (" + list({f.origin, f.on_x, f.in_xy}) + ")"; }
@@ -96,10 +106,11 @@ std::string words(const MeanAxisFrame&) { return "mean-axis frame"; }
 
 }  // namespace
 
-MatrixX rigid_motions_left(const Matrix3X& nodes, const std::vector<int>& fixed_dofs) {
+MatrixX rigid_motions_left(const Matrix3X& nodes, const std::vector<RotationalDof>& rotations,
+                           const std::vector<int>& fixed_dofs) {
   // Rotations about the middle of the nodes, over the size of the body: all six columns are then of order one.
   const Vector3 middle = nodes.rowwise().mean();
-  MatrixX R = rigid_motions(nodes, middle);
+  MatrixX R = rigid_motions(nodes, rotations, middle);
   const double size = (nodes.colwise() - middle).colwise().norm().maxCoeff();
   if (size > 0) R.rightCols<3>() /= size;
   if (fixed_dofs.empty()) return R;
@@ -129,7 +140,7 @@ FramePlacement place_frame(const FiniteElementModel& model, const BodyFrame& fra
   if (std::holds_alternative<ThreeNodeFrame>(frame))
     for (int dof : placed.fixed_dofs) placed.nodes(dof % 3, dof / 3) = 0;
 
-  placed.rigid = rigid_motions_left(placed.nodes, placed.fixed_dofs);
+  placed.rigid = rigid_motions_left(placed.nodes, model.rotations, placed.fixed_dofs);
   if (std::holds_alternative<TangentFrame>(frame) && placed.rigid.cols() > 0)
     throw SceneError("the clamped nodes lie on one line and leave the body free to turn: a mechanism.", placed.where,
                      "add a node off the line, or use a HingeFrame.");

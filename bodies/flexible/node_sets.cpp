@@ -13,8 +13,8 @@ namespace {
 constexpr double kDependent = 1e-9;  // of the largest singular value
 
 /// Orthonormal columns that span the rigid motions of these nodes: six, five for nodes on a line, three for one node.
-MatrixX rigid_space(const Matrix3X& nodes) {
-  const MatrixX R = rigid_motions_left(nodes, {});
+MatrixX rigid_space(const Matrix3X& nodes, const std::vector<RotationalDof>& rotations = {}) {
+  const MatrixX R = rigid_motions_left(nodes, rotations, {});
   const Eigen::JacobiSVD<MatrixX> svd(R, Eigen::ComputeThinU);
   int rank = 0;
   while (rank < svd.singularValues().size() && svd.singularValues()[rank] > kDependent * svd.singularValues()[0])
@@ -70,8 +70,8 @@ NodeAverage::NodeAverage(const Matrix3X& positions, std::vector<int> indices, co
       spread_inverse += eigen.eigenvectors().col(a) * eigen.eigenvectors().col(a).transpose() / eigen.eigenvalues()[a];
 }
 
-MatrixX NodeAverage::unit_loads(int node_count) const {
-  MatrixX F = MatrixX::Zero(3 * node_count, 6);
+MatrixX NodeAverage::unit_loads(int dof_count) const {
+  MatrixX F = MatrixX::Zero(dof_count, 6);
   for (size_t k = 0; k < nodes.size(); ++k) {
     const auto column = static_cast<Eigen::Index>(k);
     F.block<3, 3>(3 * nodes[k], 0) += weights[column] * Matrix3::Identity();
@@ -80,44 +80,58 @@ MatrixX NodeAverage::unit_loads(int node_count) const {
   return F;
 }
 
-SparseMatrix free_motions(const FramePlacement& placed, const std::vector<std::vector<int>>& rigid_sets) {
-  const auto n = static_cast<int>(placed.nodes.cols());
+FreeMotions free_motions(const FramePlacement& placed, const std::vector<RotationalDof>& rotations,
+                         const std::vector<std::vector<int>>& rigid_sets) {
+  const auto n = static_cast<int>(placed.nodes.cols()), dofs = 3 * n + static_cast<int>(rotations.size());
   enum : char { kFree, kFixed, kTied };
-  std::vector<char> kind(static_cast<size_t>(3 * n), kFree);
+  std::vector<char> kind(static_cast<size_t>(dofs), kFree);
   for (int dof : placed.fixed_dofs) kind[static_cast<size_t>(dof)] = kFixed;
 
-  std::vector<Eigen::Triplet<double>> entries;
+  // Of each set its degrees of freedom, and the motions of these that the frame allows.
+  std::vector<std::vector<int>> set_dofs(rigid_sets.size());
   std::vector<MatrixX> motions;
-  for (const auto& set : rigid_sets) {
+  std::vector<int> place_in_set(static_cast<size_t>(n));
+  for (size_t s = 0; s < rigid_sets.size(); ++s) {
+    const auto& set = rigid_sets[s];
     Matrix3X nodes(3, static_cast<Eigen::Index>(set.size()));
-    std::vector<int> held;
+    std::fill(place_in_set.begin(), place_in_set.end(), -1);
     for (size_t k = 0; k < set.size(); ++k) {
       nodes.col(static_cast<Eigen::Index>(k)) = placed.nodes.col(set[k]);
-      for (int axis = 0; axis < 3; ++axis)
-        if (kind[static_cast<size_t>(3 * set[k] + axis)] == kFixed) held.push_back(3 * static_cast<int>(k) + axis);
+      place_in_set[static_cast<size_t>(set[k])] = static_cast<int>(k);
+      for (int axis = 0; axis < 3; ++axis) set_dofs[s].push_back(3 * set[k] + axis);
     }
-    motions.push_back(vanishing(rigid_space(nodes), held));
+    std::vector<RotationalDof> turns;
+    for (size_t k = 0; k < rotations.size(); ++k)
+      if (const int place = place_in_set[static_cast<size_t>(rotations[k].node)]; place >= 0) {
+        turns.push_back({place, rotations[k].axis});
+        set_dofs[s].push_back(3 * n + static_cast<int>(k));
+      }
+    std::vector<int> held;
+    for (size_t row = 0; row < set_dofs[s].size(); ++row)
+      if (kind[static_cast<size_t>(set_dofs[s][row])] == kFixed) held.push_back(static_cast<int>(row));
+    motions.push_back(vanishing(rigid_space(nodes, turns), held));
   }
-  for (const auto& set : rigid_sets)
-    for (int node : set) {
-      if (kind[static_cast<size_t>(3 * node)] == kTied)
-        throw SceneError("node index " + std::to_string(node) + " lies in two rigid sets, or twice in one.",
+  for (size_t s = 0; s < rigid_sets.size(); ++s)
+    for (int dof : set_dofs[s]) {
+      if (kind[static_cast<size_t>(dof)] == kTied)
+        throw SceneError("node index " + std::to_string(dof / 3) + " lies in two rigid sets, or twice in one.",
                          placed.where, "name it once; sets that share nodes are one rigid set.");
-      for (int axis = 0; axis < 3; ++axis) kind[static_cast<size_t>(3 * node + axis)] = kTied;
+      kind[static_cast<size_t>(dof)] = kTied;
     }
 
-  int column = 0;
-  for (int dof = 0; dof < 3 * n; ++dof)
-    if (kind[static_cast<size_t>(dof)] == kFree) entries.emplace_back(dof, column++, 1.0);
+  FreeMotions found;
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int dof = 0; dof < dofs; ++dof)
+    if (kind[static_cast<size_t>(dof)] == kFree) entries.emplace_back(dof, found.loose++, 1.0);
+  int column = found.loose;
   for (size_t s = 0; s < rigid_sets.size(); ++s)
     for (Eigen::Index k = 0; k < motions[s].cols(); ++k, ++column)
-      for (size_t i = 0; i < rigid_sets[s].size(); ++i)
-        for (int axis = 0; axis < 3; ++axis)
-          if (const double value = motions[s](3 * static_cast<Eigen::Index>(i) + axis, k); value != 0)
-            entries.emplace_back(3 * rigid_sets[s][i] + axis, column, value);
-  SparseMatrix T(3 * n, column);
-  T.setFromTriplets(entries.begin(), entries.end());
-  return T;
+      for (size_t row = 0; row < set_dofs[s].size(); ++row)
+        if (const double value = motions[s](static_cast<Eigen::Index>(row), k); value != 0)
+          entries.emplace_back(set_dofs[s][row], column, value);
+  found.T.resize(dofs, column);
+  found.T.setFromTriplets(entries.begin(), entries.end());
+  return found;
 }
 
 VectorX deformation(const Matrix3X& nodes, const MatrixX& displacements) {

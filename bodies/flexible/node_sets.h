@@ -22,14 +22,20 @@ struct NodeAverage {
   /// No weights: equal ones. SceneError for no node, for another number of weights than nodes, for negative weights.
   NodeAverage(const Matrix3X& positions, std::vector<int> indices, const std::vector<double>& weights,
               const std::string& where);
-  /// Nodal forces (3n x 6) of unit forces and torques along the axes.
-  MatrixX unit_loads(int node_count) const;
+  /// Nodal forces (dofs x 6) of unit forces and torques along the axes. Its transpose takes the mean motion of u.
+  MatrixX unit_loads(int dof_count) const;
 };
 
 /// What the frame and rigid sets (node indices) leave free: u = T z, the columns of T orthonormal. A coordinate z each
-/// for the free degrees of freedom of nodes in no set, then up to six for each set: the motions as one rigid piece that
-/// the frame allows (RBE2). SceneError for a node in two sets.
-SparseMatrix free_motions(const FramePlacement& placed, const std::vector<std::vector<int>>& rigid_sets);
+/// for the free degrees of freedom of nodes in no set, `loose` of them, then up to six for each set: the motions as one
+/// rigid piece that the frame allows (RBE2).
+struct FreeMotions {
+  SparseMatrix T;
+  int loose = 0;
+};
+/// SceneError for a node in two sets.
+FreeMotions free_motions(const FramePlacement& placed, const std::vector<RotationalDof>& rotations,
+                         const std::vector<std::vector<int>>& rigid_sets);
 
 /// Largest departure of a set's displacements (3m x k, a column a mode) from a rigid motion of its nodes (3 x m).
 VectorX deformation(const Matrix3X& nodes, const MatrixX& displacements);

@@ -4,9 +4,9 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
-#include "bodies/flexible/eigen_modes.h"
 #include "bodies/flexible/elements/solid_element.h"
 #include "bodies/flexible/inertia_integrals.h"
+#include "bodies/flexible/static_modes.h"
 #include "engine/error.h"
 #include "engine/log.h"
 

@@ -1,43 +1,42 @@
 #include "bodies/flexible/reduction.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
-#include <numeric>
 
 #include "bodies/flexible/eigen_modes.h"
 #include "bodies/flexible/frames.h"
+#include "bodies/flexible/general_inertia.h"
 #include "bodies/flexible/inertia_integrals.h"
 #include "bodies/flexible/node_sets.h"
 #include "bodies/flexible/quadratic_deflection.h"
+#include "bodies/flexible/static_modes.h"
 #include "engine/error.h"
 #include "engine/log.h"
 
 namespace lithe {
 namespace {
 
-using Triplets = std::vector<Eigen::Triplet<double>>;
-
 double hertz(double eigenvalue) { return std::sqrt(std::max(eigenvalue, 0.0)) / (2 * std::numbers::pi); }
 
-/// K in body axes, A^nT K_A A^n (18). Blocks of scalar mass do not change, K does.
-SparseMatrix turned(const SparseMatrix& K, const Matrix3& rotation) {
-  if (rotation.isIdentity(0)) return K;
-  Triplets entries;
-  const auto n = static_cast<int>(K.rows()) / 3;
-  for (int i = 0; i < n; ++i)
-    for (int r = 0; r < 3; ++r)
-      for (int c = 0; c < 3; ++c)
-        if (rotation(r, c) != 0) entries.emplace_back(3 * i + r, 3 * i + c, rotation(r, c));
-  SparseMatrix A(K.rows(), K.cols());
-  A.setFromTriplets(entries.begin(), entries.end());
-  const SparseMatrix T = A.transpose();
-  const SparseMatrix body = T * K * A;
-  return 0.5 * (body + SparseMatrix(body.transpose()));
+/// The model in body axes.
+struct BodyMatrices {
+  SparseMatrix K, M, C;  // C may be empty
+};
+
+/// A^nT X A^n (18) of K, C and a mass that is no scalar interpolation (blocks of scalar mass do not change).
+BodyMatrices in_body_axes(const FiniteElementModel& model, const Matrix3& rotation, bool scalar) {
+  if (rotation.isIdentity(0)) return {model.stiffness, model.mass, model.damping};
+  const SparseMatrix A = axes_turn(model, rotation), transposed = A.transpose();
+  const auto turned = [&](const SparseMatrix& X) -> SparseMatrix {
+    if (X.size() == 0) return X;
+    const SparseMatrix body = transposed * X * A;
+    return 0.5 * (body + SparseMatrix(body.transpose()));
+  };
+  return {turned(model.stiffness), scalar ? model.mass : turned(model.mass), turned(model.damping)};
 }
 
 SparseMatrix diagonal_matrix(const VectorX& d) {
@@ -48,20 +47,18 @@ SparseMatrix diagonal_matrix(const VectorX& d) {
   return D;
 }
 
-SparseMatrix unit_matrix(Eigen::Index n) {
-  SparseMatrix E(n, n);
-  E.setIdentity();
-  return E;
-}
-
-SupportedProblem supported(const SparseMatrix& K, const SparseMatrix& M, const SparseMatrix& T, const MatrixX& rigid) {
+SupportedProblem supported(const SparseMatrix& K, const SparseMatrix& M, SparseMatrix T, const MatrixX& rigid) {
+  if (T.cols() == T.rows() && T.nonZeros() == T.cols()) return {std::move(T), K, M, rigid};  // all is free
   const SparseMatrix transposed = T.transpose();
-  return {T, transposed * K * T, transposed * M * T, transposed * rigid};
+  SparseMatrix Kz = transposed * K * T, Mz = transposed * M * T;
+  MatrixX Rz = transposed * rigid;
+  return {std::move(T), std::move(Kz), std::move(Mz), std::move(Rz)};
 }
 
-void require_held(const EigenModes& modes, const SupportedProblem& problem, const std::string& where) {
-  if (modes.eigenvalues.size() == 0 || modes.eigenvalues[0] > eigenvalue_noise(problem.K, problem.M)) return;
-  throw SceneError("the supported body still moves without stiffness: a mechanism.", where,
+void require_held(const EigenModes& modes, const ElasticProblem& problem) {
+  if (modes.eigenvalues.size() == 0 || modes.eigenvalues[0] > eigenvalue_noise(problem.stiffness(), problem.mass()))
+    return;
+  throw SceneError("the supported body still moves without stiffness: a mechanism.", problem.where(),
                    "hold every loose part: look for unconnected pieces, duplicate nodes, or nodes without elements.");
 }
 
@@ -78,17 +75,21 @@ std::vector<int> with_swing_held(const FramePlacement& placed) {
   return fixed;
 }
 
-void fill_nodal(const FiniteElementModel& model, const BodyFrame& frame, FramePlacement placed, const SparseMatrix& K,
-                const Reduction& interfaces, ModalBasis& basis) {
+void fill_nodal(const BodyFrame& frame, FramePlacement placed, const BodyMatrices& body, bool scalar,
+                const Reduction& reduction, ModalBasis& basis) {
   if (std::holds_alternative<MeanAxisFrame>(frame))
     throw SceneError("mean axes are no selection of nodal coordinates.", placed.where,
                      "use a ThreeNodeFrame (or a tangent or hinge frame) with kAllNodal.");
-  if (!interfaces.rigid.empty())
+  if (!reduction.rigid.empty())
     throw SceneError("a body with all its nodal coordinates keeps no set of nodes rigid.", placed.where,
                      "ask for as many modes as there are coordinates instead of kAllNodal: it is the same body.");
+  if (!scalar)
+    throw SceneError("nodal coordinates need a mass that is a scalar interpolation, of solid elements.", placed.where,
+                     "ask for a number of modes instead of kAllNodal: as many as there are coordinates, if need be.");
   placed.fixed_dofs = with_swing_held(placed);
-  const SupportedProblem problem = supported(K, model.mass, free_motions(placed, {}), MatrixX(K.rows(), 0));
-  require_held(lowest_modes(problem.K, problem.M, problem.rigid, 1, placed.where), problem, placed.where);
+  const SupportedProblem problem = supported(body.K, body.M, free_motions(placed, {}, {}).T, MatrixX(body.K.rows(), 0));
+  const ElasticProblem elastic(problem.K, problem.M, problem.rigid, placed.where);
+  require_held(lowest_modes(elastic, 1), elastic);
   basis.nodal = true;
   for (Eigen::Index k = 0; k < problem.T.cols(); ++k)
     basis.free_dofs.push_back(static_cast<int>(SparseMatrix::InnerIterator(problem.T, k).row()));
@@ -103,43 +104,142 @@ std::vector<std::vector<int>> indices_of(const FiniteElementModel& model, const 
   return indices;
 }
 
-/// Nodal forces of unit loads on the interfaces, body axes, 3n x 6 a interface.
+/// Nodal forces of unit loads on the interfaces, body axes, dofs x 6 an interface.
 MatrixX unit_loads(const FiniteElementModel& model, const FramePlacement& placed,
                    const std::vector<WeightedNodes>& interfaces) {
-  const int n = model.node_count();
-  MatrixX F(3 * n, 6 * static_cast<Eigen::Index>(interfaces.size()));
+  MatrixX F(model.dof_count(), 6 * static_cast<Eigen::Index>(interfaces.size()));
   for (size_t s = 0; s < interfaces.size(); ++s)
     F.middleCols<6>(6 * static_cast<Eigen::Index>(s)) =
         NodeAverage(placed.nodes, indices_of(model, {interfaces[s].ids})[0], interfaces[s].weights, placed.where)
-            .unit_loads(n);
+            .unit_loads(model.dof_count());
   return F;
 }
 
-void fill_modes(const FiniteElementModel& model, const FramePlacement& placed, const SparseMatrix& K, int mode_count,
-                const Reduction& interfaces, ModalBasis& basis) {
-  const SparseMatrix T = free_motions(placed, indices_of(model, interfaces.rigid));
-  const SupportedProblem problem = supported(K, model.mass, T, placed.rigid);
-  const auto available = static_cast<int>(T.cols() - placed.rigid.cols());
-  if (mode_count > available)
-    throw SceneError(std::to_string(mode_count) + " modes are asked for, but the frame leaves " +
-                         std::to_string(available) + " elastic coordinates.",
-                     placed.where, "ask for at most " + std::to_string(available) + ", or for kAllNodal.");
-  EigenModes modes = lowest_modes(problem.K, problem.M, problem.rigid, mode_count, placed.where);
-  require_held(modes, problem, placed.where);
-  if (!interfaces.loaded.empty()) {
-    require_held(lowest_modes(problem.K, problem.M, problem.rigid, 1, placed.where), problem, placed.where);
-    const MatrixX loads = T.transpose() * unit_loads(model, placed, interfaces.loaded);
-    modes = with_static_modes(problem.K, problem.M, problem.rigid, modes, loads, placed.where);
+/// Rows of A.
+MatrixX rows_of(const MatrixX& A, const std::vector<int>& rows) { return A(rows, Eigen::all); }
+
+/// B - R (L R)⁺ L B: the rigid motion that the held rows L see of each shape taken out (EQUATIONS.md 5.2).
+MatrixX without_rigid_motion_of(const std::vector<int>& held, const MatrixX& R, const MatrixX& B) {
+  if (held.empty()) return B;
+  const Eigen::CompleteOrthogonalDecomposition<MatrixX> LR(rows_of(R, held));
+  MatrixX moved = B - R * LR.solve(rows_of(B, held));
+  return moved;
+}
+
+/// Shapes from elsewhere in the free coordinates: turned into body axes, without the rigid motion of what the frame
+/// holds, and zero there.
+MatrixX given_shapes(const FiniteElementModel& model, const FramePlacement& placed, const SparseMatrix& T,
+                     const MatrixX& given) {
+  if (given.rows() != model.dof_count() || !given.allFinite())
+    throw SceneError("the given modes have " + std::to_string(given.rows()) + " rows for " +
+                         std::to_string(model.dof_count()) + " degrees of freedom, or an entry that is no number.",
+                     placed.where, "give dofs x k, three rows a node, then those of the nodal rotations.");
+  const SparseMatrix turn = axes_turn(model, placed.rotation).transpose();
+  const MatrixX R = rigid_motions_left(placed.nodes, model.rotations, {});
+  return T.transpose() * without_rigid_motion_of(placed.fixed_dofs, R, turn * given);
+}
+
+void require_available(int mode_count, int available, const std::string& where) {
+  if (mode_count <= available) return;
+  throw SceneError(std::to_string(mode_count) + " modes are asked for, but the frame leaves " +
+                       std::to_string(available) + " elastic coordinates.",
+                   where, "ask for at most " + std::to_string(available) + ", or for kAllNodal.");
+}
+
+/// Reduced to modes: all in the free coordinates z of frame and rigid sets, u = T z.
+class ModeReduction {
+ public:
+  ModeReduction(const FiniteElementModel& model, const BodyFrame& frame, const FramePlacement& placed,
+                const BodyMatrices& body, const Reduction& reduction)
+      : model_(model), placed_(placed), reduction_(reduction), support_(placed) {
+    // Fixed interfaces, not the frame, hold a body while Craig-Bampton modes are made: three frame nodes come after.
+    frame_afterwards_ =
+        reduction.interface_modes == InterfaceModes::craig_bampton && std::holds_alternative<ThreeNodeFrame>(frame);
+    if (frame_afterwards_) {
+      support_.fixed_dofs.clear();
+      support_.rigid = rigid_motions_left(placed.nodes, model.rotations, {});
+    }
+    FreeMotions free = free_motions(support_, model.rotations, indices_of(model, reduction.rigid));
+    loose_ = free.loose;
+    problem_ = supported(body.K, body.M, std::move(free.T), support_.rigid);
   }
 
-  const auto count = static_cast<int>(modes.eigenvalues.size());
-  basis.modes = T * modes.vectors;
+  const SupportedProblem& problem() const { return problem_; }
+
+  EigenModes modes(int count) const {
+    ElasticProblem elastic(problem_.K, problem_.M, problem_.rigid, placed_.where);
+    const bool fixed_interfaces = reduction_.interface_modes == InterfaceModes::craig_bampton &&
+                                  !(reduction_.rigid.empty() && reduction_.loaded.empty());
+    EigenModes found{VectorX(0), MatrixX(problem_.K.rows(), 0)};
+    MatrixX shapes(problem_.K.rows(), 0);
+    if (fixed_interfaces) {
+      elastic.hold(interface_conditions());
+      require_available(count, elastic.elastic_count(), placed_.where);
+      shapes = craig_bampton_shapes(elastic, count);
+    } else {
+      require_available(count, elastic.elastic_count(), placed_.where);
+      found = lowest_modes(elastic, count);
+      require_held(found, elastic);
+      if (!reduction_.loaded.empty()) {
+        if (count == 0) require_held(lowest_modes(elastic, 1), elastic);
+        const MatrixX loads = problem_.T.transpose() * unit_loads(model_, placed_, reduction_.loaded);
+        shapes = reduction_.interface_modes == InterfaceModes::krylov
+                     ? krylov_shapes(elastic, loads, reduction_.krylov_blocks)
+                     : elastic.static_deflections(loads);
+      }
+    }
+    if (reduction_.given_modes.cols() > 0)
+      shapes = beside(shapes, given_shapes(model_, support_, problem_.T, reduction_.given_modes));
+    if (shapes.cols() == 0) return found;
+    shapes = in_frame(elastic, straining(elastic, std::move(shapes)));
+    const Eigen::Index offered = found.vectors.cols() + shapes.cols();
+    found = joined(elastic, found, shapes);
+    if (const Eigen::Index dropped = offered - found.vectors.cols(); dropped > 0)
+      log::info(placed_.where + ": " + std::to_string(dropped) + " shapes add nothing to the others, left out");
+    return found;
+  }
+
+ private:
+  /// F with Fᵀ z = 0 where the interfaces are fixed: coordinates of rigid sets, mean motions of loaded ones.
+  MatrixX interface_conditions() const {
+    const Eigen::Index n = problem_.T.cols(), tied = n - loose_;
+    MatrixX F = MatrixX::Zero(n, tied);
+    F.bottomRows(tied).setIdentity();
+    return beside(F, problem_.T.transpose() * unit_loads(model_, placed_, reduction_.loaded));
+  }
+
+  /// Rid of rigid content, as the frame demands.
+  MatrixX in_frame(const ElasticProblem& elastic, MatrixX shapes) const {
+    elastic.rigid().clean(shapes);
+    if (!frame_afterwards_) return shapes;
+    const SparseMatrix held = SparseMatrix(problem_.T.transpose());  // columns are degrees of freedom
+    MatrixX L(static_cast<Eigen::Index>(placed_.fixed_dofs.size()), problem_.T.cols());
+    for (size_t k = 0; k < placed_.fixed_dofs.size(); ++k)
+      L.row(static_cast<Eigen::Index>(k)) = held.col(placed_.fixed_dofs[k]).transpose();
+    const MatrixX& D = elastic.rigid().D;
+    for (int pass = 0; pass < 2; ++pass) shapes -= D * MatrixX(L * D).fullPivLu().solve(MatrixX(L * shapes));
+    return shapes;
+  }
+
+  const FiniteElementModel& model_;
+  const FramePlacement& placed_;
+  const Reduction& reduction_;
+  FramePlacement support_;
+  bool frame_afterwards_ = false;
+  int loose_ = 0;
+  SupportedProblem problem_;
+};
+
+void fill_modes(const ModeReduction& reduced, int mode_count, const FramePlacement& placed, const BodyMatrices& body,
+                ModalBasis& basis) {
+  const EigenModes modes = reduced.modes(mode_count);
+  basis.modes = reduced.problem().T * modes.vectors;
+  for (int dof : placed.fixed_dofs) basis.modes.row(dof).setZero();
   basis.stiffness = diagonal_matrix(modes.eigenvalues);
-  basis.modal_mass = unit_matrix(count);
+  basis.modal_mass = diagonal_matrix(VectorX::Ones(modes.eigenvalues.size()));
+  if (body.C.size() > 0) basis.damping = basis.modes.transpose() * (body.C * basis.modes);
   basis.diagonal = true;
   basis.frequencies = modes.eigenvalues.unaryExpr([](double lambda) { return hertz(lambda); });
-  if (interfaces.deflection != Deflection::linear && count > 0)
-    basis.deflection = make_quadratic_deflection(model, basis, problem, interfaces, placed.where);
 }
 
 void log_basis(const ModalBasis& basis, const std::string& where) {
@@ -156,44 +256,16 @@ void log_basis(const ModalBasis& basis, const std::string& where) {
 
 }  // namespace
 
-Matrix3X ModalBasis::node_modes(int node, bool all_fields) const {
-  if (!nodal && all_fields && deflection) {
-    Matrix3X rows(3, mode_count() + deflection->field_count());
-    rows << modes.middleRows<3>(3 * node), deflection->fields.middleRows<3>(3 * node);
-    return rows;
-  }
-  if (!nodal) return modes.middleRows<3>(3 * node);
-  Matrix3X rows = Matrix3X::Zero(3, mode_count());
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto found = std::lower_bound(free_dofs.begin(), free_dofs.end(), 3 * node + axis);
-    if (found != free_dofs.end() && *found == 3 * node + axis) rows(axis, found - free_dofs.begin()) = 1;
-  }
-  return rows;
-}
-
-Matrix3X ModalBasis::node_rotation_modes(int node, bool all_fields) const {
-  const bool wide = all_fields && deflection;
-  Matrix3X rows(3, 0);
-  for (size_t k = 0; k < rotations.size(); ++k) {
-    if (rotations[k].node != node) continue;
-    if (rows.cols() == 0) rows.setZero(3, mode_count() + (wide ? deflection->field_count() : 0));
-    const Eigen::Index row = 3 * nodes.cols() + static_cast<Eigen::Index>(k);
-    rows.row(rotations[k].axis).head(mode_count()) = modes.row(row);
-    if (wide) rows.row(rotations[k].axis).tail(deflection->field_count()) = deflection->fields.row(row);
-  }
-  return rows;
-}
-
-int ModalBasis::node_index(int id) const { return find_node_index(name, node_ids, id); }
-
-const std::vector<int>& ModalBasis::node_set(const std::string& set) const {
-  return find_node_set(name, node_sets, set);
-}
-
 std::shared_ptr<const ModalBasis> make_basis(const FiniteElementModel& model, const BodyFrame& frame, int mode_count,
-                                             const Reduction& interfaces) {
-  require_sound(model);
+                                             const Reduction& reduction) {
+  const ModelCheck sheet = require_sound(model, Definiteness::not_looked_at);
+  const bool scalar = is_scalar_interpolation(model, sheet);
   const FramePlacement placed = place_frame(model, frame);
+  // A frame that takes the six rigid motions and no more leaves a stiffness with all the negative eigenvalues of K: the
+  // factor that the modes need anyway will show them.
+  const bool shows =
+      placed.fixed_dofs.size() + static_cast<size_t>(placed.rigid.cols()) == 6 && reduction.rigid.empty();
+  if (!shows) require_sound(model);
   if (mode_count < kAllNodal)
     throw SceneError("the mode count is " + std::to_string(mode_count) + ".", placed.where,
                      "give 0 (rigid), a number of modes, or kAllNodal.");
@@ -205,82 +277,49 @@ std::shared_ptr<const ModalBasis> make_basis(const FiniteElementModel& model, co
   basis->node_sets = model.node_sets;
   basis->elements = model.elements;
   basis->nodes = placed.nodes;
-  basis->nodal_mass = scalar_mass(model.mass);
+  basis->rotations = model.rotations;
+  basis->nodal_mass = scalar ? scalar_mass(model.mass) : lumped_mass(model.mass, model.node_count());
   basis->free_swing_dropped = std::holds_alternative<HingeFrame>(frame) && placed.rigid.cols() > 0;
 
-  const SparseMatrix K = turned(model.stiffness, placed.rotation);
-  if (mode_count == kAllNodal)
-    fill_nodal(model, frame, placed, K, interfaces, *basis);
-  else
-    fill_modes(model, placed, K, mode_count, interfaces, *basis);
-  if (!basis->nodal) basis->integrals = inertia_integrals(*basis);
+  const BodyMatrices body = in_body_axes(model, placed.rotation, scalar);
+  if (mode_count == kAllNodal) {
+    fill_nodal(frame, placed, body, scalar, reduction, *basis);
+    if (body.C.size() > 0) {
+      const SparseMatrix T = free_motions({.nodes = placed.nodes, .fixed_dofs = with_swing_held(placed)}, {}, {}).T;
+      basis->damping = MatrixX(T.transpose() * body.C * T);
+    }
+  } else {
+    const ModeReduction reduced(model, frame, placed, body, reduction);
+    try {
+      fill_modes(reduced, mode_count, placed, body, *basis);
+    } catch (const SceneError&) {
+      require_sound(model);  // which says it better if K is at fault
+      throw;
+    }
+    basis->integrals = scalar ? inertia_integrals(*basis) : general_inertia_integrals(*basis, body.M);
+    if (reduction.deflection != Deflection::linear && basis->mode_count() > 0)
+      basis->deflection = make_quadratic_deflection(
+          model, *basis,
+          supported(body.K, body.M, free_motions(placed, model.rotations, indices_of(model, reduction.rigid)).T,
+                    placed.rigid),
+          reduction, placed.where);
+  }
   log_basis(*basis, placed.where);
-  return basis;
-}
-
-std::shared_ptr<const ModalBasis> basis_from_modes(std::string name, const Matrix3X& nodes,
-                                                   const SparseMatrix& nodal_mass, const SparseMatrix& modal_stiffness,
-                                                   const MatrixX& modes) {
-  const Eigen::Index n = nodes.cols(), nm = modes.cols();
-  const std::string where = "basis '" + name + "'";
-  const auto refuse = [&](const std::string& problem, const std::string& mend) {
-    throw SceneError(problem, where, mend);
-  };
-  if (modes.rows() != 3 * n || nodal_mass.rows() != n || nodal_mass.cols() != n)
-    refuse("the modes have " + std::to_string(modes.rows()) + " rows and the mass " +
-               std::to_string(nodal_mass.rows()) + ", for " + std::to_string(n) + " nodes.",
-           "give modes of 3 n rows and the scalar mass m_ij, n x n.");
-  const bool reduced = modal_stiffness.rows() == nm && modal_stiffness.cols() == nm;
-  if (!reduced && (modal_stiffness.rows() != 3 * n || modal_stiffness.cols() != 3 * n))
-    refuse("the stiffness is " + std::to_string(modal_stiffness.rows()) + " x " +
-               std::to_string(modal_stiffness.cols()) + " for " + std::to_string(nm) + " modes.",
-           "give K^ = B' K B, nm x nm, or the nodal K, 3n x 3n.");
-
-  // K^ and Mff = Bᵀ S B, S = m ⊗ E: three components with the same scalar mass.
-  MatrixX K = reduced ? MatrixX(modal_stiffness) : MatrixX(modes.transpose() * (modal_stiffness * modes));
-  MatrixX Mff = MatrixX::Zero(nm, nm);
-  for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    const MatrixX component = modes(Eigen::seqN(axis, n, 3), Eigen::all);
-    Mff += component.transpose() * (nodal_mass * component);
-  }
-  if (!K.allFinite() || !Mff.allFinite() || !nodes.allFinite())
-    refuse("nodes, mass, stiffness or modes have a NaN or infinite entry.", "compute the modes again.");
-  if (nm > 0 && (K - K.transpose()).cwiseAbs().maxCoeff() > 1e-10 * K.cwiseAbs().maxCoeff())
-    refuse("the stiffness is not symmetric within 1e-10.", "give a symmetric stiffness.");
-  if (nm > 0 && Eigen::LLT<MatrixX>(Mff).info() != Eigen::Success)
-    refuse("the modal mass B' S B is not positive definite.", "give linearly independent modes and positive mass.");
-  K = (0.5 * (K + K.transpose())).eval();
-  Mff = (0.5 * (Mff + Mff.transpose())).eval();
-
-  auto basis = std::make_shared<ModalBasis>();
-  basis->name = std::move(name);
-  basis->node_ids.resize(static_cast<size_t>(n));
-  std::iota(basis->node_ids.begin(), basis->node_ids.end(), 1);
-  basis->nodes = nodes;
-  basis->nodal_mass = nodal_mass;
-  basis->modes = modes;
-  basis->stiffness = K.sparseView(0.0, 0.0);
-  basis->modal_mass = Mff.sparseView(0.0, 0.0);
-  basis->diagonal = Mff.isIdentity(1e-12) && K.isDiagonal(1e-14);
-  if (nm > 0) {
-    const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixX> pairs(K, Mff, Eigen::EigenvaluesOnly);
-    basis->frequencies = pairs.eigenvalues().unaryExpr([](double lambda) { return hertz(lambda); });
-  }
-  basis->integrals = inertia_integrals(*basis);
   return basis;
 }
 
 VectorX frequencies(const FiniteElementModel& model, const std::vector<int>& fixed_dofs, int count) {
   require_sound(model);
-  const int dofs = 3 * model.node_count();
+  const int dofs = model.dof_count();
   const std::string where = "model '" + model.name + "', " + std::to_string(fixed_dofs.size()) + " fixed dofs";
   for (int dof : fixed_dofs)
     if (dof < 0 || dof >= dofs)
       throw SceneError("degree of freedom " + std::to_string(dof) + " of " + std::to_string(dofs) + " is fixed.", where,
-                       "count 3 * node index + axis from 0.");
-  const MatrixX rigid = rigid_motions_left(model.nodes, fixed_dofs);
+                       "count 3 * node index + axis from 0, rotations after all nodes.");
+  const MatrixX rigid = rigid_motions_left(model.nodes, model.rotations, fixed_dofs);
   const FramePlacement placed{.nodes = model.nodes, .fixed_dofs = fixed_dofs, .rigid = rigid, .where = where};
-  const SupportedProblem problem = supported(model.stiffness, model.mass, free_motions(placed, {}), rigid);
+  const SupportedProblem problem =
+      supported(model.stiffness, model.mass, free_motions(placed, model.rotations, {}).T, rigid);
   if (count < 0 || count > problem.T.cols())
     throw SceneError(
         std::to_string(count) + " frequencies of " + std::to_string(problem.T.cols()) + " free degrees of freedom.",

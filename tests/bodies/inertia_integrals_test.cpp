@@ -1,4 +1,5 @@
 #include "bodies/flexible/inertia_integrals.h"
+#include "bodies/flexible/reduction.h"
 
 #include <nlohmann/json.hpp>
 
@@ -92,17 +93,6 @@ TEST(InertiaIntegrals, NodalCoordinatesOfAThreeNodeFrameAreTheOraclesBasis) {
   const auto basis = make_basis(model_of(body), ThreeNodeFrame{ids.at(0), ids.at(1), ids.at(2)}, kAllNodal);
   ASSERT_EQ(basis->mode_count(), 18);
   expect_invariants(inertia_integrals(*basis), body.at("invariants"), "b01 from the mesh");
-}
-
-TEST(InertiaIntegrals, AMassThatIsNotIsotropicIsRejected) {
-  const json body = oracle("b09_anisotropic");
-  FiniteElementModel model;
-  model.name = "b09";
-  model.nodes = matrix(body.at("nodes")).transpose();
-  for (int i = 0; i < model.node_count(); ++i) model.node_ids.push_back(i);
-  model.mass = matrix(body.at("S")).sparseView();
-  model.stiffness.resize(24, 24);
-  test::expect_error<SceneError>([&] { make_basis(model, MeanAxisFrame{}, 4); }, {"no scalar interpolation", "1e-10"});
 }
 
 TEST(InertiaIntegrals, RigidPartsAgreeWithTheTableOfTheRod) {

@@ -9,6 +9,9 @@ list(TRANSFORM header_globs REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/\\1/*.h")
 file(GLOB_RECURSE public_headers CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} ${header_globs})
 # block_kernels.h, a matter of the factor alone, would cost each scene 2.6 s of compile time.
 list(FILTER public_headers EXCLUDE REGEX "^engine/block_kernels\\.h$")
+# Nor do users need what the readers and reductions are made of.
+list(FILTER public_headers EXCLUDE REGEX
+     "/(dof_table|fixed_columns|matrix_entries|ansys_archive|nastran_deck|shape_functions|elastic_problem|static_modes|general_inertia|eigen_modes|quadratic_deflection)\\.h$")
 list(FILTER public_headers EXCLUDE REGEX "_internal\\.h$|(^|/)detail/|^bodies/flexible/readers/text_file\\.h$")
 list(SORT public_headers)
 list(TRANSFORM public_headers REPLACE "(.+)" "#include \"\\1\"" OUTPUT_VARIABLE include_lines)
@@ -38,5 +41,6 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/package/lithe-config-vers
                                  COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/package/lithe-config.cmake ${PROJECT_BINARY_DIR}/package/lithe-config-version.cmake
         ${CMAKE_CURRENT_LIST_DIR}/FindCHOLMOD.cmake ${CMAKE_CURRENT_LIST_DIR}/FindBulletDouble.cmake
+        ${CMAKE_CURRENT_LIST_DIR}/FindHDF5Serial.cmake
         ${CMAKE_CURRENT_LIST_DIR}/lithe_plugin.cmake ${CMAKE_CURRENT_LIST_DIR}/lithe_plugin.map
         DESTINATION ${package_dir})

@@ -18,5 +18,7 @@ std::vector<std::string> with_scene_arguments_apart(std::vector<std::string> arg
 void add_chart(CLI::App& app, int& exit_code);
 /// lithe prepare: the precompiled header that makes `lithe run` quick; `run` starts it by itself.
 void add_prepare(CLI::App& app, int& exit_code);
+/// lithe body inspect PATH: a flexible body from a file, proved, with a sheet and pictures.
+void add_body(CLI::App& app, int& exit_code);
 
 }  // namespace lithe::command

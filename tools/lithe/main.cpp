@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
   lithe::command::add_run(app, exit_code);
   lithe::command::add_chart(app, exit_code);
   lithe::command::add_prepare(app, exit_code);
+  lithe::command::add_body(app, exit_code);
   try {
     auto arguments = lithe::command::with_scene_arguments_apart({argv + 1, argv + argc});
     std::reverse(arguments.begin(), arguments.end());  // as CLI11 wants a vector

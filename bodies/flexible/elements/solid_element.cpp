@@ -198,14 +198,15 @@ MatrixX stiffness(const SolidElement& element) {
 }
 
 MatrixX scalar_mass(const std::string& type_name, const std::vector<int>& nodes, const Matrix3X& positions,
-                    const Material& material) {
+                    const Material& material, MassIntegration integration) {
   const SolidType& type = require_solid(type_name, nodes, positions);
   if (!(material.density > 0) || !std::isfinite(material.density))
     refuse_element("its density is " + std::to_string(material.density) + " kg/m³.", type_name, nodes,
                    "give ElementBlock::material, density > 0.");
   const SolidGeometry geometry(nodes, positions);
   MatrixX m = MatrixX::Zero(type.nodes, type.nodes);
-  for (const IntegrationPoint& at : solid_rule(type, type.mass_points)) {
+  const int points = integration == MassIntegration::exact ? type.mass_points : type.stiffness_points;
+  for (const IntegrationPoint& at : solid_rule(type, points)) {
     const ShapeValues shape = shape_functions(type.nodes, at.xi);
     const double j = geometry.jacobian(shape, type_name, nodes).determinant();
     m.noalias() += (material.density * at.weight * j) * shape.values * shape.values.transpose();
@@ -213,7 +214,7 @@ MatrixX scalar_mass(const std::string& type_name, const std::vector<int>& nodes,
   return m;
 }
 
-void assemble_matrices(FiniteElementModel& model) {
+void assemble_matrices(FiniteElementModel& model, MassIntegration integration) {
   // The pattern first, from the mass of one component: a third of the rows, and no list of single stiffness entries.
   std::vector<Eigen::Triplet<double>> entries;
   size_t count = 0;
@@ -223,7 +224,7 @@ void assemble_matrices(FiniteElementModel& model) {
     throw SceneError("the model has no elements.", "model '" + model.name + "'", "fill FiniteElementModel::elements.");
   entries.reserve(count);
   at_elements(model, [&](const ElementBlock& block, const std::vector<int>& nodes) {
-    const MatrixX m = scalar_mass(block.type, nodes, model.nodes, block.material);
+    const MatrixX m = scalar_mass(block.type, nodes, model.nodes, block.material, integration);
     for (Eigen::Index b = 0; b < m.cols(); ++b)
       for (Eigen::Index a = 0; a < m.rows(); ++a)
         entries.emplace_back(nodes[static_cast<size_t>(a)], nodes[static_cast<size_t>(b)], m(a, b));

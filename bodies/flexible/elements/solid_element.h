@@ -48,12 +48,19 @@ std::vector<SolidElement> make_solid_elements(const FiniteElementModel& model);
 Matrix6 elasticity(const Material& material);
 /// Tangent at rest, nodal: 3a x 3a, internal coordinates condensed.
 MatrixX stiffness(const SolidElement& element);
+
+/// Where the consistent mass is integrated.
+enum class MassIntegration {
+  exact,             // at enough points for elements with straight edges
+  stiffness_points,  // at those of the stiffness, as CalculiX 2.20: less for C3D4, C3D10 and C3D20R, whose total mass
+                     // stays, but whose mass matrix may be singular on a mesh of few elements
+};
 /// Consistent mass m_ab of one displacement component, a x a, kg.
 MatrixX scalar_mass(const std::string& type, const std::vector<int>& nodes, const Matrix3X& positions,
-                    const Material& material);
+                    const Material& material, MassIntegration integration = MassIntegration::exact);
 
 /// Fills K and M of a model from its elements and their materials. Throws SceneError like make_solid_element, and for
 /// a model without elements.
-void assemble_matrices(FiniteElementModel& model);
+void assemble_matrices(FiniteElementModel& model, MassIntegration integration = MassIntegration::exact);
 
 }  // namespace lithe

@@ -29,7 +29,7 @@ PointStress point_stress(const SolidElement& element, const Eigen::Ref<const Vec
 /// As CalculiX does: each element extrapolates from its integration points to its nodes, and a node takes the mean of
 /// its elements; between two materials it takes that of the stiffer one alone. With small strain the stress modes are
 /// made once, stress() is a product; else every call goes through the elements. No thermal or initial stress. (CalculiX
-/// rounds its extrapolation to four digits: its nodal values differ by 2e-5 of the largest.)
+/// rounds its extrapolation to a few decimals: its nodal values differ by 2e-5 of the largest.)
 class StressRecovery {
  public:
   /// Of all fields of a basis: η, or ξ = (η, 0) + ζ(η) of a quadratic deflection. Throws SceneError like

@@ -1,12 +1,12 @@
 #include "bodies/flexible/readers/calculix.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <set>
 #include <unordered_map>
 #include <unordered_set>
 
 #include "bodies/flexible/readers/calculix_deck.h"
+#include "bodies/flexible/readers/dof_table.h"
 #include "bodies/flexible/readers/matrix_entries.h"
 #include "bodies/flexible/readers/text_file.h"
 #include "engine/error.h"
@@ -15,7 +15,6 @@
 namespace lithe {
 namespace {
 
-using Triplets = std::vector<Eigen::Triplet<double>>;
 constexpr const char* kExport =
     "run *FREQUENCY, SOLVER=MATRIXSTORAGE on the free body and keep .inp, .sti, .mas, .dof.";
 
@@ -110,73 +109,6 @@ Numbering number_rows(const std::string& path, const std::vector<Row>& rows, con
   return numbering;
 }
 
-SparseMatrix placed(const SparseMatrix& A, const std::vector<int>& place) {
-  Triplets entries;
-  entries.reserve(static_cast<size_t>(A.nonZeros()));
-  for (int j = 0; j < A.outerSize(); ++j)
-    for (SparseMatrix::InnerIterator e(A, j); e; ++e)
-      entries.emplace_back(place[static_cast<size_t>(e.row())], place[static_cast<size_t>(j)], e.value());
-  SparseMatrix B(A.rows(), A.cols());
-  B.setFromTriplets(entries.begin(), entries.end());
-  return B;
-}
-
-/// K_nn - K_na K_aa⁻¹ K_an. K_aa falls into small blocks (one an element), each condensed by itself: Wᵀ W with
-/// W = L⁻¹ K_an is symmetric to the last bit.
-SparseMatrix condensed(const SparseMatrix& K, int nodal, const std::string& path) {
-  const auto all = static_cast<int>(K.rows());
-  SparseMatrix result = K.topLeftCorner(nodal, nodal);
-  if (nodal == all) return result;
-
-  Triplets updates;
-  std::vector<char> visited(static_cast<size_t>(all), 0);
-  for (int seed = nodal; seed < all; ++seed) {
-    if (visited[static_cast<size_t>(seed)]) continue;
-    std::vector<int> block{seed}, around;
-    visited[static_cast<size_t>(seed)] = 1;
-    for (size_t k = 0; k < block.size(); ++k)
-      for (SparseMatrix::InnerIterator e(K, block[k]); e; ++e) {
-        const int row = static_cast<int>(e.row());
-        if (row < nodal) {
-          around.push_back(row);
-        } else if (!visited[static_cast<size_t>(row)]) {
-          visited[static_cast<size_t>(row)] = 1;
-          block.push_back(row);
-        }
-      }
-    std::sort(around.begin(), around.end());
-    around.erase(std::unique(around.begin(), around.end()), around.end());
-
-    MatrixX K_aa = MatrixX::Zero(static_cast<Eigen::Index>(block.size()), static_cast<Eigen::Index>(block.size()));
-    MatrixX K_an = MatrixX::Zero(K_aa.rows(), static_cast<Eigen::Index>(around.size()));
-    std::unordered_map<int, Eigen::Index> row_of;
-    for (size_t k = 0; k < block.size(); ++k) row_of[block[k]] = static_cast<Eigen::Index>(k);
-    for (size_t k = 0; k < block.size(); ++k)
-      for (SparseMatrix::InnerIterator e(K, block[k]); e; ++e) {
-        const int row = static_cast<int>(e.row());
-        const auto c = static_cast<Eigen::Index>(k);
-        if (row >= nodal)
-          K_aa(row_of[row], c) = e.value();
-        else
-          K_an(c, std::lower_bound(around.begin(), around.end(), row) - around.begin()) = e.value();
-      }
-    const Eigen::LLT<MatrixX> factor(K_aa);
-    if (factor.info() != Eigen::Success)
-      throw FileError("the stiffness of appended rows is not positive definite (row " + std::to_string(seed + 1) +
-                          " in nodal order).",
-                      path, "export the unloaded body; look for elements turned inside out.");
-    const MatrixX W = factor.matrixL().solve(K_an);
-    const MatrixX update = W.transpose() * W;
-    for (Eigen::Index c = 0; c < update.cols(); ++c)
-      for (Eigen::Index r = 0; r < update.rows(); ++r)
-        updates.emplace_back(around[static_cast<size_t>(r)], around[static_cast<size_t>(c)], -update(r, c));
-  }
-  SparseMatrix correction(nodal, nodal);
-  correction.setFromTriplets(updates.begin(), updates.end());
-  result += correction;
-  return result;
-}
-
 /// Nodes, sets and elements of the deck; nodes that belong to no element and no row are left out.
 FiniteElementModel mesh_of(const CalculixDeck& deck, const std::vector<Row>& rows, const std::string& job) {
   std::unordered_set<int> in_use;
@@ -229,8 +161,8 @@ FiniteElementModel read_calculix(const std::string& job_or_file) {
         "take deck and matrices from the same run; beams and shells, which CalculiX expands, are not read.");
 
   const auto size = static_cast<int>(rows.size());
-  const SparseMatrix K = placed(read_triangle(job + ".sti", size), numbering.place);
-  const SparseMatrix M = placed(read_triangle(job + ".mas", size), numbering.place);
+  const SparseMatrix K = placed(read_triangle(job + ".sti", size), numbering.place, size);
+  const SparseMatrix M = placed(read_triangle(job + ".mas", size), numbering.place, size);
   model.stiffness = condensed(K, numbering.nodal, job + ".sti");
   model.mass = M.topLeftCorner(numbering.nodal, numbering.nodal);
   return model;

@@ -71,4 +71,13 @@ SparseMatrix MatrixEntries::general(const std::string& path) const {
   return 0.5 * (A + transposed);
 }
 
+SparseMatrix MatrixEntries::one_triangle_or_both(const std::string& path) const {
+  std::vector<std::pair<int, int>> places;
+  places.reserve(entries_.size());
+  for (const auto& e : entries_) places.emplace_back(std::max(e.row(), e.col()), std::min(e.row(), e.col()));
+  std::sort(places.begin(), places.end());
+  const bool once = std::adjacent_find(places.begin(), places.end()) == places.end();
+  return once ? symmetric(path) : general(path);
+}
+
 }  // namespace lithe

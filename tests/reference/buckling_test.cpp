@@ -1,0 +1,159 @@
+// F03, F06, F09: what only a body with geometric stiffness can do.
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "bodies/flexible/elements/meshes.h"
+#include "bodies/flexible/flexible_body.h"
+#include "engine/analysis/linearization.h"
+#include "engine/equilibrium.h"
+#include "engine/recorder.h"
+#include "engine/sensors.h"
+#include "engine/simulation.h"
+#include "integrators/generalized_alpha.h"
+#include "joints/coordinate_drive.h"
+#include "joints/fixed_joint.h"
+#include "joints/forces/point_force.h"
+#include "joints/revolute_joint.h"
+
+namespace lithe::test {
+namespace {
+
+struct Spin {
+  double deflection = 0, stretch = 0;  // largest u2; mean u1 after 16 s
+};
+
+/// F03 A: a cantilever on a hub that turns by theta(t); bricks with the section of the beam's EA, EI, GA_s, rho A.
+Spin spin_up(Deflection deflection) {
+  constexpr double length = 10, width = 0.2, speed = 6, end = 15, pi = std::numbers::pi;
+  const double height = std::sqrt(12 * 1.4e4 / 2.8e7), area = width * height;
+  const double young = 2.8e7 / area, shear = 1e7 / (5.0 / 6 * area);
+  const FiniteElementModel model = brick_mesh({.size = {length, height, width},
+                                               .divisions = {40, 1, 1},
+                                               .type = "C3D20",
+                                               .material = {young, young / (2 * shear) - 1, 1.2 / area}});
+  const auto basis = make_basis(model, TangentFrame{model.node_set("x_min")}, 8,
+                                {.loaded = {{model.node_set("x_max")}}, .deflection = deflection});
+  SystemGraph graph{{.gravity = {0, 0, 0}}};
+  auto& beam = graph.add<FlexibleBody>("beam", {.basis = basis});
+  const Vector3 root(0, height / 2, width / 2);
+  auto& hub = graph.add<RevoluteJoint>("hub", {graph.ground().marker(root), beam.average(model.node_set("x_min"))});
+  const auto turned = [=](double t) {
+    return t < end ? speed / end * (t * t / 2 + std::pow(end / (2 * pi), 2) * (std::cos(2 * pi * t / end) - 1))
+                   : speed * (t - end / 2);
+  };
+  graph.add<CoordinateDrive>(
+      "motor", {hub.angle()}, {.motion = [=](double t) -> Motion {
+        if (t >= end) return {turned(t), speed, 0};
+        const double phase = 2 * pi * t / end;
+        return {turned(t), speed / end * (t - end / (2 * pi) * std::sin(phase)), speed / end * (1 - std::cos(phase))};
+      }});
+  const Marker tip = beam.average(model.node_set("x_max"));
+  const System system = assemble(graph);
+  State state = system.initial_state();
+  GeneralizedAlpha integrator{{.step = 5e-3, .spectral_radius = 0.8}};
+  Recorder recorder{{position(tip, "tip")}};
+  Simulation simulation{system, integrator};
+  simulation.observe(recorder, every(0.02));
+  simulation.run(state, 20.0);
+  Spin found;
+  int late = 0;
+  for (int i = 0; i < recorder.table().row_count(); ++i) {
+    const Table& table = recorder.table();
+    const double t = table.at(i, 0), c = std::cos(turned(t)), s = std::sin(turned(t));
+    const double x = table.at(i, 1) - root.x(), y = table.at(i, 2) - root.y();
+    found.deflection = std::min(found.deflection, c * y - s * x);
+    if (t > 16) found.stretch += c * x + s * y - length, ++late;
+  }
+  found.stretch /= late;
+  return found;
+}
+
+TEST(F03_beam_spin_up, with_stiffening_bends_and_stretches_as_the_exact_beam) {
+  for (Deflection deflection : {Deflection::stiffened, Deflection::quadratic}) {
+    const Spin found = spin_up(deflection);
+    EXPECT_NEAR(found.deflection / -0.57383476, 1, 2e-3);
+    EXPECT_NEAR(found.stretch / 5.1431745504e-04, 1, 5e-3);
+  }
+}
+
+TEST(F03_beam_spin_up, without_stiffening_flies_apart_above_its_first_frequency) {
+  // theory: exp(sqrt(6² - 3.79773²) t) once the hub turns at 6 rad/s: 1e10 within 5 s
+  EXPECT_LT(spin_up(Deflection::linear).deflection, -1e10);
+}
+
+/// A clamped beam whose root face keeps its mean place and direction, with a dead load at its tip.
+struct Cantilever {
+  SystemGraph graph{{.gravity = {0, 0, 0}}};
+  FlexibleBody* beam;
+  Marker tip;
+  Cantilever(const FiniteElementModel& model, const std::shared_ptr<const ModalBasis>& basis, const Vector3& root) {
+    beam = &graph.add<FlexibleBody>("beam", {.basis = basis});
+    graph.add<FixedJoint>("clamp", {graph.ground().marker(root), beam->average(model.node_set("x_min"))});
+    tip = beam->average(model.node_set("x_max"));
+  }
+};
+
+Vector3 tip_of(const System& system, const State& state, Marker tip) {
+  Snapshot snapshot(system, state);
+  Vector3 p;
+  position(tip, "tip").evaluate(snapshot, {p.data(), 3});
+  return p;
+}
+
+TEST(F06_lateral_buckling, begins_within_two_percent_of_the_exact_rods_load) {
+  const FiniteElementModel model =
+      brick_mesh({.size = {1, 0.1, 0.01}, .divisions = {24, 2, 1}, .type = "C3D20", .material = {73e9, 0.3, 2700}});
+  const auto stiffness = [&](Deflection deflection, double load, double offset, Vector3* tip) {
+    const auto basis =
+        make_basis(model, MeanAxisFrame{}, 10,
+                   {.loaded = {{model.node_set("x_min")}, {model.node_set("x_max")}}, .deflection = deflection});
+    Cantilever scene(model, basis, {0, 0.05, 0.005});
+    scene.graph.add<PointForce>("load", {scene.tip}, {.force = {0, -load, 0}, .torque = {load * offset, 0, 0}});
+    const System system = assemble(scene.graph);
+    const Equilibrium found = find_equilibrium(system, system.initial_state());
+    if (tip) *tip = tip_of(system, found.state, scene.tip);
+    return linearize(system, found.state).lowest_stiffness();
+  };
+  const double critical = 2973.84644;
+  for (Deflection deflection : {Deflection::stiffened, Deflection::quadratic}) {
+    double low = 0.9 * critical, high = 1.1 * critical;
+    ASSERT_GT(stiffness(deflection, low, 0, nullptr), 0);
+    ASSERT_LT(stiffness(deflection, high, 0, nullptr), 0);
+    while (high - low > 2) {
+      const double middle = 0.5 * (low + high);
+      (stiffness(deflection, middle, 0, nullptr) > 0 ? low : high) = middle;
+    }
+    RecordProperty("onset", std::to_string(low));
+    EXPECT_NEAR(low / critical, 1, 0.02);
+  }
+  // A linear body never buckles: at 1.05 P_cr the offset of 0.1 mm moves it sideways by no more than the torque would.
+  Vector3 linear, buckled;
+  stiffness(Deflection::linear, 1.05 * critical, 1e-4, &linear);
+  EXPECT_LT(std::abs(linear.z() - 0.005), 1e-4);
+  stiffness(Deflection::stiffened, 0.97 * critical, 1e-4, &buckled);
+  EXPECT_GT(std::abs(buckled.z() - 0.005), 10 * std::abs(linear.z() - 0.005));
+}
+
+TEST(F09_column, amplifies_a_lateral_load_as_the_exact_rod) {
+  const FiniteElementModel model =
+      brick_mesh({.size = {1, 0.01, 0.01}, .divisions = {40, 1, 1}, .type = "C3D20", .material = {2.1e11, 0.3, 7850}});
+  const auto basis = make_basis(model, MeanAxisFrame{}, 8,
+                                {.loaded = {{model.node_set("x_min")}, {model.node_set("x_max")}},
+                                 .deflection = Deflection::stiffened,
+                                 .deflection_tolerance = 1e-4});
+  const auto deflection = [&](double load) {
+    Cantilever scene(model, basis, {0, 0.005, 0.005});
+    scene.graph.add<PointForce>("load", {scene.tip}, {.force = {-load, 1e-3, 0}});
+    const System system = assemble(scene.graph);
+    return tip_of(system, find_equilibrium(system, system.initial_state()).state, scene.tip).y() - 0.005;
+  };
+  const double euler = 431.795193, alone = deflection(0);
+  EXPECT_NEAR(deflection(0.30 * euler) / alone / 1.422826, 1, 1e-4);
+  EXPECT_NEAR(deflection(0.60 * euler) / alone / 2.479327, 1, 1e-4);
+  EXPECT_NEAR(deflection(0.90 * euler) / alone / 9.874793, 1, 1e-3);
+  EXPECT_NEAR(deflection(0.95 * euler) / alone / 19.742355, 1, 2e-3);
+}
+
+}  // namespace
+}  // namespace lithe::test
