@@ -5,7 +5,7 @@ namespace {
 
 using ConstVector = Eigen::Map<const VectorX>;
 
-int pair_count(int modes) { return modes * (modes + 1) / 2; }
+int pairs_of(int modes) { return modes * (modes + 1) / 2; }
 
 /// w = ½ x xᵀ, packed.
 void pack(const ConstVector& x, VectorX& w) {
@@ -23,52 +23,49 @@ DeflectionTerms::DeflectionTerms(int fields, int modes)
       xi_rate(VectorX::Zero(fields)),
       xi_bias(VectorX::Zero(fields)),
       P(MatrixX::Identity(fields, modes)),
+      P_rate(MatrixX::Zero(fields, modes)),
       force(VectorX::Zero(modes)),
       stiffness(MatrixX::Zero(modes, modes)),
       loaded(MatrixX::Zero(modes, modes)),
-      pairs(VectorX::Zero(pair_count(modes))),
-      pair_force(VectorX::Zero(pair_count(modes))),
+      pairs(VectorX::Zero(pairs_of(modes))),
+      rate_pairs(VectorX::Zero(pairs_of(modes))),
+      pair_force(VectorX::Zero(pairs_of(modes))),
       acceleration(VectorX::Zero(fields)),
       Ct(Matrix3X::Zero(3, modes)),
       Cr(Matrix3X::Zero(3, modes)),
       G_omega(Matrix3X::Zero(3, modes)),
       u(Matrix3X::Zero(3, modes)),
-      Cr_rate(Matrix3X::Zero(3, modes)) {}
+      Cr_rate(Matrix3X::Zero(3, modes)),
+      Ct_rate(Matrix3X::Zero(3, modes)),
+      Cr_turn(Matrix3X::Zero(3, modes)) {}
 
 DeflectionMap::DeflectionMap(const QuadraticDeflection& deflection, int modes)
-    : modes_(modes), curvature_(deflection.curvature.leftCols(pair_count(modes))) {
+    : modes_(modes), curvature_(deflection.curvature.leftCols(pairs_of(modes))) {
   if (deflection.quartic.size() == 0) return;
-  quartic_ = deflection.quartic.topLeftCorner(pair_count(modes), pair_count(modes));
+  quartic_ = deflection.quartic.topLeftCorner(pairs_of(modes), pairs_of(modes));
 }
 
 void DeflectionMap::evaluate(const double* eta_data, const double* rate_data, Level level, DeflectionTerms& t) const {
   const ConstVector eta(eta_data, modes_), rate(rate_data, modes_);
-  if (level != Level::position) {
-    pack(rate, t.pairs);
-    t.xi_bias.noalias() = 2 * (curvature_ * t.pairs);
-  }
   pack(eta, t.pairs);
   t.xi.noalias() = curvature_ * t.pairs;
   t.xi.head(modes_) += eta;
-
-  // ∂w_kl/∂η_k = η_l, ∂w_kk/∂η_k = η_k.
   t.P.setIdentity();
-  Eigen::Index p = 0;
-  for (int l = 0; l < modes_; ++l) {
-    for (int k = 0; k < l; ++k, ++p) {
-      t.P.col(k) += eta[l] * curvature_.col(p);
-      t.P.col(l) += eta[k] * curvature_.col(p);
-    }
-    t.P.col(l) += eta[l] * curvature_.col(p++);
+  add_pair_columns(curvature_, eta_data, t.P);
+  if (level != Level::position) {
+    pack(rate, t.rate_pairs);
+    t.P_rate.setZero();
+    add_pair_columns(curvature_, rate_data, t.P_rate);
+    t.xi_rate.noalias() = t.P * rate;
+    t.xi_bias.noalias() = t.P_rate * rate;
   }
-  if (level != Level::position) t.xi_rate.noalias() = t.P * rate;
   if (quartic_.size() == 0) return;
 
   // V = ⅙ wᵀ Q w: force ⅓ (Q w)_kl η_l, stiffness (Q w)_kl.
   t.pair_force.noalias() = quartic_ * t.pairs;
   t.force.setZero();
   t.energy = t.pairs.dot(t.pair_force) / 6;
-  p = 0;
+  Eigen::Index p = 0;
   for (int l = 0; l < modes_; ++l)
     for (int k = 0; k <= l; ++k, ++p) {
       t.force[k] += t.pair_force[p] * eta[l] / 3;
@@ -78,7 +75,7 @@ void DeflectionMap::evaluate(const double* eta_data, const double* rate_data, Le
 }
 
 VectorX DeflectionMap::coordinates(const VectorX& eta) const {
-  VectorX w(pair_count(modes_));
+  VectorX w(pairs_of(modes_));
   pack(ConstVector(eta.data(), modes_), w);
   VectorX xi = curvature_ * w;
   xi.head(modes_) += eta;

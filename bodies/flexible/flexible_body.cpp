@@ -158,6 +158,8 @@ void FlexibleBody::evaluate(const BodyState& state, Level level) const {
   d.G_omega.noalias() = cache.terms.G_omega * d.P;
   d.u.noalias() = cache.terms.u * d.P;
   d.Cr_rate.noalias() = cache.terms.Cr_rate * d.P;
+  d.Ct_rate.noalias() = inertia_->Ct * d.P_rate;
+  d.Cr_turn.noalias() = cache.terms.Cr * d.P_rate;
 }
 
 void FlexibleBody::add_residual(const BodyState& state, const double* v_dot, const Vector3& gravity, double* r) const {
@@ -240,6 +242,10 @@ void FlexibleBody::add_tangent(const BodyState& state, const double* v_dot, cons
       const Vector3 Gw = G_omega.col(k), u = u_columns.col(k), c = Cr_rate.col(k);
       S.frame_linear.col(k).head<3>() += 2 * d * (A * w.cross(Vector3(Ct.col(k))));
       S.frame_linear.col(k).tail<3>() += d * (Gw + w.cross(Vector3(Cr_columns.col(k))) + u + c);
+      if (deflection_) {  // ξ̈ = P η̈ + Ṗ η̇, of which the second part is quadratic in η̇
+        S.frame_linear.col(k).head<3>() += 2 * d * (A * map.Ct_rate.col(k));
+        S.frame_linear.col(k).tail<3>() += 2 * d * map.Cr_turn.col(k);
+      }
       const Vector3 row = d * (Gw + u - c);
       for (int i = 0; i < 3; ++i) S.linear_frame(k, 3 + i) -= row[i];
     }

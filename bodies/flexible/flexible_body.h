@@ -12,6 +12,8 @@
 
 namespace lithe {
 
+struct NodeAverage;
+
 /// Damping of deformation alone; rigid motion feels none.
 ///   D = mass_proportional Mff + stiffness_proportional K^ + diag(2 ζ_k ω_k)
 struct FlexibleDamping {
@@ -123,15 +125,20 @@ class FlexibleBody final : public Body {
   struct MarkerShape {
     Vector3 c;
     Matrix3 R0;
-    Matrix6X elastic;  // [Bm; Theta]; no columns if the deformation does not move it
-    bool turns;        // Theta is not zero
+    Matrix6X elastic;  // [Bm; Theta] of the modes; no columns if the deformation does not move it
+    MatrixX pairs;     // 6 x pairs: what the squares of η add, for a quadratic deflection
+    bool turns;        // the deformation turns it
   };
   void set_up();
   /// Displacement fields that the markers and nodes follow: modes_, or all of [B, Ψ].
   int field_count() const { return deflection_ ? deflection_->field_count() : modes_; }
   Matrix3X node_fields(int node) const;
   std::vector<int> indices_of(const std::vector<int>& ids) const;
-  int add_marker(const Vector3& c, const Matrix3X& Bm, const Matrix3X& Theta, const Matrix3& R0);
+  /// Bm, Theta: of all fields; Theta_pairs, 3 x pairs: turns of second order beyond those of the fields, or empty.
+  int add_marker(const Vector3& c, const Matrix3X& Bm, const Matrix3X& Theta, const Matrix3& R0,
+                 const Matrix3X& Theta_pairs = Matrix3X(3, 0));
+  /// Turns of second order of a mean, 3 x pairs; Theta: of first order.
+  Matrix3X mean_turns(const NodeAverage& mean, const Matrix3X& Theta) const;
   /// out += (mass Mff + damping D + stiffness K^) x
   void add_modal(double mass, double damping, double stiffness, const double* x, double* out) const;
 

@@ -5,28 +5,19 @@
 
 namespace lithe {
 
-/// [Bm; Jl Θ] P, and what a wrench there adds to the tangent: Σ_j C_j ([Bm; Jl Θ]ᵀ w)_j.
+/// The columns of a marker that turns, or follows a quadratic deflection: [r; φ] = elastic η + pairs w(η).
 struct FlexibleBody::TurningMarker final : DeflectedMarker {
   Matrix6X columns;  // 6 x nm
   Matrix3 Jl = Matrix3::Identity();
-  const DeflectionMap* map;
   const MarkerShape& shape;
-  mutable VectorX field_load;
-  mutable MatrixX stiffness;
 
-  TurningMarker(const FlexibleBody& body, int marker)
-      : columns(6, body.modes_),
-        map(body.deflection_.get()),
-        shape(body.markers_[static_cast<size_t>(marker)]),
-        field_load(body.field_count()),
-        stiffness(body.modes_, body.modes_) {}
+  explicit TurningMarker(const MarkerShape& marker) : columns(marker.elastic), shape(marker) {}
 
   void add_load_stiffness(const Vector3& force, const Vector3& torque, double* linear) const override {
-    field_load.noalias() = shape.elastic.topRows<3>().transpose() * force;
-    if (shape.turns) field_load.noalias() += shape.elastic.bottomRows<3>().transpose() * (Jl.transpose() * torque);
-    map->geometric_stiffness(field_load, stiffness);
-    for (Eigen::Index l = 0; l < stiffness.cols(); ++l)
-      for (Eigen::Index k = l; k < stiffness.rows(); ++k) *linear++ += stiffness(k, l);
+    Vector6 load;
+    load << force, Jl.transpose() * torque;
+    for (Eigen::Index l = 0; l < columns.cols(); ++l)
+      for (Eigen::Index k = l; k < columns.cols(); ++k) *linear++ += shape.pairs.col(k * (k + 1) / 2 + l).dot(load);
   }
 };
 
@@ -37,12 +28,16 @@ FlexibleBody::Cache::Cache(const FlexibleBody& body)
 FlexibleBody::Cache::Cache(Cache&&) noexcept = default;
 FlexibleBody::Cache::~Cache() = default;
 
-int FlexibleBody::add_marker(const Vector3& c, const Matrix3X& Bm, const Matrix3X& Theta, const Matrix3& R0) {
-  MarkerShape shape{c, R0, Matrix6X(6, 0), Theta.size() > 0 && !Theta.isZero(0)};
+int FlexibleBody::add_marker(const Vector3& c, const Matrix3X& Bm, const Matrix3X& Theta, const Matrix3& R0,
+                             const Matrix3X& Theta_pairs) {
+  MarkerShape shape{c, R0, Matrix6X(6, 0), MatrixX(6, 0), Theta.size() > 0 && !Theta.isZero(0)};
   if (!Bm.isZero(0) || shape.turns) {  // else the deformation never moves it: no columns at joints
-    shape.elastic.setZero(6, field_count());
-    shape.elastic.topRows<3>() = Bm;
-    if (shape.turns) shape.elastic.bottomRows<3>() = Theta;
+    Matrix6X fields = Matrix6X::Zero(6, field_count());
+    fields.topRows<3>() = Bm;
+    if (shape.turns) fields.bottomRows<3>() = Theta;
+    shape.elastic = fields.leftCols(modes_);
+    if (deflection_) shape.pairs = fields * deflection_->curvature();
+    if (deflection_ && Theta_pairs.cols() > 0) shape.pairs.bottomRows<3>() += Theta_pairs;
   }
   markers_.push_back(std::move(shape));
   return marker_count() - 1;
@@ -83,7 +78,34 @@ Marker FlexibleBody::average(const std::vector<int>& ids, const Matrix3& orienta
     Bm += B;
     Theta += skew(mean.arms.col(column)) * B;
   }
-  return {this, add_marker(mean.center, Bm, mean.spread_inverse * Theta, basis().rotation.transpose() * orientation)};
+  Theta = (mean.spread_inverse * Theta).eval();
+  return {this, add_marker(mean.center, Bm, Theta, basis().rotation.transpose() * orientation,
+                           deflection_ ? mean_turns(mean, Theta) : Matrix3X(3, 0))};
+}
+
+/// Second order of the rotation R that leaves Rᵀ Σ w (ρ + u) ρᵀ symmetric, R = E + φ~ + ½ φ~²:
+///   D φ₂ = ax(U₂ - φ₁~ U₁ + ½ φ₁~² S),   U = Σ w u ρᵀ, S = Σ w ρ ρᵀ, ax(X) the axis of X - Xᵀ, D φ = ax(φ~ S).
+/// U₂, of the displacements of second order, is with the fields already.
+Matrix3X FlexibleBody::mean_turns(const NodeAverage& mean, const Matrix3X& Theta) const {
+  std::vector<Matrix3> U(static_cast<size_t>(modes_), Matrix3::Zero()), turn(U);
+  Matrix3 S = Matrix3::Zero();
+  for (size_t i = 0; i < mean.nodes.size(); ++i) {
+    const Vector3 arm = mean.arms.col(static_cast<Eigen::Index>(i));
+    const double weight = mean.weights[static_cast<Eigen::Index>(i)];
+    const Matrix3X B = node_fields(mean.nodes[i]);
+    S += weight * arm * arm.transpose();
+    for (int k = 0; k < modes_; ++k) U[static_cast<size_t>(k)] += weight * B.col(k) * arm.transpose();
+  }
+  for (int k = 0; k < modes_; ++k) turn[static_cast<size_t>(k)] = skew(Theta.col(k));
+  const auto second = [&](size_t k, size_t l) -> Vector3 {
+    const Matrix3 X = -turn[k] * U[l] + 0.5 * turn[k] * turn[l] * S;
+    return {X(2, 1) - X(1, 2), X(0, 2) - X(2, 0), X(1, 0) - X(0, 1)};
+  };
+  Matrix3X turns(3, deflection_->pair_count());
+  Eigen::Index p = 0;
+  for (size_t l = 0; l < static_cast<size_t>(modes_); ++l)
+    for (size_t k = 0; k <= l; ++k) turns.col(p++) = mean.spread_inverse * (second(k, l) + second(l, k));
+  return turns;
 }
 
 Marker FlexibleBody::rigid(const std::vector<int>& ids, const Matrix3& orientation) {
@@ -170,27 +192,25 @@ void FlexibleBody::marker_kinematics(const BodyState& state, int marker, Level l
   k.elastic = nullptr;
   const bool moves = m.elastic.cols() > 0;
   const DeflectionTerms& d = cache.deflection;
-  const int fields = field_count();
-  const Eigen::Map<const VectorX> xi(deflection_ ? d.xi.data() : state.q + 7, fields),
-      rate(deflection_ ? d.xi_rate.data() : state.v + 6, fields);
-  Vector3 phi = Vector3::Zero();
+  const Eigen::Map<const VectorX> eta(state.q + 7, modes_), rate(state.v + 6, modes_);
+  Vector3 phi = Vector3::Zero(), phi_dot = Vector3::Zero(), deform = Vector3::Zero(), turn_rate = Vector3::Zero();
   Matrix3 Jl;
   if (moves) {
-    k.r.noalias() += m.elastic.topRows<3>().lazyProduct(xi);
+    k.r.noalias() += m.elastic.topRows<3>().lazyProduct(eta);
+    if (deflection_) k.r.noalias() += m.pairs.topRows<3>().lazyProduct(d.pairs);
     k.elastic = m.elastic.data();
   }
   if (moves && (m.turns || deflection_)) {
-    // Columns that depend on the deformation: [Bm; Jl Θ] P.
     if (static_cast<int>(cache.markers.size()) <= marker) cache.markers.resize(markers_.size());
     auto& turning = cache.markers[static_cast<size_t>(marker)];
-    if (!turning) turning = std::make_unique<TurningMarker>(*this, marker);
+    if (!turning) turning = std::make_unique<TurningMarker>(m);
     Matrix6X& columns = turning->columns;
-    if (deflection_)
-      columns.noalias() = m.elastic.lazyProduct(d.P);
-    else
-      columns = m.elastic;
+    columns = m.elastic;
+    if (deflection_) add_pair_columns(m.pairs, state.q + 7, columns);
     if (m.turns) {
-      phi.noalias() = m.elastic.bottomRows<3>().lazyProduct(xi);
+      phi.noalias() = m.elastic.bottomRows<3>().lazyProduct(eta);
+      if (deflection_) phi.noalias() += m.pairs.bottomRows<3>().lazyProduct(d.pairs);
+      phi_dot.noalias() = columns.bottomRows<3>().lazyProduct(rate);
       Jl = turning->Jl = left_jacobian(phi);
       for (int c = 0; c < modes_; ++c) columns.col(c).tail<3>() = (Jl * columns.col(c).tail<3>()).eval();
     }
@@ -206,21 +226,17 @@ void FlexibleBody::marker_kinematics(const BodyState& state, int marker, Level l
   if (level == Level::position) return;
 
   const Eigen::Map<const Vector3> w(state.v + 3);
-  Vector3 deform = Vector3::Zero(), turn_rate = Vector3::Zero();  // Bm ξ̇, Jl φ̇
-  if (moves) deform.noalias() = m.elastic.topRows<3>().lazyProduct(rate);
-  Vector3 phi_dot = Vector3::Zero();
-  if (m.turns) {
-    phi_dot.noalias() = m.elastic.bottomRows<3>().lazyProduct(rate);
-    turn_rate = Jl * phi_dot;
-  }
+  if (moves) deform.noalias() = Eigen::Map<const Matrix6X>(k.elastic, 6, modes_).topRows<3>().lazyProduct(rate);
+  if (m.turns) turn_rate = Jl * phi_dot;
   k.v = Eigen::Map<const Vector3>(state.v) + A * (w.cross(k.r) + deform);
   k.w = A * (w + turn_rate);
   if (level == Level::velocity) return;
   Vector3 bias = w.cross(w.cross(k.r)) + 2 * w.cross(deform), turn_bias = Vector3::Zero();
   if (m.turns) turn_bias = w.cross(turn_rate) + left_jacobian_rate(phi, phi_dot);
   if (moves && deflection_) {
-    bias.noalias() += m.elastic.topRows<3>().lazyProduct(d.xi_bias);
-    if (m.turns) turn_bias += Jl * m.elastic.bottomRows<3>().lazyProduct(d.xi_bias);
+    const Vector6 squares = 2 * m.pairs.lazyProduct(d.rate_pairs);
+    bias += squares.head<3>();
+    if (m.turns) turn_bias += Jl * squares.tail<3>();
   }
   k.bias_v = A * bias;
   k.bias_w = A * turn_bias;

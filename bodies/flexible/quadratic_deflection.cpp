@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "bodies/flexible/elastic_problem.h"
 #include "bodies/flexible/elements/solid_element.h"
 #include "bodies/flexible/inertia_integrals.h"
 #include "bodies/flexible/static_modes.h"
@@ -13,6 +14,7 @@
 namespace lithe {
 namespace {
 
+constexpr double kSmallestField = 1e-7;  // of the largest: round-off below
 constexpr double kElementsMatch = 1e-6;  // of the largest modal stiffness
 
 /// Symmetric tensors as (xx yy zz xy yz xz), shear as 2 E_xy.
@@ -170,13 +172,16 @@ void split_fields(const ModalBasis& basis, const SparseMatrix& mass, MatrixX the
   for (int l = 0; l < nm; ++l)
     for (int k = 0; k <= l; ++k)
       scale[pair_of(k, l)] = 1 / std::sqrt(basis.stiffness.coeff(k, k) * basis.stiffness.coeff(l, l));
+  // Principal fields by the Gram matrix, then orthonormal to round-off; the matrix itself sees half the digits.
   const MatrixX scaled = theta * scale.asDiagonal();
   const MatrixX gram = scaled.transpose() * (mass * scaled);
   const Eigen::SelfAdjointEigenSolver<MatrixX> parts(0.5 * (gram + gram.transpose()));
   const double largest = std::max(parts.eigenvalues().tail<1>()[0], 0.0);
-  const auto kept = (parts.eigenvalues().array() > tolerance * tolerance * largest).count();
+  const double bound = std::max(tolerance, kSmallestField);
+  const auto kept = (parts.eigenvalues().array() > bound * bound * largest).count();
   out.fields = scaled * parts.eigenvectors().rightCols(kept) *
                parts.eigenvalues().tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
+  orthonormalise(mass, out.fields);
   out.curvature.resize(nm + kept, theta.cols());
   out.curvature << along, out.fields.transpose() * (mass * theta);
 }

@@ -52,6 +52,23 @@ void write_summary(const std::vector<Outcome>& outcomes, const std::string& path
   open(path) << nlohmann::ordered_json{{"variants", variants}}.dump(1) << "\n";
 }
 
+void write_deviation_chart(const std::vector<Outcome>& outcomes, const Trajectory& reference,
+                           const std::string& folder) {
+  Chart chart{.title = "Distance of the tip from nonlinear finite elements",
+              .x_label = "time (s)",
+              .y_label = "|dz| (m)",
+              .log_y = true};
+  for (const Outcome& o : outcomes) {
+    ChartLine line{.title = o.variant.name};
+    for (std::size_t i = 10; i < o.trajectory.size(); ++i) {  // the first milliseconds are round-off
+      line.x.push_back(o.trajectory[i].t);
+      line.y.push_back(std::max(std::abs(o.trajectory[i].position.z() - reference[i].position.z()), 1e-9));
+    }
+    chart.lines.push_back(std::move(line));
+  }
+  write_chart(chart, folder + "/deviation");
+}
+
 void write_charts(const std::vector<Outcome>& outcomes, const Trajectory& reference, const std::string& folder) {
   const auto chart = [&](const std::string& title, const std::string& y_label, const std::string& file, auto&& value) {
     Chart c{.title = title, .x_label = "time (s)", .y_label = y_label};

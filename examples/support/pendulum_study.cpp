@@ -17,7 +17,8 @@ struct Scene {
   Marker tip;
 
   Scene(const Variant& variant, const FiniteElementModel& model) {
-    rod = &graph.add<FlexibleBody>("rod", {.basis = make_basis(model, variant.frame, variant.modes)});
+    rod = &graph.add<FlexibleBody>(
+        "rod", {.basis = make_basis(model, variant.frame, variant.modes, {.deflection = variant.deflection})});
     // A hinge turns about the z axes of its markers: here the edge along world y.
     const Matrix3 along_y = rotation_about({1, 0, 0}, -M_PI / 2);
     const std::vector<int>& edge = model.node_set("hinge");

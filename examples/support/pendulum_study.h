@@ -29,6 +29,7 @@ struct Variant {
   int modes;  // number of modes, 0: rigid, lithe::kAllNodal
   Hinge hinge = Hinge::revolute;
   double step = 5e-5;  // s
+  lithe::Deflection deflection = lithe::Deflection::linear;
 };
 
 struct Outcome {
@@ -63,6 +64,9 @@ void write_trajectory(const Trajectory& trajectory, const std::string& path);
 void write_summary(const std::vector<Outcome>& outcomes, const std::string& path);
 /// z.svg/.png and vz.svg/.png: the paper's figures 3 and 4.
 void write_charts(const std::vector<Outcome>& outcomes, const Trajectory& reference, const std::string& folder);
+/// deviation.svg/.png: |Δz| of the tip over time, logarithmic.
+void write_deviation_chart(const std::vector<Outcome>& outcomes, const Trajectory& reference,
+                           const std::string& folder);
 /// The pictures' numbers in words: a table of the variants, and where their errors come from.
 struct ErrorBudget {
   std::array<double, 2> model, reduction, time, frame;  // m, m/s
