@@ -94,6 +94,9 @@ std::vector<Mode> modes_of(MatrixX A, const MatrixX& to_shape) {
   return modes;
 }
 
+/// Φᵀ A Φ; one function, because each such expression takes seconds to compile.
+MatrixX projected(const MatrixX& Phi, const MatrixX& A) { return Phi.transpose() * A * Phi; }
+
 /// The columns of the second-order form's modes: coordinates in which stiff and soft modes are equally well scaled,
 /// y = Φ s/ω, w' = Φᵀ M ẏ.
 std::vector<Mode> holonomic_modes(const Linearization& l, const MatrixX& Phi, const MatrixX& to_shape) {
@@ -102,8 +105,8 @@ std::vector<Mode> holonomic_modes(const Linearization& l, const MatrixX& Phi, co
   const VectorX soft = omega.cwiseInverse();
   MatrixX A = MatrixX::Zero(2 * n, 2 * n);
   A.topRightCorner(n, n) = omega.asDiagonal();
-  A.bottomLeftCorner(n, n) = -(Phi.transpose() * l.K * Phi) * soft.asDiagonal();
-  A.bottomRightCorner(n, n) = -(Phi.transpose() * l.C * Phi);
+  A.bottomLeftCorner(n, n) = -projected(Phi, l.K) * soft.asDiagonal();
+  A.bottomRightCorner(n, n) = -projected(Phi, l.C);
   MatrixX shapes = MatrixX::Zero(to_shape.rows(), 2 * n);
   shapes.leftCols(n) = to_shape * (Phi * soft.asDiagonal());
   return modes_of(std::move(A), shapes);

@@ -1,6 +1,8 @@
 // A flexible bar held by a joint at one end and holding a rigid body by another at its other end: every type of joint,
 // reduced, reduced with rigid faces, and nodal. The rows of a single joint are checked on every pairing of bodies in
 // tests/joints.
+#include <gtest/gtest.h>
+
 #include <functional>
 
 #include "bodies/flexible/flexible_body.h"

@@ -1,7 +1,6 @@
 // Motion of one flexible body: what energy and momentum can see, and what they cannot (EQUATIONS.md 3.5).
 #include <gtest/gtest.h>
 
-#include <Eigen/LU>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -9,6 +8,7 @@
 #include "engine/assembler.h"
 #include "integrators/explicit_runge_kutta.h"
 #include "tests/bodies/flexible_models.h"
+#include "tests/support/linear_algebra.h"
 #include "tests/support/oracle.h"
 
 namespace lithe::test {
@@ -62,7 +62,7 @@ class InertialModel {
         K_(oracle::matrix(data.at("K"))),
         frame_(data.at("frame").at("frame_nodes").get<std::vector<int>>()) {
     const MatrixX m = oracle::matrix(data.at("mass_scalar"));
-    mass_inverse_ = m.inverse();
+    mass_inverse_ = solve(m, MatrixX::Identity(m.rows(), m.rows()));
     const auto eliminated = data.at("frame").at("eliminated_dofs").get<std::vector<int>>();
     for (int i = 0; i < r0_.size(); ++i)
       if (std::find(eliminated.begin(), eliminated.end(), i) == eliminated.end()) free_.push_back(i);
@@ -85,7 +85,7 @@ class InertialModel {
     VectorX load = VectorX::Zero(6 + nm);
     for (int k = 0; k < nm; ++k)
       for (int l = 0; l < nm; ++l) load[6 + k] -= K_(free_[k], free_[l]) * eta[l];
-    const VectorX f = L.transpose().fullPivLu().solve(load);
+    const VectorX f = solve(L.transpose(), load);
     const Matrix3X forces = A * Eigen::Map<const Matrix3X>(f.data(), 3, n);
     return forces * mass_inverse_;
   }

@@ -1,6 +1,7 @@
 // The block factor at complex weights against a dense solution of the same equations.
 #include <gtest/gtest.h>
 
+#include "bodies/rigid_body.h"
 #include "joints/forces/joint_friction.h"
 #include "joints/forces/spring_damper.h"
 #include "joints/revolute_joint.h"

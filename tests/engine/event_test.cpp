@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "bodies/rigid_body.h"
 #include "engine/simulation.h"
 #include "joints/forces/coordinate_stop.h"
 #include "joints/prismatic_joint.h"

@@ -1,13 +1,18 @@
 // CVODE's Adams method behind projection.
+#include <gtest/gtest.h>
+
 #include <array>
 #include <stdexcept>
 
+#include "bodies/rigid_body.h"
 #include "engine/batch_of.h"
 #include "engine/error.h"
 #include "engine/projection.h"
+#include "integrators/adams.h"
 #include "joints/angle_driver.h"
 #include "joints/forces/bushing.h"
 #include "joints/forces/joint_friction.h"
+#include "joints/revolute_joint.h"
 #include "joints/rolling_disc.h"
 #include "tests/integrators/smooth_scenes.h"
 
@@ -18,7 +23,7 @@ TEST(Adams, MeetsTheTolerance) {
   for (const SmoothScene& smooth : kSmoothScenes) {
     const auto exact = five_states(smooth, runge_kutta8(1e-14));
     for (double tolerance : {1e-4, 1e-6, 1e-8, 1e-10, 1e-12}) {
-      const Errors errors = difference(five_states(smooth, adams(tolerance)), exact);
+      const RunErrors errors = run_difference(five_states(smooth, adams(tolerance)), exact);
       const std::string name = "Adams, " + std::string(smooth.name) + ", tolerance " +
                                std::to_string(std::lround(std::log10(tolerance))) + ", ";
       expect_below(name + "q over it", errors.q / tolerance, 10);
@@ -67,7 +72,7 @@ TEST(Adams, DenseOutputErrsNoMoreThanTheSteps) {
     Method method = adams(tolerance), reference = runge_kutta8(1e-14);
     method->start(scene.equations, scene.state);
     State from, at;
-    Errors worst{};
+    RunErrors worst{};
     double ends = 0, acceleration = 0;
     while (scene.state.time < smooth.end / 3) {
       from = scene.state;
@@ -79,7 +84,7 @@ TEST(Adams, DenseOutputErrsNoMoreThanTheSteps) {
       if (method->statistics().steps % 5 != 0) continue;
       method->interpolate(scene.system.layout(), from, scene.state, (from.time + scene.state.time) / 2, at);
       exact.run(*reference, at.time);
-      const Errors here = difference(at, exact.state);
+      const RunErrors here = run_difference(at, exact.state);
       worst = {std::max(worst.q, here.q), std::max(worst.v, here.v), std::max(worst.lambda, here.lambda)};
       acceleration = std::max(acceleration, (at.v_dot - exact.state.v_dot).norm() / exact.state.v_dot.norm());
     }
@@ -99,7 +104,7 @@ void expect_agreement(const std::string& name, Scene (*make)(), double end, doub
   exact.run(*runge_kutta(1e-12), end);
   Method method = adams(tolerance);
   scene.run(*method, end);
-  const Errors errors = difference(scene.state, exact.state);
+  const RunErrors errors = run_difference(scene.state, exact.state);
   EXPECT_GT((start - exact.state.q).norm(), 0.1) << name;
   expect_below("Adams, " + name + ", q over the tolerance", errors.q / tolerance, 20);
   expect_below("Adams, " + name + ", λ (relative)", errors.lambda, 1e4 * tolerance);

@@ -1,8 +1,11 @@
 // Nothing is allocated in a step.
+#include <gtest/gtest.h>
+
 #include <array>
 #include <atomic>
 #include <cstddef>
 
+#include "integrators/generalized_alpha.h"
 #include "tests/support/methods.h"
 #include "tests/support/scenes.h"
 

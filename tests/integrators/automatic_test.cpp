@@ -1,6 +1,11 @@
 // The default integrator: which method it chooses, and that the motion does not notice when it changes.
 #include "integrators/automatic.h"
 
+#include <gtest/gtest.h>
+
+#include "bodies/rigid_body.h"
+#include "integrators/radau.h"
+#include "joints/distance_joint.h"
 #include "joints/forces/spring_damper.h"
 #include "joints/forces/user_force.h"
 #include "tests/support/methods.h"

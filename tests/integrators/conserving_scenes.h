@@ -1,125 +1,45 @@
 #pragma once
 
-#include <utility>
+#include <string>
 
 #include "bodies/flexible/flexible_body.h"
-#include "joints/angle_driver.h"
-#include "joints/forces/joint_friction.h"
-#include "joints/revolute_joint.h"
-#include "joints/rolling_disc.h"
-#include "tests/bodies/bar_model.h"
-#include "tests/support/methods.h"
 #include "tests/support/scenes.h"
 
 /// Scenes and measures for methods that keep what motion keeps.
 namespace lithe::test {
 
 /// A bar of rubber with four modes about a three-node frame, so that every term of f_v is at work.
-inline FlexibleBody& add_bar(SystemGraph& graph, const Vector3& velocity, const Vector3& angular_velocity,
-                             double deflection = 0) {
-  static const FiniteElementModel model =
-      bar_model({.size = {0.3, 0.04, 0.03}, .bricks = {4, 1, 1}, .young = 3e6, .density = 1000});
-  static const auto basis =
-      make_basis(model, ThreeNodeFrame{model.node_set("start")[0], model.node_set("end")[0], 2}, 4);
-  FlexibleBody::Parameters parameters{.basis = basis};
-  parameters.velocity = velocity;
-  parameters.angular_velocity = angular_velocity;
-  parameters.modal_coordinates = deflection * VectorX::LinSpaced(4, 1, -0.5);
-  return graph.add<FlexibleBody>("bar", parameters);
-}
+FlexibleBody& add_bar(SystemGraph& graph, const Vector3& velocity, const Vector3& angular_velocity,
+                      double deflection = 0);
 
 /// That bar, hinged at its start, falls from the horizontal.
-inline Scene flexible_pendulum() {
-  return Scene({0, 0, -9.81}, [](SystemGraph& graph) {
-    FlexibleBody& bar = add_bar(graph, {0, 0, 0}, {0, 0, 0});
-    const Matrix3 axes = rotation_about({1, 0, 0}, M_PI / 2);
-    const std::vector<int> start = bar.basis().node_set("start");
-    graph.add<RevoluteJoint>("pin", {graph.ground().marker(Vector3::Zero(), axes), bar.average(start, axes)});
-  });
-}
+Scene flexible_pendulum();
 
 /// A disc rolls on the plane, leaning and turning: rows on velocities alone.
-inline Scene rolling_disc() {
-  return Scene({0, 0, -9.81}, [](SystemGraph& graph) {
-    const double radius = 0.3, lean = 0.4;
-    const Matrix3 axes = rotation_about({1, 0, 0}, -M_PI / 2 + lean);
-    const Vector3 turn = axes * Vector3(0.3, 0.5, 6), up(0, -radius * std::sin(lean), radius * std::cos(lean));
-    auto& disc = graph.add<RigidBody>("disc", {.mass = 2,
-                                               .inertia = {0.045, 0.045, 0.09},
-                                               .position = {0, 0, radius * std::cos(lean)},
-                                               .orientation = axes,
-                                               .velocity = turn.cross(up),
-                                               .angular_velocity = Vector3(axes.transpose() * turn)});
-    graph.add<RollingDisc>("rolling", {graph.ground().marker(), disc.marker()}, {.radius = radius});
-  });
-}
+Scene rolling_disc();
 
 /// A double pendulum of boxes: its first hinge is driven, friction in the second is pressed by its own reaction.
-inline Scene driven_with_friction() {
-  return Scene({0, 0, -9.81}, [](SystemGraph& graph) {
-    const Matrix3 axes = rotation_about({1, 0, 0}, M_PI / 2);
-    auto& crank = graph.add<RigidBody>("crank", {.mass = 1, .inertia = {0.01, 0.02, 0.02}, .position = {0.2, 0, 0}});
-    auto& link = graph.add<RigidBody>("link", {.mass = 1, .inertia = {0.01, 0.02, 0.02}, .position = {0.6, 0, 0}});
-    const std::vector<Marker> hinge{graph.ground().marker({}, axes), crank.marker({-0.2, 0, 0}, axes)};
-    graph.add<RevoluteJoint>("hinge", hinge);
-    graph.add<AngleDriver>("drive", hinge, {.motion = harmonic(0.5, 3)});
-    auto& pin = graph.add<RevoluteJoint>("pin", {crank.marker({0.2, 0, 0}, axes), link.marker({-0.2, 0, 0}, axes)});
-    graph.add<JointFriction>("rub", {pin.angle()},
-                             {.joint = &pin, .dynamic = 0.3, .transition_speed = 0.5, .radius = 0.1});
-  });
-}
+Scene driven_with_friction();
 
 struct Errors {
   double q = 0, v = 0, lambda = 0;
 };
-inline Errors difference(const State& a, const State& b) {
-  return {(a.q - b.q).norm(), (a.v - b.v).norm(), (a.lambda - b.lambda).norm()};
-}
-inline void expect_order_two(const std::string& what, const Errors& coarse, const Errors& fine, double tolerance) {
-  expect_below(what + ", order of q off 2 by", std::abs(std::log2(coarse.q / fine.q) - 2), tolerance);
-  expect_below(what + ", order of v off 2 by", std::abs(std::log2(coarse.v / fine.v) - 2), tolerance);
-  expect_below(what + ", order of λ off 2 by", std::abs(std::log2(coarse.lambda / fine.lambda) - 2), tolerance);
-}
+
+Errors difference(const State& a, const State& b);
+
+void expect_order_two(const std::string& what, const Errors& coarse, const Errors& fine, double tolerance);
 
 /// Mean, slope and largest deviation of energy over a run, J and J/s.
 struct EnergyRecord {
   double slope, deviation;
 };
-inline EnergyRecord record_energy(Scene& scene, Integrator& method, double end, int samples) {
-  const double start = scene.energy();
-  double sum_t = 0, sum_e = 0, sum_tt = 0, sum_te = 0, deviation = 0;
-  for (int k = 1; k <= samples; ++k) {
-    scene.run(method, end * k / samples);
-    const double t = static_cast<double>(k) / samples - 0.5, e = scene.energy() - start;
-    sum_t += t, sum_e += e, sum_tt += t * t, sum_te += t * e;
-    deviation = std::max(deviation, std::abs(e));
-  }
-  return {(sum_te - sum_t * sum_e / samples) / (sum_tt - sum_t * sum_t / samples), deviation};
-}
+
+EnergyRecord record_energy(Scene& scene, Integrator& method, double end, int samples);
 
 /// Two bodies in free flight, held together at a point.
-inline Scene free_pair() {
-  return Scene(Vector3::Zero(), [](SystemGraph& graph) {
-    auto& a = graph.add<RigidBody>("a", {.mass = 1, .inertia = {0.1, 0.2, 0.15}, .angular_velocity = {1, 2, 3}});
-    auto& b = graph.add<RigidBody>("b", {.mass = 2,
-                                         .inertia = {0.2, 0.1, 0.25},
-                                         .position = {1, 0, 0},
-                                         .velocity = Vector3(1, 2, 3).cross(Vector3(1, 0, 0)),
-                                         .angular_velocity = {1, 2, 3}});
-    graph.add<SphericalJoint>("joint", {a.marker({0.4, 0.2, 0}), b.marker({-0.6, 0.2, 0})});
-  });
-}
+Scene free_pair();
+
 /// Their linear and their angular momentum about the origin.
-inline Vector6 momenta_of_pair(const Scene& scene) {
-  const Vector3 inertia[] = {{0.1, 0.2, 0.15}, {0.2, 0.1, 0.25}};
-  Vector6 sum = Vector6::Zero();
-  for (int i = 0; i < 2; ++i) {
-    const Vector3 P = (i + 1) * scene.state.v.segment<3>(6 * i);
-    const Vector3 l = inertia[i].cwiseProduct(scene.state.v.segment<3>(6 * i + 3));
-    sum.head<3>() += P;
-    sum.tail<3>() += scene.position(i).cross(P) + rotation_matrix(scene.state.q.segment<4>(7 * i + 3)) * l;
-  }
-  return sum;
-}
+Vector6 momenta_of_pair(const Scene& scene);
 
 }  // namespace lithe::test

@@ -1,9 +1,13 @@
 // The energy-momentum midpoint rule: order, and what it keeps.
 #include "integrators/energy_momentum.h"
 
+#include <gtest/gtest.h>
+
+#include "bodies/rigid_body.h"
 #include "engine/error.h"
 #include "joints/forces/spring_damper.h"
 #include "tests/integrators/conserving_scenes.h"
+#include "tests/support/methods.h"
 
 namespace lithe::test {
 namespace {

@@ -1,6 +1,9 @@
 // HHT-I3: its recurrence, orders on constraints, steps that change, what it damps.
 #include "integrators/hht.h"
 
+#include <gtest/gtest.h>
+
+#include "bodies/rigid_body.h"
 #include "engine/error.h"
 #include "joints/forces/spring_damper.h"
 #include "tests/integrators/pendulum_errors.h"

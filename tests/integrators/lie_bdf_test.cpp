@@ -1,8 +1,12 @@
 // BDF on the group: orders in q, v and λ, automatic steps, the chart of the past, Newton's factor.
 #include "integrators/lie_bdf.h"
 
+#include <gtest/gtest.h>
+
+#include "bodies/rigid_body.h"
 #include "engine/batch_of.h"
 #include "engine/error.h"
+#include "engine/projection.h"
 #include "joints/forces/spring_damper.h"
 #include "tests/integrators/pendulum_errors.h"
 

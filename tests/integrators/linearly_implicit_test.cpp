@@ -1,6 +1,9 @@
 // Linearly implicit Euler for real time: its recurrence, orders, bounded cost, stiffness, no drift.
 #include "integrators/linearly_implicit.h"
 
+#include <gtest/gtest.h>
+
+#include "bodies/rigid_body.h"
 #include "engine/batch_of.h"
 #include "engine/error.h"
 #include "joints/forces/spring_damper.h"

@@ -1,4 +1,6 @@
 // A hundred thousand steps: constraints stay met, energy stays or decays slowly.
+#include <gtest/gtest.h>
+
 #include <array>
 
 #include "tests/support/methods.h"

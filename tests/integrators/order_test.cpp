@@ -1,4 +1,7 @@
 // Orders of convergence, measured.
+#include <gtest/gtest.h>
+
+#include "integrators/generalized_alpha.h"
 #include "tests/integrators/pendulum_errors.h"
 
 namespace lithe::test {

@@ -1,14 +1,18 @@
 // Radau IIA: orders, the tolerance, stiff scenes, what makes Newton work.
 #include "integrators/radau.h"
 
+#include <gtest/gtest.h>
+
 #include <array>
 
 #include "bodies/flexible/flexible_body.h"
+#include "bodies/rigid_body.h"
 #include "engine/batch_of.h"
 #include "engine/error.h"
 #include "joints/forces/joint_friction.h"
 #include "joints/forces/spring_damper.h"
 #include "joints/prismatic_joint.h"
+#include "joints/revolute_joint.h"
 #include "joints/rolling_disc.h"
 #include "tests/bodies/flexible_models.h"
 #include "tests/support/methods.h"

@@ -1,8 +1,12 @@
 // RATTLE: order, what a symplectic and symmetric method keeps, and the step that a frequency allows.
 #include "integrators/rattle.h"
 
+#include <gtest/gtest.h>
+
+#include "bodies/rigid_body.h"
 #include "joints/forces/spring_damper.h"
 #include "tests/integrators/conserving_scenes.h"
+#include "tests/support/methods.h"
 
 namespace lithe::test {
 namespace {

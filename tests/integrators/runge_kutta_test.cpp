@@ -1,6 +1,10 @@
 // DOP853: its coefficients, its order on the constraints, its dense output, its estimate of stiffness.
+#include <gtest/gtest.h>
+
 #include <vector>
 
+#include "bodies/rigid_body.h"
+#include "integrators/explicit_runge_kutta.h"
 #include "integrators/runge_kutta_tableau.h"
 #include "joints/forces/bushing.h"
 #include "tests/integrators/smooth_scenes.h"
@@ -116,8 +120,8 @@ TEST(RungeKutta8, IsOfOrderEightInPositionsVelocitiesAndMultipliers) {
   for (int i = 0; i < 5; ++i) {
     const SmoothScene& smooth = kSmoothScenes[i];
     const auto exact = five_states(smooth, runge_kutta8(1e-14));
-    const Errors coarse = difference(five_states(smooth, runge_kutta8_fixed(steps[i])), exact);
-    const Errors fine = difference(five_states(smooth, runge_kutta8_fixed(steps[i] / 2)), exact);
+    const RunErrors coarse = run_difference(five_states(smooth, runge_kutta8_fixed(steps[i])), exact);
+    const RunErrors fine = run_difference(five_states(smooth, runge_kutta8_fixed(steps[i] / 2)), exact);
     const std::string name = "RK8, " + std::string(smooth.name);
     expect_below(name + ", order of q short of 8 by", 8 - std::log2(coarse.q / fine.q), 0.6);
     expect_below(name + ", order of v short of 8 by", 8 - std::log2(coarse.v / fine.v), 0.6);
@@ -130,7 +134,7 @@ TEST(RungeKutta8, MeetsTheTolerance) {
   for (const SmoothScene& smooth : kSmoothScenes) {
     const auto exact = five_states(smooth, runge_kutta(1e-14));  // by the other method
     for (double tolerance : {1e-4, 1e-6, 1e-8, 1e-10, 1e-12}) {
-      const Errors errors = difference(five_states(smooth, runge_kutta8(tolerance)), exact);
+      const RunErrors errors = run_difference(five_states(smooth, runge_kutta8(tolerance)), exact);
       expect_below("RK8, " + std::string(smooth.name) + ", tolerance " + std::to_string(std::log10(tolerance)),
                    errors.q / tolerance, 10);
     }
@@ -138,7 +142,7 @@ TEST(RungeKutta8, MeetsTheTolerance) {
 }
 
 /// Largest errors of the dense output at three places in each of some steps.
-struct DenseErrors : Errors {
+struct DenseErrors : RunErrors {
   double v_dot;
 };
 DenseErrors dense_errors(const SmoothScene& smooth, double step) {
@@ -154,7 +158,7 @@ DenseErrors dense_errors(const SmoothScene& smooth, double step) {
       method->interpolate(scene.system.layout(), from, scene.state, from.time + x * step, at);
       exact.run(*reference, from.time + x * step);
       if (at.lambda.size() == 0) at.lambda = exact.state.lambda;  // forward dynamics: without multipliers within a step
-      const Errors here = difference(at, exact.state);
+      const RunErrors here = run_difference(at, exact.state);
       worst.q = std::max(worst.q, here.q);
       worst.v = std::max(worst.v, here.v);
       worst.lambda = std::max(worst.lambda, here.lambda);

@@ -1,7 +1,12 @@
 // The implicit form that IDA integrates: residual at a consistent state, Jacobian against differences, redundant rows.
 #include "integrators/stabilized_index2.h"
 
+#include <gtest/gtest.h>
+
+#include "bodies/rigid_body.h"
+#include "engine/projection.h"
 #include "joints/forces/spring_damper.h"
+#include "joints/revolute_joint.h"
 #include "tests/support/methods.h"
 #include "tests/support/motion.h"
 #include "tests/support/scenes.h"

@@ -1,8 +1,15 @@
 // Automatic steps, t_stop, failure.
+#include <gtest/gtest.h>
+
 #include <array>
 
+#include "bodies/rigid_body.h"
 #include "engine/batch_of.h"
 #include "engine/error.h"
+#include "integrators/automatic.h"
+#include "integrators/explicit_runge_kutta.h"
+#include "integrators/generalized_alpha.h"
+#include "integrators/ida.h"
 #include "tests/support/methods.h"
 #include "tests/support/scenes.h"
 

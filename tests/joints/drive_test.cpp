@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/analysis/kinematics.h"
+#include "integrators/generalized_alpha.h"
 #include "joints/coordinate_drive.h"
 #include "joints/cylindrical_joint.h"
 #include "joints/forces/coordinate_spring.h"

@@ -9,6 +9,7 @@
 #include "joints/fixed_joint.h"
 #include "joints/revolute_joint.h"
 #include "tests/support/dense.h"
+#include "tests/support/linear_algebra.h"
 
 namespace lithe::test {
 namespace {

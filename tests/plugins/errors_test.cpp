@@ -6,6 +6,7 @@
 #include "bodies/rigid_body.h"
 #include "engine/simulation.h"
 #include "integrators/generalized_alpha.h"
+#include "plugins/massless_rod/massless_rod.cpp"
 #include "tests/plugins/plugins.h"
 #include "tests/support/methods.h"
 

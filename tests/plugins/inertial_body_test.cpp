@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/SparseCholesky>
 #include <array>
@@ -25,6 +24,7 @@
 #include "joints/three_node_fixation.h"
 #include "tests/support/body_checks.h"
 #include "tests/support/joint_checks.h"
+#include "tests/support/linear_algebra.h"
 #include "tests/support/motion.h"
 
 namespace lithe::test {
@@ -257,13 +257,13 @@ TEST(InertialBody, rings_at_the_frequencies_of_its_supports) {
     for (int i = 0; i < solid.size(); ++i)
       if (!held[i]) free.push_back(i);
     const MatrixX K = MatrixX(solid.stiffness(solid.q))(free, free), M = MatrixX(solid.mass())(free, free);
-    const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixX> modes(K, M, Eigen::EigenvaluesOnly);
+    const VectorX squares = symmetric_eigenvalues(K, M);  // ω²
     int elastic = 0;
     for (std::size_t k = 0; k < table.size(); ++k) {
       const double hertz = table[k][support];
       if (hertz == 0) continue;
       ++elastic;
-      EXPECT_NEAR(std::sqrt(modes.eigenvalues()[k]) / (2 * M_PI) / hertz, 1, 1e-8) << "'" << set << "' mode " << k + 1;
+      EXPECT_NEAR(std::sqrt(squares[k]) / (2 * M_PI) / hertz, 1, 1e-8) << "'" << set << "' mode " << k + 1;
     }
     EXPECT_GE(elastic, 6);
   }

@@ -1,18 +1,13 @@
 #pragma once
 
+#include <cmath>
 #include <filesystem>
+#include <string>
+#include <vector>
 
-#include "engine/batch_of.h"
 #include "engine/registry.h"
-#include "plugins/cam_follower/cam_follower.cpp"
-#include "plugins/massless_rod/massless_rod.cpp"
-#include "tests/plugins/kinds/bungee.cpp"
-#include "tests/plugins/kinds/heun.cpp"
-#include "tests/plugins/kinds/hinge.cpp"
-#include "tests/plugins/kinds/nut_and_skate.cpp"
-#include "tests/plugins/kinds/rattle_box.cpp"
 
-/// The plug-ins' classes, compiled in, and where the same lie as libraries.
+/// Where plug-ins lie as libraries.
 namespace lithe::test {
 
 inline std::filesystem::path shipped(const std::string& name) {

@@ -5,6 +5,11 @@
 
 #include "bodies/rigid_body.h"
 #include "engine/assembler.h"
+#include "engine/batch_of.h"
+#include "plugins/cam_follower/cam_follower.cpp"
+#include "plugins/massless_rod/massless_rod.cpp"
+#include "tests/plugins/kinds/bungee.cpp"
+#include "tests/plugins/kinds/hinge.cpp"
 #include "tests/plugins/plugins.h"
 #include "tests/support/joint_checks.h"
 #include "tests/support/motion.h"

@@ -1,14 +1,18 @@
 // F01: planar slider-crank with an elastic rod (IVP Test Set "crank", Simeon 1996); threshold 4 digits at 0.1 s,
 // good 6.
+#include <gtest/gtest.h>
+
 #include <numbers>
 
 #include "bodies/flexible/flexible_body.h"
 #include "engine/batch_of.h"
 #include "engine/sensors.h"
 #include "engine/snapshot.h"
+#include "integrators/explicit_runge_kutta.h"
 #include "joints/coordinate_drive.h"
 #include "joints/point_on_line_joint.h"
 #include "joints/prismatic_joint.h"
+#include "joints/revolute_joint.h"
 #include "tests/reference/benchmark.h"
 #include "tests/reference/mechanism.h"
 

@@ -1,5 +1,7 @@
 // F05: four-bar whose joint C is tilted by 5 degrees: rigid bars would lock, these bend and twist (Bauchau's beam
 // benchmark; quasi-static reference by three geometrically exact rods). Mark: 2 % of the largest value.
+#include <gtest/gtest.h>
+
 #include <map>
 #include <numbers>
 
@@ -8,6 +10,7 @@
 #include "engine/snapshot.h"
 #include "joints/coordinate_drive.h"
 #include "joints/fixed_joint.h"
+#include "joints/revolute_joint.h"
 #include "tests/bodies/bar_model.h"
 #include "tests/reference/benchmark.h"
 #include "tests/reference/mechanism.h"

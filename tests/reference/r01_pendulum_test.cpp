@@ -1,4 +1,6 @@
 // R01: point mass on a massless rod, as a free body and a distance joint (not a relative angle).
+#include <gtest/gtest.h>
+
 #include "tests/reference/accuracy.h"
 
 namespace lithe::test {

@@ -1,4 +1,6 @@
 // R02: N four-bar windows in a row; where the uprights lie flat the Jacobian drops rank by N and branches meet.
+#include <gtest/gtest.h>
+
 #include "tests/reference/accuracy.h"
 #include "tests/reference/loops.h"
 

@@ -1,7 +1,10 @@
 // R03: Andrews' squeezer, seven bodies, ten 3-D hinges (50 rows of rank 41), time scale 1e-2 s; marks: scd 6 at
 // t = 0.03 s against the binary128 reference, energy balance 1e-6 J over 0.05 s.
+#include <gtest/gtest.h>
+
 #include "joints/forces/point_force.h"
 #include "joints/forces/spring_damper.h"
+#include "joints/revolute_joint.h"
 #include "tests/reference/accuracy.h"
 #include "tests/reference/mechanism.h"
 

@@ -1,4 +1,6 @@
 // R04: Bricard's closed 6R loop, 30 rows of rank 29 all along; marks 1e-4 m and 1e-4 J over 10 s, |g| < 1e-8.
+#include <gtest/gtest.h>
+
 #include "tests/reference/accuracy.h"
 #include "tests/reference/loops.h"
 

@@ -1,7 +1,10 @@
 // R05: flyball governor with stiff dampers (decay 3e4 1/s beside a motion of 6 rad/s); mark 1e-4 m of the slider over
 // 10 s, angular momentum to 1e-9.
+#include <gtest/gtest.h>
+
 #include "joints/forces/spring_damper.h"
 #include "joints/prismatic_joint.h"
+#include "joints/revolute_joint.h"
 #include "tests/reference/accuracy.h"
 #include "tests/reference/mechanism.h"
 

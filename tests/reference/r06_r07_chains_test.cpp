@@ -1,4 +1,6 @@
 // R06, R07: chains of box links with spherical and with revolute joints; mark 1e-6 m at t = 1 s.
+#include <gtest/gtest.h>
+
 #include "tests/reference/accuracy.h"
 
 namespace lithe::test {

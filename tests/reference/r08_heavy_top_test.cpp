@@ -1,4 +1,6 @@
 // R08: heavy symmetric top, A through the lower vertical, B fast with cuspidal nutation; mark 1e-4 L.
+#include <gtest/gtest.h>
+
 #include "tests/reference/accuracy.h"
 
 namespace lithe::test {

@@ -1,4 +1,6 @@
 // R09: a free body turning about its unstable middle axis; accuracy to 60 s, invariants to 200 s.
+#include <gtest/gtest.h>
+
 #include "tests/reference/accuracy.h"
 
 namespace lithe::test {

@@ -1,4 +1,6 @@
 // R10: double pendulum of point masses, A mild, B chaotic: in double precision no better than 1e-9 at 10 s.
+#include <gtest/gtest.h>
+
 #include "tests/reference/accuracy.h"
 
 namespace lithe::test {

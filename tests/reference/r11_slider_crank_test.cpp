@@ -1,5 +1,8 @@
 // R11: planar slider-crank through its dead centres; mark 1e-6 rad of the crank at 5 s.
+#include <gtest/gtest.h>
+
 #include "joints/prismatic_joint.h"
+#include "joints/revolute_joint.h"
 #include "tests/reference/accuracy.h"
 #include "tests/reference/mechanism.h"
 

@@ -1,4 +1,7 @@
 // R12: planar four-bar of 3-D hinges: 20 rows of rank 17; mark 1e-6 m over 5 s.
+#include <gtest/gtest.h>
+
+#include "joints/revolute_joint.h"
 #include "tests/reference/accuracy.h"
 #include "tests/reference/mechanism.h"
 

@@ -1,5 +1,9 @@
 // R13: spatial slider-crank (Haug): hinge, ball, cardan joint, slider; mark 1e-6 m over 5 s.
+#include <gtest/gtest.h>
+
 #include "joints/prismatic_joint.h"
+#include "joints/revolute_joint.h"
+#include "joints/spherical_joint.h"
 #include "joints/universal_joint.h"
 #include "tests/reference/accuracy.h"
 #include "tests/reference/mechanism.h"

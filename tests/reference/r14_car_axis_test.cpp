@@ -1,8 +1,12 @@
 // R14: car axis of the IVP Test Set, in its unscaled form: masses of 5 kg, springs of 1/eps² = 1e4 N/m, g = 1 m/s²;
 // the chassis turns as prescribed. Mark: scd 6 of the positions at t = 3 s.
+#include <gtest/gtest.h>
+
 #include "joints/angle_driver.h"
+#include "joints/distance_joint.h"
 #include "joints/forces/spring_damper.h"
 #include "joints/prismatic_joint.h"
+#include "joints/revolute_joint.h"
 #include "joints/translational_driver.h"
 #include "tests/reference/accuracy.h"
 #include "tests/reference/mechanism.h"

@@ -2,6 +2,9 @@
 // velocities and spin at t = 10 s.
 #include "tests/reference/wheelset.h"
 
+#include <gtest/gtest.h>
+
+#include "integrators/explicit_runge_kutta.h"
 #include "tests/reference/accuracy.h"
 #include "tests/support/joint_checks.h"
 

@@ -1,5 +1,8 @@
 // R17: pole of 1 kg on a cart of 1e-6 kg: at each lower vertical the cart turns the pole's end within a microsecond, at
 // up to 4429 rad/s. Mark 1e-6 rad at all outputs over 10 s.
+#include <gtest/gtest.h>
+
+#include "joints/distance_joint.h"
 #include "joints/prismatic_joint.h"
 #include "tests/reference/accuracy.h"
 #include "tests/reference/mechanism.h"

@@ -1,8 +1,11 @@
 // The scenes of examples/studies/ move as the benchmarks that they are taken from.
+#include <gtest/gtest.h>
+
 #include "engine/study/study_run.h"
 #include "integrators/catalogue.h"
 #include "lithe/lithe.h"
 #include "tests/reference/benchmark.h"
+#include "tests/support/linear_algebra.h"
 
 // Each has a function scene() and its own helpers.
 namespace lithe::test::top_study {
@@ -88,7 +91,7 @@ VectorX chain_accelerations(const VectorX& a, const VectorX& rates) {
       h[i] -= w * std::sin(a[i] - a[k]) * rates[k] * rates[k];
     }
   }
-  return M.llt().solve(h);
+  return solve_positive(M, h);
 }
 
 TEST(Studies, TheChainMovesAsItsAnglesDo) {

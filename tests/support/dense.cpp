@@ -1,7 +1,5 @@
 #include "tests/support/dense.h"
 
-#include <Eigen/SVD>
-
 namespace lithe::test {
 
 MatrixX DenseMatrix::condensed_S() const {
@@ -22,18 +20,6 @@ DenseMatrix dense(const Assembler& assembler) {
     out.all.block(row, column, block.rows(), block.cols()) += block;
   });
   return out;
-}
-
-VectorX least_norm(const MatrixX& A, const VectorX& b, double tolerance) {
-  Eigen::BDCSVD<MatrixX> svd(A, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  svd.setThreshold(tolerance);
-  return svd.solve(b);
-}
-
-int rank(const MatrixX& A, double tolerance) {
-  Eigen::BDCSVD<MatrixX> svd(A);
-  svd.setThreshold(tolerance);
-  return static_cast<int>(svd.rank());
 }
 
 }  // namespace lithe::test

@@ -19,8 +19,4 @@ struct DenseMatrix {
 };
 DenseMatrix dense(const Assembler& assembler);
 
-/// Least-norm solution of A x ≈ b, by a singular value decomposition; also its rank.
-VectorX least_norm(const MatrixX& A, const VectorX& b, double tolerance = 1e-10);
-int rank(const MatrixX& A, double tolerance = 1e-10);
-
 }  // namespace lithe::test
