@@ -2,7 +2,6 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
-#include <algorithm>
 #include <limits>
 
 #include "engine/error.h"
@@ -114,7 +113,7 @@ MatrixX ElasticProblem::static_deflections(const MatrixX& loads) const {
     const double size = (change.array() / work.array().max(1e-20 * work.maxCoeff()).max(1e-300)).maxCoeff();
     if (!(size < 0.9 * last)) break;
     X += step;
-    if (size * std::min(1.0, size / last) < 1e-32) break;  // the next correction is below round-off
+    if (round > 0 && size * size < 1e-32 * last) break;  // the next correction is below round-off
     last = size;
   }
   return X;

@@ -95,6 +95,7 @@ void fill_nodal(const BodyFrame& frame, FramePlacement placed, const BodyMatrice
     basis.free_dofs.push_back(static_cast<int>(SparseMatrix::InnerIterator(problem.T, k).row()));
   basis.stiffness = problem.K;
   basis.modal_mass = problem.M;
+  if (body.C.size() > 0) basis.damping = MatrixX(SparseMatrix(problem.T.transpose()) * body.C * problem.T);
 }
 
 std::vector<std::vector<int>> indices_of(const FiniteElementModel& model, const std::vector<std::vector<int>>& sets) {
@@ -284,10 +285,6 @@ std::shared_ptr<const ModalBasis> make_basis(const FiniteElementModel& model, co
   const BodyMatrices body = in_body_axes(model, placed.rotation, scalar);
   if (mode_count == kAllNodal) {
     fill_nodal(frame, placed, body, scalar, reduction, *basis);
-    if (body.C.size() > 0) {
-      const SparseMatrix T = free_motions({.nodes = placed.nodes, .fixed_dofs = with_swing_held(placed)}, {}, {}).T;
-      basis->damping = MatrixX(T.transpose() * body.C * T);
-    }
   } else {
     const ModeReduction reduced(model, frame, placed, body, reduction);
     try {
