@@ -7,6 +7,7 @@
 
 #include "engine/output/binary.h"
 #include "engine/output/csv.h"
+#include "engine/output/hdf5_table.h"
 
 namespace lithe {
 Recorder::Recorder(std::vector<Sensor> sensors, std::source_location where) : sensors_(std::move(sensors)) {
@@ -43,5 +44,6 @@ void Recorder::observe(Snapshot& snapshot) {
 
 void Recorder::write_csv(const std::string& path) const { lithe::write_csv(table_, path); }
 void Recorder::write_binary(const std::string& path) const { lithe::write_binary(table_, path); }
+void Recorder::write_hdf5(const std::string& path) const { lithe::write_hdf5(table_, path); }
 
 }  // namespace lithe

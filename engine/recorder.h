@@ -22,6 +22,7 @@ class Recorder final : public Observer {
   const Table& table() const { return table_; }
   void write_csv(const std::string& path) const;     // engine/output/csv.h
   void write_binary(const std::string& path) const;  // engine/output/binary.h
+  void write_hdf5(const std::string& path) const;    // engine/output/hdf5_table.h
 
  private:
   std::vector<Sensor> sensors_;

@@ -10,5 +10,6 @@ source tools/stages.sh
 
 stage_shown "packages" tools/install_packages.sh
 stage "configure release" cmake --preset release
-build "build release" cmake --build --preset release --parallel "$jobs" --target lithe_command flexible_pendulum_models
-exec tools/charts/draw.sh build/release/bin/lithe build/release/tools/charts/flexible_pendulum_models "$@"
+build "build release" cmake --build --preset release --parallel "$jobs" --target lithe_command flexible_pendulum_models \
+  flexible_models
+exec tools/charts/draw.sh build/release/bin/lithe build/release/tools/charts "$@"

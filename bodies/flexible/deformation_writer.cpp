@@ -3,10 +3,25 @@
 #include "engine/snapshot.h"
 
 namespace lithe {
+namespace {
 
-DeformationWriter::DeformationWriter(const FlexibleBody& body, std::string path)
-    : body_(body), series_(std::move(path)) {
-  for (const ElementBlock& block : body.basis().elements) cells_.push_back({block.type, block.nodes});
+/// VTK has yz before xz.
+VtuField tensor_field(const std::string& name, Matrix6X values) {
+  values.row(4).swap(values.row(5));
+  return {name, std::move(values)};
+}
+
+}  // namespace
+
+std::vector<VtuCells> vtu_cells(const ModalBasis& basis) {
+  std::vector<VtuCells> cells;
+  for (const ElementBlock& block : basis.elements) cells.push_back({block.type, block.nodes});
+  return cells;
+}
+
+DeformationWriter::DeformationWriter(const FlexibleBody& body, std::string path, const DeformationFields& fields)
+    : body_(body), wanted_(fields), cells_(vtu_cells(body.basis())), series_(std::move(path)) {
+  if (wanted_.stress || wanted_.strain) stress_.emplace(body, wanted_.recovery);
 }
 
 void DeformationWriter::observe(Snapshot& snapshot) {
@@ -15,9 +30,22 @@ void DeformationWriter::observe(Snapshot& snapshot) {
   const auto motion = body_.nodal_motion(state, snapshot.state().v_dot.data() + slice.v);
   const Eigen::Map<const Vector3> origin(state.q);
   const Matrix3X rigid = (state.cache->A * body_.basis().nodes).colwise() + Vector3(origin);
-  series_.add(
-      snapshot.time(), motion.position, cells_,
-      {{"deformation", motion.position - rigid}, {"velocity", motion.velocity}, {"acceleration", motion.acceleration}});
+  if (series_.frame_count() == 0) start_ = motion.position;
+  std::vector<VtuField> fields = {{"displacement", motion.position - start_},
+                                  {"deformation", motion.position - rigid},
+                                  {"velocity", motion.velocity},
+                                  {"acceleration", motion.acceleration}};
+  if (wanted_.stress) {
+    const Matrix6X stress = stress_->stress(snapshot);
+    fields.push_back({"von_mises", von_mises(stress).transpose()});
+    fields.push_back(tensor_field("stress", stress));
+  }
+  if (wanted_.strain) {
+    Matrix6X strain = stress_->strain(snapshot);
+    strain.bottomRows<3>() /= 2;
+    fields.push_back(tensor_field("strain", strain));
+  }
+  series_.add(snapshot.time(), motion.position, cells_, fields);
 }
 
 }  // namespace lithe

@@ -94,6 +94,13 @@ class FlexibleBody final : public Body {
   /// with a quadratic deflection), R0 (EQUATIONS.md 7.1).
   Marker modal_marker(const Vector3& c, const Matrix3X& Bm, const Matrix3X& Theta, const Matrix3& R0);
 
+  /// The nodes (indices) that a marker follows, and how much each counts (sum 1); none for the frame and modal markers.
+  struct MarkerNodes {
+    std::vector<int> nodes;
+    std::vector<double> weights;
+  };
+  const MarkerNodes& marker_nodes(int marker) const { return markers_.at(static_cast<size_t>(marker)).nodes; }
+
   // ---- results: all nodes, world axes, 3 x n ----
   struct NodalMotion {
     Matrix3X position, velocity, acceleration;
@@ -128,6 +135,7 @@ class FlexibleBody final : public Body {
     Matrix6X elastic;  // [Bm; Theta] of the modes; no columns if the deformation does not move it
     MatrixX pairs;     // 6 x pairs: what the squares of η add, for a quadratic deflection
     bool turns;        // the deformation turns it
+    MarkerNodes nodes;
   };
   void set_up();
   /// Displacement fields that the markers and nodes follow: modes_, or all of [B, Ψ].
@@ -135,7 +143,7 @@ class FlexibleBody final : public Body {
   Matrix3X node_fields(int node) const;
   std::vector<int> indices_of(const std::vector<int>& ids) const;
   /// Bm, Theta: of all fields; Theta_pairs, 3 x pairs: turns of second order beyond those of the fields, or empty.
-  int add_marker(const Vector3& c, const Matrix3X& Bm, const Matrix3X& Theta, const Matrix3& R0,
+  int add_marker(const Vector3& c, const Matrix3X& Bm, const Matrix3X& Theta, const Matrix3& R0, MarkerNodes nodes = {},
                  const Matrix3X& Theta_pairs = Matrix3X(3, 0));
   /// Turns of second order of a mean, 3 x pairs; Theta: of first order.
   Matrix3X mean_turns(const NodeAverage& mean, const Matrix3X& Theta) const;

@@ -29,8 +29,8 @@ FlexibleBody::Cache::Cache(Cache&&) noexcept = default;
 FlexibleBody::Cache::~Cache() = default;
 
 int FlexibleBody::add_marker(const Vector3& c, const Matrix3X& Bm, const Matrix3X& Theta, const Matrix3& R0,
-                             const Matrix3X& Theta_pairs) {
-  MarkerShape shape{c, R0, Matrix6X(6, 0), MatrixX(6, 0), Theta.size() > 0 && !Theta.isZero(0)};
+                             MarkerNodes nodes, const Matrix3X& Theta_pairs) {
+  MarkerShape shape{c, R0, Matrix6X(6, 0), MatrixX(6, 0), Theta.size() > 0 && !Theta.isZero(0), std::move(nodes)};
   if (!Bm.isZero(0) || shape.turns) {  // else the deformation never moves it: no columns at joints
     Matrix6X fields = Matrix6X::Zero(6, field_count());
     fields.topRows<3>() = Bm;
@@ -63,7 +63,8 @@ Marker FlexibleBody::node(int id, const Matrix3& orientation) {
     Theta = basis().node_rotation_modes(i, deflection_ != nullptr);
     if (Theta.cols() > 0) Theta = Theta.leftCols(field_count()).eval();
   }
-  return {this, add_marker(basis().nodes.col(i), node_fields(i), Theta, basis().rotation.transpose() * orientation)};
+  return {this, add_marker(basis().nodes.col(i), node_fields(i), Theta, basis().rotation.transpose() * orientation,
+                           {{i}, {1.0}})};
 }
 
 Marker FlexibleBody::average(const std::vector<int>& ids, const Matrix3& orientation,
@@ -80,6 +81,7 @@ Marker FlexibleBody::average(const std::vector<int>& ids, const Matrix3& orienta
   }
   Theta = (mean.spread_inverse * Theta).eval();
   return {this, add_marker(mean.center, Bm, Theta, basis().rotation.transpose() * orientation,
+                           {mean.nodes, {mean.weights.begin(), mean.weights.end()}},
                            deflection_ ? mean_turns(mean, Theta) : Matrix3X(3, 0))};
 }
 
@@ -150,13 +152,17 @@ NodalLoad FlexibleBody::nodal_load(const std::vector<int>& ids, const Matrix3X& 
       if (sum == 0) continue;
       Vector3 c = Vector3::Zero();
       Matrix3X Bm = Matrix3X::Zero(3, field_count());
+      MarkerNodes loaded;
       for (size_t k = 0; k < nodes.size(); ++k) {
         const double weight = part[static_cast<Eigen::Index>(k)] / sum;
         if (weight == 0) continue;
+        loaded.nodes.push_back(nodes[k]);
+        loaded.weights.push_back(weight);
         c += weight * basis().nodes.col(nodes[k]);
         if (modes_ > 0) Bm += weight * node_fields(nodes[k]);
       }
-      load.markers.push_back({this, add_marker(c, Bm, Matrix3X(3, 0), basis().rotation.transpose())});
+      load.markers.push_back(
+          {this, add_marker(c, Bm, Matrix3X(3, 0), basis().rotation.transpose(), std::move(loaded))});
       load.forces.push_back(sign * sum * Vector3::Unit(axis));
     }
   if (load.forces.empty()) throw SceneError("a nodal load is zero at every node", place, "leave it out");

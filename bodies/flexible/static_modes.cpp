@@ -71,8 +71,9 @@ MatrixX added_directions(const ElasticProblem& problem, const MatrixX& known, Ma
 }
 
 EigenModes joined(const ElasticProblem& problem, const EigenModes& modes, const MatrixX& shapes) {
-  return ritz_modes(problem.stiffness(), problem.mass(),
-                    beside(modes.vectors, added_directions(problem, modes.vectors, shapes)));
+  const MatrixX all = beside(modes.vectors, added_directions(problem, modes.vectors, shapes));
+  if (all.cols() == 0) return modes;  // the frame holds all that the shapes would move
+  return ritz_modes(problem.stiffness(), problem.mass(), all);
 }
 
 MatrixX krylov_shapes(const ElasticProblem& problem, const MatrixX& loads, int blocks) {

@@ -1,6 +1,5 @@
 #include "engine/output/hdf5_file.h"
 
-#include <hdf5.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -9,39 +8,17 @@
 #include <system_error>
 
 #include "engine/error.h"
+#include "engine/output/hdf5_internal.h"
 
 namespace lithe {
 namespace {
 
 constexpr const char* kMendRead = "write the file again; this one is damaged or cut short, or not of this kind.";
 
-/// One of HDF5's identifiers, closed by the function that goes with its kind.
-class Handle {
- public:
-  Handle() = default;
-  Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
-  ~Handle() { reset(); }
-  Handle(Handle&& other) noexcept : id_(other.id_), close_(other.close_) { other.id_ = -1; }
-  Handle& operator=(Handle&& other) noexcept {
-    std::swap(id_, other.id_);
-    std::swap(close_, other.close_);
-    return *this;
-  }
-  bool valid() const { return id_ >= 0; }
-  operator hid_t() const { return id_; }  // NOLINT: as HDF5's own functions take it
-  bool reset() {
-    const bool closed = id_ < 0 || close_(id_) >= 0;
-    id_ = -1;
-    return closed;
-  }
+/// Of what a writer may be writing this moment: HDF5's own hundred, each after twice the time, take hours.
+constexpr unsigned kReadAttempts = 10;
 
- private:
-  hid_t id_ = -1;
-  herr_t (*close_)(hid_t) = nullptr;
-};
-
-/// HDF5 prints its error stack unless told not to; what failed is told by exceptions here.
-void silence() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+using Handle = Hdf5Handle;
 
 /// Of what a data set holds, kept beside it: contiguous data have no checksum of HDF5's own. Four lanes of FNV-1a over
 /// eight bytes at a time.
@@ -111,7 +88,7 @@ struct Hdf5Writer::Handles {
 };
 
 Hdf5Writer::Hdf5Writer(std::string path) : path_(std::move(path)), handles_(std::make_unique<Handles>()) {
-  silence();
+  silence_hdf5();
   handles_->temporary = path_ + ".partial-" + std::to_string(::getpid());
   std::error_code why;
   const auto folder = std::filesystem::path(path_).parent_path();
@@ -184,11 +161,16 @@ struct Hdf5Reader::Handles {
 };
 
 Hdf5Reader::Hdf5Reader(std::string path) : path_(std::move(path)), handles_(std::make_unique<Handles>()) {
-  silence();
+  silence_hdf5();
   std::error_code why;
   if (!std::filesystem::is_regular_file(path_, why))
     throw FileError("there is no such file.", path_, "check the path; relative ones start at the working folder.");
   handles_->file = Handle(H5Fopen(path_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+  if (!handles_->file.valid()) {  // of a run that was killed, or goes on: hdf5_series.h
+    const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+    H5Pset_metadata_read_attempts(access, kReadAttempts);
+    handles_->file = Handle(H5Fopen(path_.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, access), H5Fclose);
+  }
   if (!handles_->file.valid()) throw FileError("this is no HDF5 file, or it is cut short.", path_, kMendRead);
 }
 

@@ -56,6 +56,8 @@ const std::vector<Package>& packages() {
       {"CHOLMOD", std::regex(R"((suitesparse/)?(cholmod|SuiteSparse)\w*\.h|Eigen/CholmodSupport)"),
        std::regex(R"(bodies/flexible/.*\.cpp)"), "bodies/flexible/*.cpp"},
       {"MPI", std::regex(R"(mpi\.h)"), std::regex(R"(engine/study/sweep_mpi\.cpp)"), "engine/study/sweep_mpi.cpp"},
+      {"HDF5", std::regex(R"(hdf5\.h)"), std::regex(R"(engine/output/hdf5_(\w+\.cpp|internal\.h))"),
+       "engine/output/hdf5_*.cpp, hdf5_internal.h"},
       {"gnuplot", std::regex(R"(spawn\.h)"), std::regex(R"(engine/output/chart\.cpp)"), "engine/output/chart.cpp"},
       {"nlohmann_json", std::regex(R"(nlohmann/.*)"), std::regex(R"(.*\.cpp)"), "any .cpp"},
   };

@@ -1,21 +1,22 @@
 #!/usr/bin/env bash
-# draw.sh LITHE MODELS [STUDY...]: writes docs/charts/STUDY.svg, .png, .csv and .txt from the repository's root, with the
-# commands `lithe` and `flexible_pendulum_models`. All studies if none is named. tools/charts.sh builds both first.
+# draw.sh LITHE PROGRAMS [STUDY...]: writes docs/charts/STUDY.svg, .png, .csv and .txt from the repository's root, with the
+# command `lithe` and the programs of this folder, built in PROGRAMS. All studies if none is named. tools/charts.sh
+# builds them first.
 set -euo pipefail
 lithe=$1
-models=$2
+programs=$2
 shift 2
 studies=("$@")
 [[ ${#studies[@]} -gt 0 ]] ||
   studies=(heavy_top andrews_squeezer chain_16 flyball_governor flexible_pendulum flexible_slider_crank beam_spin_up
-    flexible_pendulum_models)
+    flexible_pendulum_models flexible_models)
 
 pinned=()
 command -v taskset > /dev/null && pinned=(taskset -c 0)
 for study in "${studies[@]}"; do
   echo "== $study"
-  if [[ $study == flexible_pendulum_models ]]; then
-    "${pinned[@]}" "$models" docs/charts
+  if [[ $study == flexible_*models ]]; then
+    "${pinned[@]}" "$programs/$study" docs/charts
     continue
   fi
   options=(--methods "automatic,Runge-Kutta,Adams,Radau,Lie-group,IDA,index 2" --limit 5

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory>
 
+#include "bodies/flexible/elements/meshes.h"
 #include "bodies/flexible/flexible_body.h"
 #include "tools/stability/bench.h"
 
@@ -101,5 +102,23 @@ inline std::shared_ptr<const ModalBasis> cantilever(double length, const Section
                       return {{0, w, 0}, {0, 0, slope / length}};
                     });
 }
+
+/// A bar of 20-node bricks with the section's EI, EA and mass, which bends first in the plane x-y: its first modes,
+/// held at one end face. No lateral contraction, as in beam theory.
+inline std::shared_ptr<const ModalBasis> solid_cantilever(double length, const Section& section, int modes,
+                                                          Deflection deflection) {
+  const double height = std::sqrt(12.0) * section.radius, width = 4 * height, area = height * width;
+  const FiniteElementModel model =
+      brick_mesh({.size = {length, height, width},
+                  .divisions = {32, 1, 1},
+                  .material = {section.bending / (section.radius * section.radius) / area, 0, section.line / area},
+                  .name = "cantilever"});
+  return make_basis(model, TangentFrame{model.node_set("x_min")}, modes, {.deflection = deflection});
+}
+
+/// A base before Bench, so that what draws its graph can fill it.
+struct EndMarker {
+  Marker end;
+};
 
 }  // namespace lithe::lab
