@@ -55,7 +55,8 @@ Matrix3X on_held_nodes(const ModalBasis& basis, const Vector6& wrench) {
   }
   const MatrixX rigid = held.asDiagonal() * rigid_motions(basis.nodes, Vector3::Zero());
   const Matrix6 resultants = rigid.transpose() * rigid;
-  return (rigid * resultants.completeOrthogonalDecomposition().solve(wrench)).reshaped(3, basis.nodes.cols());
+  return (rigid * Eigen::CompleteOrthogonalDecomposition<MatrixX>(resultants).solve(VectorX(wrench)))
+      .reshaped(3, basis.nodes.cols());
 }
 
 /// Adds a wrench at a marker, body axes, to the forces on its nodes.
