@@ -180,6 +180,16 @@ TEST(Meshes, TheOwnMeshOfThePendulumHasItsFrequencies) {
   }
 }
 
+TEST(Meshes, FrequenciesAreInverseToTheSize) {
+  const auto of_size = [](double size) {
+    const FiniteElementModel brick = brick_mesh(
+        {.size = size * Vector3(3, 1, 0.7), .divisions = {5, 2, 1}, .type = "C3D20", .material = {2e11, 0.3, 7800}});
+    return VectorX(size * frequencies(brick, {}, 20));
+  };
+  const VectorX large = of_size(1), small = of_size(1e-5);  // to 30 micrometres, above 100 MHz
+  EXPECT_LT((small - large).cwiseAbs().maxCoeff(), 1e-9 * large.maxCoeff());
+}
+
 TEST(Meshes, BricksPlatesAndRodsHaveTheirMassAndInertia) {
   for (const std::string& type : kTypes) {
     const ModelCheck brick = require_sound(
