@@ -198,6 +198,9 @@ std::shared_ptr<const QuadraticDeflection> make_quadratic_deflection(const Finit
   if (!model.rotations.empty() || (model.elements.empty() && !by_loads))
     throw SceneError("stiffening needs the solid elements and their material, or the stress stiffness of unit loads.",
                      where, "read the model with its deck, or fill FiniteElementModel::stress_stiffness.");
+  if (!(reduction.deflection_tolerance >= 0 && reduction.deflection_tolerance < 1))
+    throw SceneError("the deflection tolerance is " + std::to_string(reduction.deflection_tolerance) + ".", where,
+                     "give a part of the largest field, 0 to 1; 0.02 does for most.");
   auto out = std::make_shared<QuadraticDeflection>();
   const int nm = basis.mode_count();
   MatrixX theta;

@@ -1,5 +1,6 @@
 #include "bodies/flexible/reduction.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/QR>
 #include <algorithm>
@@ -147,6 +148,14 @@ void require_available(int mode_count, int available, const std::string& where) 
                    where, "ask for at most " + std::to_string(available) + ", or for kAllNodal.");
 }
 
+/// Columns that span those of F, as many as are independent: nodes on a line have no mean turn about it.
+MatrixX independent(MatrixX F) {
+  for (Eigen::Index k = 0; k < F.cols(); ++k) F.col(k) /= std::max(F.col(k).norm(), 1e-300);
+  const Eigen::SelfAdjointEigenSolver<MatrixX> parts(MatrixX(F.transpose() * F));
+  const auto kept = (parts.eigenvalues().array() > 1e-9).count();
+  return F * parts.eigenvectors().rightCols(kept);
+}
+
 /// Reduced to modes: all in the free coordinates z of frame and rigid sets, u = T z.
 class ModeReduction {
  public:
@@ -206,7 +215,9 @@ class ModeReduction {
     const Eigen::Index n = problem_.T.cols(), tied = n - loose_;
     MatrixX F = MatrixX::Zero(n, tied);
     F.bottomRows(tied).setIdentity();
-    return beside(F, problem_.T.transpose() * unit_loads(model_, placed_, reduction_.loaded));
+    for (const WeightedNodes& interface : reduction_.loaded)
+      F = beside(F, independent(problem_.T.transpose() * unit_loads(model_, placed_, {interface})));
+    return F;
   }
 
   /// Rid of rigid content, as the frame demands.

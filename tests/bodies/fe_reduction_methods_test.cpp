@@ -178,6 +178,29 @@ TEST(CraigBampton, AveragedInterfacesAreFixedInTheirMeanMotion) {
   EXPECT_LT((mesh - body).norm() / mesh.norm(), 1e-9);
 }
 
+TEST(CraigBampton, TakesALineOfNodesAsAnInterfaceOfFiveMotions) {
+  const Rod rod;
+  std::vector<int> edge;
+  for (int i = 0; i < rod.model.node_count(); ++i)
+    if (rod.model.nodes(0, i) < 1e-9 && rod.model.nodes(2, i) < 1e-9)
+      edge.push_back(rod.model.node_ids[static_cast<size_t>(i)]);
+  ASSERT_GE(edge.size(), 2u);
+  const auto basis = make_basis(rod.model, MeanAxisFrame{}, 6,
+                                {.loaded = {{edge}, {rod.end}}, .interface_modes = InterfaceModes::craig_bampton});
+  EXPECT_EQ(basis->mode_count(), 6 + 5 + 6 - 6);
+  expect_orthonormal(rod.model, *basis);
+  const VectorX exact = frequencies(rod.model, {}, 9);
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_GT(basis->frequencies[k], exact[6 + k] * (1 - 1e-9));
+    EXPECT_LT(basis->frequencies[k], exact[6 + k] * 1.05);
+  }
+}
+
+TEST(Attachment, AddsNothingWhereTheFrameHoldsTheInterface) {
+  const Rod rod;
+  EXPECT_EQ(make_basis(rod.model, TangentFrame{rod.start}, 0, {.loaded = {{rod.start}}})->mode_count(), 0);
+}
+
 /// Moments of the compliance about s = 0: Fᵀ (K⁻¹ M)^j K⁻¹ F, the mesh clamped at the start.
 TEST(Krylov, TwiceAsManyMomentsOfTheComplianceAsBlocksAreTheMeshes) {
   const Rod rod;
