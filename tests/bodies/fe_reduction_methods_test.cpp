@@ -180,10 +180,10 @@ TEST(CraigBampton, AveragedInterfacesAreFixedInTheirMeanMotion) {
 
 TEST(CraigBampton, TakesALineOfNodesAsAnInterfaceOfFiveMotions) {
   const Rod rod;
-  std::vector<int> edge;
-  for (int i = 0; i < rod.model.node_count(); ++i)
-    if (rod.model.nodes(0, i) < 1e-9 && rod.model.nodes(2, i) < 1e-9)
-      edge.push_back(rod.model.node_ids[static_cast<size_t>(i)]);
+  std::vector<int> edge;  // of the start face, along y
+  const double low = rod.model.nodes.row(2).minCoeff();
+  for (int id : rod.start)
+    if (rod.model.nodes(2, rod.model.node_index(id)) < low + 1e-9) edge.push_back(id);
   ASSERT_GE(edge.size(), 2u);
   const auto basis = make_basis(rod.model, MeanAxisFrame{}, 6,
                                 {.loaded = {{edge}, {rod.end}}, .interface_modes = InterfaceModes::craig_bampton});
