@@ -14,8 +14,8 @@ namespace lithe {
 /// body and their loops.
 class PlanarDynamics final : public ForwardKernel {
  public:
-  /// Null if a body can leave its plane, a joint is none of those below, rows depend on each other at t = 0, or there are
-  /// more than a few loops.
+  /// Null if a body can leave its plane, a joint is none of those below, rows depend on each other at t = 0, or there
+  /// are more than a few loops.
   static std::unique_ptr<PlanarDynamics> make(const RigidScene& scene);
 
   ForwardMethod method() const override { return ForwardMethod::planar; }
