@@ -33,7 +33,8 @@ void add_wrench(const Workspace& work, const MarkerSlot& slot, const Wrench& w, 
     to += 6;
   }
   if (slot.linear >= 0)
-    Eigen::Map<VectorX>(to, slot.size) += elastic(k, slot, 0).transpose() * f + elastic(k, slot, 3).transpose() * t;
+    Eigen::Map<VectorX>(to, slot.size) +=
+        elastic(k, slot, 0).transpose().lazyProduct(f) + elastic(k, slot, 3).transpose().lazyProduct(t);
 }
 
 void add_load_stiffness(Workspace& work, const BlockStructure& blocks, const MarkerSlot& slot, const Wrench& w,
