@@ -13,8 +13,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// In a folder of this test's own: tests run side by side.
 std::string path_of(const std::string& name) {
-  const fs::path folder = fs::path(testing::TempDir()) / "lithe_basis_file_test";
+  const std::string test = testing::UnitTest::GetInstance()->current_test_info()->name();
+  const fs::path folder = fs::path(testing::TempDir()) / ("lithe_basis_file_" + test);
   fs::create_directories(folder);
   return (folder / name).string();
 }

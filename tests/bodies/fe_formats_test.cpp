@@ -101,7 +101,7 @@ class Formats : public ::testing::Test {
  protected:
   void SetUp() override {
     const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = ::testing::TempDir() + "lithe_" + test->name() + "/";
+    folder_ = ::testing::TempDir() + "lithe_formats_" + test->name() + "/";
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directories(folder_);
   }

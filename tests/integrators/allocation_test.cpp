@@ -5,7 +5,11 @@
 #include <atomic>
 #include <cstddef>
 
+#include "bodies/flexible/flexible_body.h"
+#include "bodies/flexible/readers/calculix.h"
 #include "integrators/generalized_alpha.h"
+#include "joints/forces/point_force.h"
+#include "joints/revolute_joint.h"
 #include "tests/support/methods.h"
 #include "tests/support/scenes.h"
 
@@ -69,6 +73,31 @@ TEST(Step, AllocatesNothing) {
       const long counted = allocations - before;
       EXPECT_TRUE(ok);
       EXPECT_EQ(counted, 0) << method->name() << ", " << method->statistics().steps << " steps";
+    }
+  }
+}
+
+TEST(Step, AllocatesNothingForALoadedFlexibleBody) {
+#ifdef LITHE_TEST_NO_COUNT
+  GTEST_SKIP() << "a sanitizer owns malloc";
+#endif
+  const FiniteElementModel rod = read_calculix(std::string(LITHE_EXAMPLE_DATA) + "/pendulum/hex8i/calculix/matrices");
+  for (Deflection deflection : {Deflection::linear, Deflection::stiffened, Deflection::quadratic}) {
+    const auto basis = make_basis(rod, HingeFrame{rod.node_set("hinge")}, 9, {.deflection = deflection});
+    for (Method& method : std::array<Method, 3>{index3(1e-4), runge_kutta(1e-5), radau(1e-5)}) {
+      Scene scene({0, 0, -9.81}, [&](SystemGraph& graph) {
+        auto& body = graph.add<FlexibleBody>("rod", {.basis = basis});
+        const Matrix3 along_y = rotation_about({1, 0, 0}, -M_PI / 2);
+        graph.add<RevoluteJoint>(
+            "pin", {graph.ground().marker({0, 0.005, 0}, along_y), body.average(rod.node_set("hinge"), along_y)});
+        graph.add<PointForce>("push", {body.average(rod.node_set("root_face"))}, {.force = {0, 0, 1}});
+      });
+      scene.run(*method, 0.01);
+      const long before = allocations;
+      bool ok = true;
+      while (scene.state.time < 0.03) ok &= method->step(scene.equations, scene.state, 0.03).ok();
+      EXPECT_TRUE(ok);
+      EXPECT_EQ(allocations - before, 0) << method->name();
     }
   }
 }
