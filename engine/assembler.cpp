@@ -1,5 +1,7 @@
 #include "engine/assembler.h"
 
+#include <algorithm>
+
 #include "engine/block_kernels.h"
 #include "engine/error.h"
 
@@ -135,9 +137,49 @@ void Assembler::evaluate(double time, ConstVectorRef q, ConstVectorRef v, Level 
   for (std::size_t b = 0; b < caches_.size(); ++b)
     system_.batches_.bodies[b]->evaluate(work_, *caches_[b], level, markers);
   for (const auto& batch : system_.batches_.constraints) batch->evaluate(work_, system_.blocks_, level);
-  if (level == Level::position || system_.batches_.forces.empty()) return;
-  work_.load.setZero();
-  for (const auto& batch : system_.batches_.forces) batch->evaluate(work_, system_.blocks_);
+  if (level != Level::position && !system_.batches_.forces.empty()) {
+    work_.load.setZero();
+    for (const auto& batch : system_.batches_.forces) batch->evaluate(work_, system_.blocks_);
+  }
+  if (!held_.velocities.empty()) release_from_joints();
+}
+
+bool Assembler::hold(const std::vector<int>& velocities) {
+  const auto& blocks = system_.blocks_;
+  const auto find_linear = [&](int velocity) {
+    return std::find_if(blocks.linears.begin(), blocks.linears.end(),
+                        [&](const auto& L) { return velocity >= L.v && velocity < L.v + L.size; });
+  };
+  for (int velocity : velocities)
+    if (find_linear(velocity) == blocks.linears.end()) return false;
+  held_.velocities = velocities;
+  held_.jacobian.clear(), held_.couplings.clear(), held_.diagonals.clear();
+  for (int velocity : velocities) {
+    const auto L = find_linear(velocity);
+    const int k = velocity - L->v, linear = static_cast<int>(L - blocks.linears.begin());
+    for (int i = 0; i < 6 && L->frame >= 0; ++i) {
+      held_.couplings.push_back(L->frame_linear + 6 * k + i);
+      held_.couplings.push_back(L->linear_frame + k + L->size * i);
+    }
+    if (!L->pattern) held_.diagonals.push_back(L->values + k);
+    for (int entry = 0; L->pattern && entry < L->pattern->rows.size(); ++entry) {
+      const int row = L->pattern->rows[entry], column = L->pattern->columns[entry];
+      if (row != k && column != k) continue;
+      (row == column ? held_.diagonals : held_.couplings).push_back(L->values + entry);
+    }
+    for (const auto& G : blocks.jacobians) {
+      if (G.linear != linear) continue;
+      const int rows = blocks.rows[G.rows].count;
+      held_.jacobian.emplace_back(G.linear_values + rows * k, rows);
+    }
+  }
+  release_from_joints();
+  return true;
+}
+
+/// Columns of G of what is held.
+void Assembler::release_from_joints() {
+  for (const auto& [first, count] : held_.jacobian) std::fill_n(work_.values.data() + first, count, 0.0);
 }
 
 void Assembler::residual(ConstVectorRef v_dot, ConstVectorRef lambda, VectorRef r) {
@@ -149,6 +191,7 @@ void Assembler::residual(ConstVectorRef v_dot, ConstVectorRef lambda, VectorRef 
     system_.batches_.bodies[b]->add_residual(work_, *caches_[b], v_dot.data(), r.data());
   react(lambda);
   add_row_forces(lambda.data(), work_.tension.data(), r.data());
+  for (int velocity : held_.velocities) r[velocity] = v_dot[velocity];
 }
 
 void Assembler::add_row_forces(const double* lambda, const double* tension, double* r) const {
@@ -219,6 +262,8 @@ void Assembler::form(const TangentWeights& weights, ConstVectorRef v_dot, ConstV
   }
   if (system_.reacts_)
     for (const auto& batch : system_.batches_.forces) batch->write_reaction_tangent(work_, blocks, lambda.data());
+  for (int entry : held_.couplings) values[entry] = 0;
+  for (int entry : held_.diagonals) values[entry] = weights.acceleration;
 }
 
 void Assembler::factorize(const TangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,

@@ -35,6 +35,7 @@ class Assembler final : public EquationsOfMotion {
                          const VectorX* increment) override;
   void solve_complex(ComplexVectorRef rv, ComplexVectorRef rl) const override;
   void visit_blocks(const std::function<void(int, int, ConstMatrixRef)>& visit) const override;
+  bool hold(const std::vector<int>& velocities) override;
 
   // ---- what sensors ask of the state evaluated last ----
   const System& system() const { return system_; }
@@ -57,6 +58,7 @@ class Assembler final : public EquationsOfMotion {
   friend class SystemBuilder;
   void add_row_forces(const double* lambda, const double* tension, double* r) const;  // Gᵀ (lambda, tension)
   void form(const TangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda, const VectorX* increment);
+  void release_from_joints();
 
   /// Generalized forces besides gravity at a state: loads and compliant rows; null if the scene has none.
   const double* applied_forces(double time, ConstVectorRef q, ConstVectorRef v);
@@ -74,6 +76,12 @@ class Assembler final : public EquationsOfMotion {
   };
   std::unique_ptr<ComplexPart> complex_;  // once asked for
   std::vector<int> redundant_rows_;
+  /// Linear coordinates that stand still, and what that leaves of the blocks.
+  struct Held {
+    std::vector<int> velocities;
+    std::vector<std::pair<int, int>> jacobian;  // first value, count: zero
+    std::vector<int> couplings, diagonals;      // values of S: zero, and the weight of the acceleration
+  } held_;
   mutable VectorX unknowns_;  // velocities, constraint rows, compliant rows
   VectorX zero_v_, zero_rows_;
   class Forward;

@@ -273,7 +273,10 @@ std::vector<int> BlockFactorOf<Scalar>::factorize_revealing(const std::vector<Sc
       for (int r = 0; r < s.dimension; ++r) open[r] = r;
       std::vector<int> bad;
       while (!open.empty()) {
-        const auto ratio = [&](int r) { return std::real(A(r, r)) / reference[s.first_row + r]; };
+        const auto ratio = [&](int r) {  // 0: no body feels this row
+          const double scale = reference[s.first_row + r];
+          return scale > 0 ? std::real(A(r, r)) / scale : 0.0;
+        };
         const auto best =
             std::max_element(open.begin(), open.end(), [&](int a, int b) { return ratio(a) < ratio(b) * (1 - 1e-6); });
         const int p = *best;

@@ -39,8 +39,13 @@ void add_wrench(const Workspace& work, const MarkerSlot& slot, const Wrench& w, 
 
 void add_load_stiffness(Workspace& work, const BlockStructure& blocks, const MarkerSlot& slot, const Wrench& w,
                         double weight) {
-  if (slot.frame < 0) return;
   const MarkerKinematics& k = work.markers[slot.marker];
+  if (slot.frame < 0) {
+    if (slot.linear >= 0 && k.deflected)
+      k.deflected->add_load_stiffness(weight * w.force, weight * w.torque,
+                                      work.values.data() + blocks.linears[slot.linear].values);
+    return;
+  }
   const Vector3 force = weight * (k.A->transpose() * w.force), torque = weight * (k.A->transpose() * w.torque);
   // r~ f~ = f rᵀ - (r·f) E
   Matrix3 turning = force * k.r.transpose();

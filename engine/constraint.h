@@ -117,6 +117,9 @@ class Constraint : public Connector {
   virtual void evaluate(double time, std::span<const MarkerView> markers, ConstraintRows& rows) const = 0;
   /// None where the joint is no lower pair, or is driven.
   virtual std::optional<JointFreedom> freedom() const { return std::nullopt; }
+  /// Whether its rows may change while the bodies rest. Where nothing does, a scene at rest sleeps
+  /// (engine/sleeping_integrator.h); a lower pair does not, and others that do not say so.
+  virtual bool depends_on_time() const { return !freedom(); }
 };
 
 /// A constraint with its numbers of markers and rows known to the compiler.

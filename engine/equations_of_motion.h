@@ -69,6 +69,12 @@ class EquationsOfMotion {
   /// Every block of the last [S Gᵀ; G 0] as assembled: row, column (constraint rows follow the velocities), values. The
   /// sparse codes of others (KLU) need it.
   virtual void visit_blocks(const std::function<void(int row, int column, ConstMatrixRef block)>& visit) const = 0;
+
+  /// Holds linear coordinates of bodies where they are: the rows of these velocities become v_dot = 0, and no other row
+  /// and no joint knows their acceleration. Their v must be zero. Replaces those held before; none: lets all go, from
+  /// the next evaluate() on. A factor needs an acceleration part. False, and nothing is changed, for other velocities
+  /// or equations that cannot.
+  virtual bool hold(const std::vector<int>& velocities) { return velocities.empty(); }
 };
 
 }  // namespace lithe

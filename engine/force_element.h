@@ -85,6 +85,9 @@ class ForceElement : public Connector {
   /// The joint whose reaction this element wants (friction); null: none. Such an element acts by rows, not by loads.
   virtual const Constraint* reaction_of() const { return nullptr; }
   virtual std::vector<CoordinateSwitch> switches() const { return {}; }
+  /// Whether its force may change while the bodies rest. Where nothing does, a scene at rest sleeps
+  /// (engine/sleeping_integrator.h); a law of position and velocity alone says so.
+  virtual bool depends_on_time() const { return true; }
 };
 
 /// A force element with its numbers of markers and compliant rows known to the compiler.

@@ -49,12 +49,16 @@ InPlane in_plane(const JointFreedom& f, const Vector3& z, int n, bool& holds) {
 std::unique_ptr<PlanarDynamics> PlanarDynamics::make(const RigidScene& scene) {
   const int n = static_cast<int>(scene.bodies.size());
   std::vector<Matrix3> A;
-  for (const auto& b : scene.bodies) A.push_back(rotation_matrix(scene.q.segment<4>(b.q + 3)));
+  for (const auto& b : scene.bodies)
+    A.push_back(b.in_plane ? Matrix3(Matrix3::Identity()) : rotation_matrix(scene.q.segment<4>(b.q + 3)));
   const auto axes = [&](const RigidScene::Side& s) -> Matrix3 {
     return s.body < 0 ? s.axes : Matrix3(A[s.body] * s.axes);
   };
 
   for (int e3 = 0; e3 < 3; ++e3) {
+    if (std::any_of(scene.bodies.begin(), scene.bodies.end(),
+                    [&](const auto& b) { return b.in_plane && b.normal != e3; }))
+      continue;
     // 1. What every joint is in this plane, and which bodies stay in it.
     std::vector<InPlane> kinds;
     std::vector<std::vector<int>> held_with(n + 1);
@@ -70,6 +74,8 @@ std::unique_ptr<PlanarDynamics> PlanarDynamics::make(const RigidScene& scene) {
     std::vector<char> held(n + 1, 0);
     std::vector<int> reached{n};
     held[n] = 1;
+    for (int i = 0; i < n; ++i)
+      if (scene.bodies[i].in_plane) held[i] = 1, reached.push_back(i);
     for (std::size_t i = 0; i < reached.size(); ++i)
       for (int next : held_with[reached[i]])
         if (!held[next]) held[next] = 1, reached.push_back(next);
@@ -84,11 +90,16 @@ std::unique_ptr<PlanarDynamics> PlanarDynamics::make(const RigidScene& scene) {
     for (int i = 0; i < n; ++i) {
       const auto& b = scene.bodies[i];
       const Vector3 normal = A[i].transpose() * up;
+      if (b.in_plane) {
+        plane->bodies_.push_back(
+            {b.q, b.v, true, 1 / b.mass, 1 / b.inertia(e3, e3), normal, {}, {}, {}, 0, scene.q[b.q + 2]});
+        continue;
+      }
       const Vector4 e = scene.q.segment<4>(b.q + 3);
       Vector4 turned;
       turned << -up.dot(e.tail<3>()), e[0] * up - Vector3(e.tail<3>()).cross(up);
-      plane->bodies_.push_back(
-          {b.q, b.v, 1 / b.mass, 1 / normal.dot(b.inertia * normal), normal, e, e, turned, scene.q[b.q + e3]});
+      plane->bodies_.push_back({b.q, b.v, false, 1 / b.mass, 1 / normal.dot(b.inertia * normal), normal, e, e, turned,
+                                scene.q[b.q + e3], 0});
     }
     std::vector<std::size_t> degree(n, 0);
     for (std::size_t j = 0; j < scene.joints.size(); ++j) {
@@ -178,6 +189,11 @@ void PlanarDynamics::plan() {
 void PlanarDynamics::place(const double* q, const double* v) {
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const Body& b = bodies_[i];
+    if (b.in_plane) {
+      const double *x = q + b.q, *x_dot = v + b.v, turn = x[2] - b.angle;
+      poses_[i] = {x[0], x[1], std::cos(turn), std::sin(turn), x_dot[0], x_dot[1], x_dot[2]};
+      continue;
+    }
     const double *e = q + b.q + 3, *w = v + b.v + 3;
     double cosine = 0, sine = 0;
     for (int k = 0; k < 4; ++k) cosine += b.upright[k] * e[k], sine += b.turned[k] * e[k];
@@ -351,6 +367,10 @@ void PlanarDynamics::accelerations(const double* q, const double* v, const doubl
     if (!load) continue;
     const Body& body = bodies_[b];
     const double* f = load + body.v;
+    if (body.in_plane) {
+      a[0] += f[0] * body.inverse_mass, a[1] += f[1] * body.inverse_mass, a[2] = f[2] * body.inverse_inertia;
+      continue;
+    }
     a[0] += f[e1_] * body.inverse_mass, a[1] += f[e2_] * body.inverse_mass;
     a[2] = (body.normal[0] * f[3] + body.normal[1] * f[4] + body.normal[2] * f[5]) * body.inverse_inertia;
   }
@@ -359,18 +379,27 @@ void PlanarDynamics::accelerations(const double* q, const double* v, const doubl
   solve();
   respond();
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    const Body& body = bodies_[b];
-    const double *a = free_.data() + 3 * b, *r = response_.data() + 3 * b;
-    double* to = v_dot + body.v;
-    to[e1_] = a[0] + r[0], to[e2_] = a[1] + r[1], to[e3_] = 0;
-    for (int i = 0; i < 3; ++i) to[3 + i] = body.normal[i] * (a[2] + r[2]);
+    write_motion(bodies_[b], free_.data() + 3 * b, response_.data() + 3 * b, v_dot);
   }
 }
 
+/// Sum of two motions in the plane, as rates of the body's coordinates.
+void PlanarDynamics::write_motion(const Body& body, const double* a, const double* b, double* rates) const {
+  double* to = rates + body.v;
+  if (body.in_plane) {
+    for (int i = 0; i < 3; ++i) to[i] = a[i] + b[i];
+    return;
+  }
+  to[e1_] = a[0] + b[0], to[e2_] = a[1] + b[1], to[e3_] = 0;
+  for (int i = 0; i < 3; ++i) to[3 + i] = body.normal[i] * (a[2] + b[2]);
+}
+
 bool PlanarDynamics::project(double* q, double* v, double tolerance) {
-  for (std::size_t b = 0; b < bodies_.size(); ++b) std::copy_n(q + bodies_[b].q, 7, saved_.data() + 7 * b);
+  for (std::size_t b = 0; b < bodies_.size(); ++b)
+    std::copy_n(q + bodies_[b].q, bodies_[b].in_plane ? 3 : 7, saved_.data() + 7 * b);
   if (project_onto(q, v, tolerance)) return true;
-  for (std::size_t b = 0; b < bodies_.size(); ++b) std::copy_n(saved_.data() + 7 * b, 7, q + bodies_[b].q);
+  for (std::size_t b = 0; b < bodies_.size(); ++b)
+    std::copy_n(saved_.data() + 7 * b, bodies_[b].in_plane ? 3 : 7, q + bodies_[b].q);
   return false;
 }
 
@@ -409,11 +438,7 @@ bool PlanarDynamics::project_onto(double* q, double* v, double tolerance) {
   for (double rate : free_) fastest = std::max(fastest, std::abs(rate));
   if (!(largest_response() < kLargestMove * fastest)) return false;
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    const Body& body = bodies_[b];
-    const double *x = free_.data() + 3 * b, *r = response_.data() + 3 * b;
-    double* to = v + body.v;
-    to[e1_] = x[0] + r[0], to[e2_] = x[1] + r[1], to[e3_] = 0;
-    for (int i = 0; i < 3; ++i) to[3 + i] = body.normal[i] * (x[2] + r[2]);
+    write_motion(bodies_[b], free_.data() + 3 * b, response_.data() + 3 * b, v);
   }
   return true;
 }
@@ -436,6 +461,10 @@ double PlanarDynamics::round_off() const {
 void PlanarDynamics::move(std::size_t b, double* q) const {
   const Body& body = bodies_[b];
   const double* by = response_.data() + 3 * b;
+  if (body.in_plane) {
+    for (int i = 0; i < 3; ++i) q[body.q + i] += by[i];
+    return;
+  }
   q[body.q + e1_] += by[0];
   q[body.q + e2_] += by[1];
   q[body.q + e3_] = body.height;

@@ -27,11 +27,13 @@ class PlanarDynamics final : public ForwardKernel {
  private:
   struct Body {
     int q, v;
+    bool in_plane;                         // coordinates (x, y, θ) instead of a frame
     double inverse_mass, inverse_inertia;  // about the normal
     Vector3 normal;                        // body axes
     Vector4 start;                         // quaternion at t = 0
     Vector4 upright, turned;  // of the turn since then, half its angle: cos = upright · e, sin = turned · e
     double height;            // coordinate out of the plane
+    double angle;             // θ at t = 0
   };
   struct Point {
     double x = 0, y = 0;
@@ -79,6 +81,7 @@ class PlanarDynamics final : public ForwardKernel {
   void solve();         // rhs_ becomes Λ
   void respond();       // response_ = -M⁻¹ Gᵀ Λ
   void add_rates(const double* x);
+  void write_motion(const Body& body, const double* a, const double* b, double* rates) const;
   void move(std::size_t body, double* q) const;
   double round_off() const;
   double largest_response() const;

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "engine/planar_dynamics.h"
+#include "engine/stand_in.h"
 #include "engine/system.h"
 #include "engine/tree_dynamics.h"
 
@@ -19,6 +20,7 @@ RigidScene::Side side(const Marker& marker, int body, const double* q) {
   MarkerKinematics k;
   marker.body->marker_kinematics(state, marker.index, Level::position, k);
   if (body < 0) return {-1, k.p, k.R};
+  if (const auto* planar = dynamic_cast<const PlanarStandIn*>(marker.body)) return {body, k.p - planar->center(q), k.R};
   return {body, k.r, k.A->transpose() * k.R};
 }
 
@@ -32,6 +34,14 @@ std::optional<RigidScene> find_rigid_scene(const System& system) {
     if (f.force->reaction_of()) return std::nullopt;
   std::map<const Body*, int> index{{graph.bodies().front().body, -1}};
   for (const auto& slice : system.layout().bodies()) {
+    if (const auto* planar = dynamic_cast<const PlanarStandIn*>(slice.body)) {
+      const auto& body = planar->parameters();
+      int normal = 0;
+      if (body.plane.col(2).maxCoeff(&normal) != 1) return std::nullopt;
+      index[slice.body] = static_cast<int>(scene.bodies.size());
+      scene.bodies.push_back({slice.q, slice.v, body.mass, body.inertia * Matrix3::Identity(), true, normal});
+      continue;
+    }
     const auto inertia = slice.body->rigid_inertia();
     if (!inertia || !slice.frame || slice.linear > 0) return std::nullopt;
     index[slice.body] = static_cast<int>(scene.bodies.size());
@@ -51,6 +61,7 @@ std::optional<RigidScene> find_rigid_scene(const System& system) {
 
 std::unique_ptr<ForwardKernel> make_forward_kernel(const RigidScene& scene) {
   if (auto kernel = PlanarDynamics::make(scene)) return kernel;
+  if (std::any_of(scene.bodies.begin(), scene.bodies.end(), [](const auto& b) { return b.in_plane; })) return nullptr;
   return TreeDynamics::make(scene);
 }
 

@@ -11,12 +11,15 @@ namespace lithe {
 
 class System;
 
-/// A scene of rigid bodies and lower pairs alone, as the kernels of forward dynamics see it.
+/// A scene of rigid bodies, in space or in planes normal to one world axis, and lower pairs alone, as the kernels of
+/// forward dynamics see it.
 struct RigidScene {
   struct Body {
     int q, v;  // first coordinate and velocity
     double mass;
-    Matrix3 inertia;  // body axes
+    Matrix3 inertia;        // body axes
+    bool in_plane = false;  // its coordinates are those of a PlanarStandIn; body axes are those of the world at t = 0
+    int normal = -1;        // of the plane: a world axis
   };
   struct Side {
     int body;          // index, -1: ground

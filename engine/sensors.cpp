@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "engine/deformable_body.h"
+
 namespace lithe {
 namespace {
 
@@ -179,17 +181,28 @@ Names endings_of(const Coordinates& c, const Names& frame, const std::string& li
   return names;
 }
 
-/// Part of q or v of a body, from its `skip`-th entry on.
+/// Part of q or v of a body, from its `skip`-th entry on. Of a deformable body each column stays with its mode: zero
+/// where a fidelity leaves that mode out.
 Sensor slice_sensor(const Body& body, Located name, const Names& endings, VectorX State::*vector, int skip) {
   if (endings.empty())
     throw SceneError("body '" + body.name() + "' has no such coordinates", to_string(name.where),
                      "ask a body that has some");
+  const auto* deformable = dynamic_cast<const DeformableBody*>(&body);
+  const bool has_candidates = deformable && deformable->candidate_stiffness().size() > 0;
+  const std::vector<int> modes = has_candidates ? deformable->fidelity().modes : std::vector<int>{};
   return make_sensor(std::move(name), body.name(), endings,
-                     [&body, vector, skip](Snapshot& now, std::span<double> values) {
+                     [&body, deformable, modes, vector, skip](Snapshot& now, std::span<double> values) {
                        const Layout::BodySlice& slice = now.system().layout().slice(body);
                        const int first = (vector == &State::q ? slice.q : slice.v) + skip;
                        const double* from = (now.state().*vector).data() + first;
-                       std::copy(from, from + values.size(), values.begin());
+                       const auto before = values.size() - modes.size();  // of the frame
+                       std::copy(from, from + before, values.begin());
+                       for (std::size_t k = 0; k < modes.size(); ++k) {
+                         const std::vector<int>& present = deformable->fidelity().modes;
+                         const auto at = std::lower_bound(present.begin(), present.end(), modes[k]);
+                         const bool moves = at != present.end() && *at == modes[k];
+                         values[before + k] = moves ? from[before + static_cast<std::size_t>(at - present.begin())] : 0;
+                       }
                      });
 }
 

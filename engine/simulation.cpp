@@ -2,20 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "engine/error.h"
 
 namespace lithe {
 namespace {
-
-/// What round-off may do to a time near this one.
-double round_off(double time) { return 8 * std::numeric_limits<double>::epsilon() * std::abs(time); }
-
-bool same(const VectorX& a, const VectorX& b) { return a.size() == b.size() && a == b; }
-bool same(const State& a, const State& b) {
-  return a.time == b.time && same(a.q, b.q) && same(a.v, b.v) && same(a.v_dot, b.v_dot) && same(a.lambda, b.lambda);
-}
 
 /// Index of the first entry that is no finite number; -1: none.
 int find_not_finite(const VectorX& x) {
@@ -49,19 +40,9 @@ Simulation::Simulation(const System& system, Integrator& integrator)
   make_finder();
 }
 
-void Simulation::observe(Observer& observer, Schedule schedule) { watches_.push_back({&observer, schedule}); }
+void Simulation::observe(Observer& observer, Schedule schedule) { watches_.add(observer, schedule); }
 
-double Simulation::Watch::next_time() const { return origin + static_cast<double>(told) * schedule.interval; }
-
-/// Schedules meet, and meet the end, where times differ by round-off alone: 3 · 0.1 and 0.3.
-double Simulation::Watch::slack(double time) const { return 1e-9 * schedule.interval + round_off(time); }
-
-bool Simulation::Watch::is_due(double time) const {
-  if (told > 0 && told_time == time) return false;
-  return schedule.interval == 0 || next_time() <= time + slack(time);
-}
-
-void Simulation::run(State& state, double end) {
+void Simulation::run(State& state, double end, Multipliers multipliers) {
   check(state, end);
 
   // 1. Start, unless the state goes on from the last run.
@@ -80,20 +61,16 @@ void Simulation::run(State& state, double end) {
   stopped_by_.clear();
 
   // 2. Schedules begin here for observers that are new, and for all at a new state.
-  for (Watch& watch : watches_) {
-    if (resumed && watch.begun) continue;
-    watch.origin = state.time;
-    watch.told = 0;
-    watch.begun = true;
-  }
-  tell_due(state);
+  watches_.begin(state.time, !resumed);
+  const auto tell_due = [&] { watches_.tell_due(state.time, [&]() -> Snapshot& { return look(state); }); };
+  tell_due();
 
   // 3. From one observed time to the next; a rest of round-off's size is no step.
-  while (end - state.time > round_off(end) && stopped_by_.empty()) {
+  while (end - state.time > time_round_off(end) && stopped_by_.empty()) {
     advance(state, next_stop(state.time, end));
-    tell_due(state);
+    tell_due();
   }
-  find_multipliers(state);
+  if (multipliers == Multipliers::found) find_multipliers(state);
   started_ = true;
   steps_ = integrator_.statistics().steps;
 }
@@ -101,9 +78,7 @@ void Simulation::run(State& state, double end) {
 /// Where the integrator has left them out.
 void Simulation::find_multipliers(State& state) {
   if (state.lambda.size() == system_.layout().row_count()) return;
-  if (!evaluated_) snapshot_.evaluate(state);
-  evaluated_ = true;
-  state.lambda = last_.lambda = snapshot_.found_multipliers();
+  state.lambda = last_.lambda = look(state).found_multipliers();
 }
 
 void Simulation::check(const State& state, double end) const {
@@ -114,23 +89,18 @@ void Simulation::check(const State& state, double end) const {
                          std::to_string(layout.q_count()) + " and " + std::to_string(layout.v_count()),
                      "Simulation::run", "start from system.initial_state()");
   // Accelerations and multipliers are the integrator's to find.
-  const std::string name = find_not_finite({state.time, state.q, state.v, {}, {}}, layout);
-  if (!name.empty())
-    throw SceneError("the state to start from is no finite number in " + name, "Simulation::run",
-                     "start from system.initial_state()");
-  if (!std::isfinite(end) || end < state.time - round_off(end))
+  if (!std::isfinite(state.time) || !state.q.allFinite() || !state.v.allFinite())
+    throw SceneError("the state to start from is no finite number in " +
+                         find_not_finite({state.time, state.q, state.v, {}, {}}, layout),
+                     "Simulation::run", "start from system.initial_state()");
+  if (!std::isfinite(end) || end < state.time - time_round_off(end))
     throw SceneError("cannot run from " + time_text(state.time) + " to " + time_text(end), "Simulation::run",
                      "give a later end: it is a time, not a duration");
 }
 
 double Simulation::next_stop(double time, double end) const {
-  double stop = approach_.watched >= 0 ? std::min(end, approach_.time) : end;
-  for (const Watch& watch : watches_) {
-    const double next = watch.next_time();
-    if (watch.schedule.interval > 0 && next > time + watch.slack(time) && next < end - watch.slack(end))
-      stop = std::min(stop, next);
-  }
-  return stop;
+  const double stop = watches_.next_stop(time, end);
+  return approach_.watched >= 0 ? std::min(stop, approach_.time) : stop;
 }
 
 void Simulation::advance(State& state, double stop) {
@@ -165,31 +135,15 @@ void Simulation::advance(State& state, double stop) {
   evaluated_ = false;
 }
 
-void Simulation::tell_due(const State& state) {
-  for (Watch& watch : watches_)
-    if (watch.is_due(state.time)) {
-      ++watch.told;
-      tell(watch, state);
-    }
-}
-
-void Simulation::tell(Watch& watch, const State& state) {
+Snapshot& Simulation::look(const State& state) {
   if (!evaluated_) snapshot_.evaluate(state);
   evaluated_ = true;
-  watch.told_time = state.time;
-  watch.observer->observe(snapshot_);
+  return snapshot_;
 }
 
 void Simulation::fail(State& state, const std::string& what, const std::string& mend) {
   state = last_;
-  // Those whose schedule would have skipped the last good state get it now: it shows how the failure came.
-  for (Watch& watch : watches_) {
-    if (watch.told_time == state.time) continue;
-    try {
-      tell(watch, state);
-    } catch (const Error&) {  // NOLINT: the failure itself matters more
-    }
-  }
+  watches_.tell_all(state.time, [&]() -> Snapshot& { return look(state); });
   find_multipliers(state);
   throw SimulationError(what, time_text(last_.time) + ", " + integrator_.name(), mend);
 }

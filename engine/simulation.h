@@ -12,6 +12,7 @@
 #include "engine/projection.h"
 #include "engine/state.h"
 #include "engine/system.h"
+#include "engine/watches.h"
 
 namespace lithe {
 
@@ -42,25 +43,14 @@ class Simulation {
   /// integrator, and the schedules, anew. Throws SceneError for an end before the state's time or a state that does not
   /// fit the system; SimulationError where the integrator fails or leaves a coordinate that is no number, or where
   /// events accumulate: ever more of them in ever shorter times. Then the state is the last good one, observers have
-  /// been told of it, and the next run starts from it.
-  void run(State& state, double end);
+  /// been told of it, and the next run starts from it. Multipliers::later leaves State::lambda empty at the end where
+  /// the integrator does.
+  void run(State& state, double end, Multipliers multipliers = Multipliers::found);
 
   /// Of the integrator, since it was started from a new state; events that start it anew do not count.
   IntegratorStatistics statistics() const;
 
  private:
-  struct Watch {
-    Observer* observer;
-    Schedule schedule;
-    double origin = 0;  // t₀ of the schedule
-    long told = 0;      // states of the schedule, so far
-    double told_time = 0;
-    bool begun = false;
-
-    double next_time() const;
-    double slack(double time) const;
-    bool is_due(double time) const;
-  };
   void check(const State& state, double end) const;
   double next_stop(double time, double end) const;
   void make_finder();
@@ -73,15 +63,14 @@ class Simulation {
   void meet(State& state);
   void check_accumulation(State& state, const std::string& name);
   void find_multipliers(State& state);
-  void tell_due(const State& state);
-  void tell(Watch& watch, const State& state);
+  Snapshot& look(const State& state);
   [[noreturn]] void fail(State& state, const std::string& what, const std::string& mend);
 
   const System& system_;
   Integrator& integrator_;
   Assembler equations_;
   Snapshot snapshot_;
-  std::vector<Watch> watches_;
+  Watches watches_;
   State last_;              // the last good state
   bool evaluated_ = false;  // snapshot_ holds last_
   bool started_ = false;    // the integrator's history belongs to last_

@@ -19,7 +19,7 @@ void Snapshot::evaluate(const State& state) {
   has_multipliers_ = false;
   assembler_.recall(state_.quadrants);
   assembler_.evaluate(state_.time, state_.q, state_.v, Level::acceleration);
-  if (assembler_.reacts()) assembler_.react(state_.lambda);
+  if (assembler_.reacts()) assembler_.react(found_multipliers());
 }
 
 Vector6 Snapshot::acceleration(const Marker& marker) {
@@ -51,7 +51,7 @@ Vector6 Snapshot::acceleration(const Marker& marker) {
 
 const VectorX& Snapshot::found_multipliers() {
   if (state_.lambda.size() == assembler_.layout().row_count()) return state_.lambda;
-  state_.lambda.resize(assembler_.layout().row_count());
+  state_.lambda.setZero(assembler_.layout().row_count());
   VectorX v_dot(state_.v.size());
   Projector(assembler_).accelerations(state_.time, state_.q, state_.v, v_dot, state_.lambda);
   return state_.lambda;

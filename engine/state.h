@@ -14,4 +14,10 @@ struct State {
   VectorX quadrants;  // that each measured angle of a joint has passed since it was zero: where whole turns are kept
 };
 
+/// Bit for bit, but for the turns of angles.
+inline bool same(const State& a, const State& b) {
+  const auto equal = [](const VectorX& x, const VectorX& y) { return x.size() == y.size() && x == y; };
+  return a.time == b.time && equal(a.q, b.q) && equal(a.v, b.v) && equal(a.v_dot, b.v_dot) && equal(a.lambda, b.lambda);
+}
+
 }  // namespace lithe

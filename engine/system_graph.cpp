@@ -22,6 +22,41 @@ SystemGraph::SystemGraph(Parameters parameters) : parameters_(std::move(paramete
   body_set_.insert(ground_);
 }
 
+SystemGraph::SystemGraph(PartOf part) : parameters_(part.whole.parameters_), ground_(part.whole.ground_) {
+  share(part.whole.bodies_.front());
+}
+
+std::unique_ptr<SystemGraph> SystemGraph::part_of(SystemGraph& whole) {
+  return std::unique_ptr<SystemGraph>(new SystemGraph(PartOf{whole}));
+}
+
+void SystemGraph::share(const BodyEntry& entry) {
+  bodies_.push_back(entry);
+  body_set_.insert(entry.body);
+  by_name_[entry.body->name()] = entry.body;
+}
+
+void SystemGraph::share(const ConstraintEntry& entry, std::vector<Marker> markers) {
+  check_shared(*entry.constraint, markers);
+  constraints_.push_back(entry);
+  constraints_.back().markers = std::move(markers);
+  by_name_[entry.constraint->name()] = entry.constraint;
+}
+
+void SystemGraph::share(const ForceEntry& entry, std::vector<Marker> markers) {
+  check_shared(*entry.force, markers);
+  forces_.push_back(entry);
+  forces_.back().markers = std::move(markers);
+  by_name_[entry.force->name()] = entry.force;
+}
+
+void SystemGraph::check_shared(const Element& element, const std::vector<Marker>& markers) const {
+  for (const Marker& m : markers)
+    if (!m.body || !body_set_.contains(m.body) || m.index < 0 || m.index >= m.body->marker_count())
+      throw SceneError("'" + element.name() + "' is tied to a body that this part of the graph does not have",
+                       element.where(), "share its bodies first");
+}
+
 void SystemGraph::check_name(const Located& name) const {
   if (name.text.empty())
     throw SceneError("an element has no name", to_string(name.where), "give a name: messages and outputs use it");

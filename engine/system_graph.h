@@ -104,6 +104,15 @@ class SystemGraph {
   const std::vector<ConstraintEntry>& constraints() const { return constraints_; }
   const std::vector<ForceEntry>& forces() const { return forces_; }
 
+  /// A graph of some elements of `whole`, which stays their owner and must outlive it: its ground, and what is shared.
+  /// Elements of its own may be added too. For parts of a scene, and scenes simplified (engine/simplification.h).
+  static std::unique_ptr<SystemGraph> part_of(SystemGraph& whole);
+  void share(const BodyEntry& entry);
+  /// Tied at other markers than in the graph that owns it: of bodies that stand in for others. SceneError for markers
+  /// of bodies that are not in this graph.
+  void share(const ConstraintEntry& entry, std::vector<Marker> markers);
+  void share(const ForceEntry& entry, std::vector<Marker> markers);
+
   /// Body, constraint or force of that name; null if there is none.
   const Element* find(const std::string& name) const;
   /// The graph as Graphviz text: bodies are boxes, connectors ellipses.
@@ -132,7 +141,12 @@ class SystemGraph {
       forces_.push_back({&element, std::move(markers), typeid(T), make_force_batch<T>});
     return element;
   }
+  struct PartOf {
+    SystemGraph& whole;
+  };
+  explicit SystemGraph(PartOf part);
   void check_name(const Located& name) const;
+  void check_shared(const Element& element, const std::vector<Marker>& markers) const;
   void adopt(std::unique_ptr<Element> element, const Located& name);
   void check_markers(const Element& element, const std::vector<Marker>& markers, int expected);
 

@@ -11,6 +11,7 @@ namespace lithe {
 ///   angle.
 class ConstantVelocityJoint final : public Joint</*markers=*/2, /*rows=*/4> {
  public:
+  bool depends_on_time() const override { return false; }
   void evaluate(double, std::span<const MarkerView> markers, ConstraintRows& rows) const override {
     const auto &A = markers[0], &B = markers[1];
     coincident(A, B, rows);

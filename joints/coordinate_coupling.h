@@ -26,6 +26,7 @@ class CoordinateCoupling final : public Constraint {
   int marker_count() const override { return 2 * coordinates_.count(); }
   int row_count() const override { return 1; }
   std::vector<MeasuredAngle> angles() const override { return coordinates_.angles(); }
+  bool depends_on_time() const override { return false; }
   void evaluate(double time, std::span<const MarkerView> markers, ConstraintRows& rows) const override;
   void initialize(std::span<const MarkerView> markers) override;
 

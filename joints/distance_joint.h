@@ -21,6 +21,7 @@ class DistanceJoint final : public Joint</*markers=*/2, /*rows=*/1> {
 
   double length() const { return length_; }
 
+  bool depends_on_time() const override { return static_cast<bool>(length_law_); }
   void evaluate(double time, std::span<const MarkerView> markers, ConstraintRows& rows) const override {
     if (!length_law_) return at_distance(markers[0], markers[1], length_, rows);
     const Motion L = length_law_(time);

@@ -20,6 +20,7 @@ class GearPair final : public Joint</*markers=*/2, /*rows=*/1> {
   std::vector<MeasuredAngle> angles() const override {
     return {{.A = 0, .B = 1, .axis = 2, .to_point = true}, {.A = 1, .B = 0, .axis = 2, .to_point = true}};
   }
+  bool depends_on_time() const override { return false; }
   void evaluate(double time, std::span<const MarkerView> markers, ConstraintRows& rows) const override;
   /// Refuses axes that are not parallel and centres that are not the sum of the radii apart (to 1 %): no mesh.
   void initialize(std::span<const MarkerView> markers) override;

@@ -9,6 +9,7 @@ namespace lithe {
 ///   g = z_A · (p_B - p_A), one row.
 class PointOnPlaneJoint final : public Joint</*markers=*/2, /*rows=*/1> {
  public:
+  bool depends_on_time() const override { return false; }
   void evaluate(double, std::span<const MarkerView> markers, ConstraintRows& rows) const override {
     in_plane(markers[0], markers[0].z(), markers[1], rows);
   }

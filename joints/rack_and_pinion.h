@@ -17,6 +17,7 @@ class RackAndPinion final : public Joint</*markers=*/2, /*rows=*/1> {
   /// Throws SceneError for a radius that is zero or no number.
   explicit RackAndPinion(Parameters parameters);
   std::vector<MeasuredAngle> angles() const override { return {{1, 0, 2}}; }
+  bool depends_on_time() const override { return false; }
   void evaluate(double time, std::span<const MarkerView> markers, ConstraintRows& rows) const override;
   void initialize(std::span<const MarkerView> markers) override;
 

@@ -20,6 +20,7 @@ class RollingDisc final : public Joint</*markers=*/2, /*rows=*/3> {
   };
   /// Throws SceneError for a radius that is not positive.
   explicit RollingDisc(Parameters parameters);
+  bool depends_on_time() const override { return false; }
   void evaluate(double time, std::span<const MarkerView> markers, ConstraintRows& rows) const override;
   /// Refuses a disc that is drawn flat.
   void initialize(std::span<const MarkerView> markers) override;

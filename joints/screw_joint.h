@@ -21,6 +21,7 @@ class ScrewJoint final : public Joint</*markers=*/2, /*rows=*/5> {
   JointCoordinate displacement() const { return {JointCoordinate::Kind::displacement, markers()[0], markers()[1]}; }
   std::vector<MeasuredAngle> angles() const override { return {{0, 1, 2}}; }
 
+  bool depends_on_time() const override { return false; }
   void evaluate(double time, std::span<const MarkerView> markers, ConstraintRows& rows) const override;
   void initialize(std::span<const MarkerView> markers) override;
 

@@ -14,6 +14,7 @@ namespace lithe {
 /// the rest removes those modes. Vlasenko & Kasper hold a flexible pendulum this way.
 class ThreeNodeFixation final : public Joint</*markers=*/4, /*rows=*/9> {
  public:
+  bool depends_on_time() const override { return false; }
   /// Markers: the holder, then the three nodes.
   void evaluate(double, std::span<const MarkerView> markers, ConstraintRows& rows) const override {
     for (int i = 0; i < 3; ++i) at_point(markers[0], held_[i], markers[i + 1], rows);

@@ -15,6 +15,7 @@ class UniversalJoint final : public Joint</*markers=*/2, /*rows=*/4> {
   JointCoordinate first_angle() const { return {JointCoordinate::Kind::angle, markers()[0], markers()[1], 0}; }
   JointCoordinate second_angle() const { return {JointCoordinate::Kind::angle, markers()[1], markers()[0], 1, -1}; }
   std::vector<MeasuredAngle> angles() const override { return {{0, 1, 0}, {1, 0, 1}}; }
+  bool depends_on_time() const override { return false; }
   void evaluate(double, std::span<const MarkerView> markers, ConstraintRows& rows) const override {
     const auto &A = markers[0], &B = markers[1];
     coincident(A, B, rows);

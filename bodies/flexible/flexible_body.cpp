@@ -25,7 +25,13 @@ void add_symmetric_product(const LinearPattern& pattern, const VectorX& entries,
 
 }  // namespace
 
-FlexibleBody::FlexibleBody(Parameters parameters) : parameters_(std::move(parameters)) {
+FlexibleBody::FlexibleBody(Parameters parameters) : drawn_(parameters), parameters_(std::move(parameters)) {
+  build();
+  for (int k = 0; k < modes_; ++k) fidelity_.modes.push_back(k);
+  if (modes_ > 0) fidelity_.deflection = finest_deflection();
+}
+
+void FlexibleBody::build() {
   if (!parameters_.basis) throw SceneError("has no basis", "", "give .basis = make_basis(model, frame, mode_count)");
   const ModalBasis& basis = *parameters_.basis;
   const int available = basis.mode_count();
@@ -57,7 +63,8 @@ FlexibleBody::FlexibleBody(Parameters parameters) : parameters_(std::move(parame
   set_up();
 }
 
-FlexibleBody::FlexibleBody(Parameters parameters, InertiaIntegrals integrals) : parameters_(std::move(parameters)) {
+FlexibleBody::FlexibleBody(Parameters parameters, InertiaIntegrals integrals)
+    : drawn_(parameters), parameters_(std::move(parameters)), with_integrals_(true) {
   modes_ = integrals.mode_count();
   inertia_ = std::make_unique<ModalInertia>(std::move(integrals));
   set_up();

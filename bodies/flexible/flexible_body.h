@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <limits>
 #include <memory>
 #include <vector>
@@ -8,7 +9,7 @@
 #include "bodies/flexible/flexible_inertia.h"
 #include "bodies/flexible/reduction.h"
 #include "engine/batch.h"
-#include "engine/body.h"
+#include "engine/deformable_body.h"
 
 namespace lithe {
 
@@ -34,8 +35,9 @@ struct NodalLoad {
 /// Three fidelities by one number, mode_count: all coordinates of a nodal basis, the first modes of a reduced one, or
 /// 0: rigid. Stiffening by spin and load, and moderately large deflection, come with the basis (Reduction::deflection):
 ///   u = [B, Ψ] ξ(η), so that each B above becomes [B, Ψ] P, P = ∂ξ/∂η (deflection_map.h).
+/// The modes of an eigenmode basis are candidates: set_fidelity(), or solve(), takes those that a scene needs.
 /// Its cost a step does not depend on the mesh.
-class FlexibleBody final : public Body {
+class FlexibleBody final : public DeformableBody {
  public:
   static constexpr int kAll = std::numeric_limits<int>::max();
   struct Parameters {
@@ -64,6 +66,7 @@ class FlexibleBody final : public Body {
   /// With a mass matrix given by invariants alone (tests, imported integrals): K^ diagonal or full.
   FlexibleBody(Parameters parameters, InertiaIntegrals integrals);
 
+  /// Of the modes in use, after set_fidelity(); as given before.
   const ModalBasis& basis() const { return *parameters_.basis; }
   const Parameters& parameters() const { return parameters_; }
   int mode_count() const { return modes_; }
@@ -116,6 +119,17 @@ class FlexibleBody final : public Body {
   VectorX damping_force(const BodyState&) const;
   MatrixX mass_matrix(const BodyState&) const;
 
+  VectorX candidate_stiffness() const override;
+  VectorX candidate_damping() const override;
+  VectorX candidate_reach() const override;
+  Deflection finest_deflection() const override;
+  const Fidelity& fidelity() const override { return fidelity_; }
+  void set_fidelity(Fidelity fidelity) override;
+  Marker body_frame() override {
+    if (!body_frame_.body) body_frame_ = frame();
+    return body_frame_;
+  }
+
   Coordinates coordinates() const override { return {.frame = true, .linear = modes_}; }
   std::unique_ptr<BodyCache> make_cache() const override { return std::make_unique<Cache>(*this); }
   void initial_state(VectorRef q, VectorRef v) const override;
@@ -137,14 +151,21 @@ class FlexibleBody final : public Body {
     bool turns;        // the deformation turns it
     MarkerNodes nodes;
   };
+  bool has_candidates() const { return !with_integrals_ && drawn_.basis->diagonal && !drawn_.basis->nodal; }
+  void build();
   void set_up();
   /// Displacement fields that the markers and nodes follow: modes_, or all of [B, Ψ].
   int field_count() const { return deflection_ ? deflection_->field_count() : modes_; }
   Matrix3X node_fields(int node) const;
   std::vector<int> indices_of(const std::vector<int>& ids) const;
+  using MarkerRecipe = std::function<MarkerShape()>;
+  /// Keeps the recipe too: another fidelity shapes all markers anew.
+  Marker add_marker(MarkerRecipe recipe);
   /// Bm, Theta: of all fields; Theta_pairs, 3 x pairs: turns of second order beyond those of the fields, or empty.
-  int add_marker(const Vector3& c, const Matrix3X& Bm, const Matrix3X& Theta, const Matrix3& R0, MarkerNodes nodes = {},
-                 const Matrix3X& Theta_pairs = Matrix3X(3, 0));
+  MarkerShape shape(const Vector3& c, const Matrix3X& Bm, const Matrix3X& Theta, const Matrix3& R0,
+                    MarkerNodes nodes = {}, const Matrix3X& Theta_pairs = Matrix3X(3, 0)) const;
+  MarkerShape node_shape(int node, const Matrix3& orientation) const;
+  MarkerShape average_shape(const NodeAverage& mean, const Matrix3& orientation) const;
   /// Turns of second order of a mean, 3 x pairs; Theta: of first order.
   Matrix3X mean_turns(const NodeAverage& mean, const Matrix3X& Theta) const;
   /// out += (mass Mff + damping D + stiffness K^) x
@@ -153,7 +174,10 @@ class FlexibleBody final : public Body {
   void add_linear_tangent(Cache& cache, const double* v_dot, const Vector3& gravity, const TangentWeights& weights,
                           Eigen::Map<VectorX>& linear) const;
 
-  Parameters parameters_;
+  Parameters drawn_, parameters_;  // as given, and as they are at the present fidelity
+  bool with_integrals_ = false;    // given by hand
+  Fidelity fidelity_;
+  MatrixX fields_;  // of set_fidelity(): the present displacement fields by those of the candidates; empty before
   int modes_ = 0;
   bool diagonal_ = true;
   std::unique_ptr<const FlexibleInertia> inertia_;   // of all fields
@@ -162,6 +186,9 @@ class FlexibleBody final : public Body {
   VectorX modal_mass_;                               // entries along the pattern; diagonal bases: ones
   LinearPattern pattern_;
   std::vector<MarkerShape> markers_;
+  std::vector<MarkerRecipe> recipes_;
+  Marker body_frame_;         // once asked for
+  int modal_columns_ = kAll;  // that modal markers have, the least
 };
 
 extern template std::unique_ptr<BodyBatch> make_body_batch<FlexibleBody>();

@@ -28,8 +28,14 @@ FlexibleBody::Cache::Cache(const FlexibleBody& body)
 FlexibleBody::Cache::Cache(Cache&&) noexcept = default;
 FlexibleBody::Cache::~Cache() = default;
 
-int FlexibleBody::add_marker(const Vector3& c, const Matrix3X& Bm, const Matrix3X& Theta, const Matrix3& R0,
-                             MarkerNodes nodes, const Matrix3X& Theta_pairs) {
+Marker FlexibleBody::add_marker(MarkerRecipe recipe) {
+  markers_.push_back(recipe());
+  recipes_.push_back(std::move(recipe));
+  return {this, marker_count() - 1};
+}
+
+FlexibleBody::MarkerShape FlexibleBody::shape(const Vector3& c, const Matrix3X& Bm, const Matrix3X& Theta,
+                                              const Matrix3& R0, MarkerNodes nodes, const Matrix3X& Theta_pairs) const {
   MarkerShape shape{c, R0, Matrix6X(6, 0), MatrixX(6, 0), Theta.size() > 0 && !Theta.isZero(0), std::move(nodes)};
   if (!Bm.isZero(0) || shape.turns) {  // else the deformation never moves it: no columns at joints
     Matrix6X fields = Matrix6X::Zero(6, field_count());
@@ -39,8 +45,7 @@ int FlexibleBody::add_marker(const Vector3& c, const Matrix3X& Bm, const Matrix3
     if (deflection_) shape.pairs = fields * deflection_->curvature();
     if (deflection_ && Theta_pairs.cols() > 0) shape.pairs.bottomRows<3>() += Theta_pairs;
   }
-  markers_.push_back(std::move(shape));
-  return marker_count() - 1;
+  return shape;
 }
 
 Matrix3X FlexibleBody::node_fields(int node) const {
@@ -57,14 +62,18 @@ std::vector<int> FlexibleBody::indices_of(const std::vector<int>& ids) const {
 Marker FlexibleBody::node(int id, const Matrix3& orientation) {
   require::at("'" + name() + "' of " + where(),
               [&] { require::rotation(orientation, "orientation of a node marker"); });
-  const int i = basis().node_index(id);
+  const int node = basis().node_index(id);
+  return add_marker([=, this] { return node_shape(node, orientation); });
+}
+
+FlexibleBody::MarkerShape FlexibleBody::node_shape(int node, const Matrix3& orientation) const {
   Matrix3X Theta(3, 0);  // of a beam's or shell's node
   if (modes_ > 0 && !basis().rotations.empty()) {
-    Theta = basis().node_rotation_modes(i, deflection_ != nullptr);
+    Theta = basis().node_rotation_modes(node, deflection_ != nullptr);
     if (Theta.cols() > 0) Theta = Theta.leftCols(field_count()).eval();
   }
-  return {this, add_marker(basis().nodes.col(i), node_fields(i), Theta, basis().rotation.transpose() * orientation,
-                           {{i}, {1.0}})};
+  return shape(basis().nodes.col(node), node_fields(node), Theta, basis().rotation.transpose() * orientation,
+               {{node}, {1.0}});
 }
 
 Marker FlexibleBody::average(const std::vector<int>& ids, const Matrix3& orientation,
@@ -72,17 +81,21 @@ Marker FlexibleBody::average(const std::vector<int>& ids, const Matrix3& orienta
   require::at("'" + name() + "' of " + where(),
               [&] { require::rotation(orientation, "orientation of an average marker"); });
   const NodeAverage mean(basis().nodes, indices_of(ids), weights, "'" + name() + "' of " + where());
+  return add_marker([=, this] { return average_shape(mean, orientation); });
+}
+
+FlexibleBody::MarkerShape FlexibleBody::average_shape(const NodeAverage& mean, const Matrix3& orientation) const {
   Matrix3X Bm = Matrix3X::Zero(3, field_count()), Theta = Matrix3X::Zero(3, field_count());
-  for (size_t k = 0; k < ids.size() && modes_ > 0; ++k) {
+  for (size_t k = 0; k < mean.nodes.size() && modes_ > 0; ++k) {
     const auto column = static_cast<Eigen::Index>(k);
     const Matrix3X B = mean.weights[column] * node_fields(mean.nodes[k]);
     Bm += B;
     Theta += skew(mean.arms.col(column)) * B;
   }
   Theta = (mean.spread_inverse * Theta).eval();
-  return {this, add_marker(mean.center, Bm, Theta, basis().rotation.transpose() * orientation,
-                           {mean.nodes, {mean.weights.begin(), mean.weights.end()}},
-                           deflection_ ? mean_turns(mean, Theta) : Matrix3X(3, 0))};
+  return shape(mean.center, Bm, Theta, basis().rotation.transpose() * orientation,
+               {mean.nodes, {mean.weights.begin(), mean.weights.end()}},
+               deflection_ ? mean_turns(mean, Theta) : Matrix3X(3, 0));
 }
 
 /// Second order of the rotation R that leaves Rᵀ Σ w (ρ + u) ρᵀ symmetric, R = E + φ~ + ½ φ~²:
@@ -150,19 +163,22 @@ NodalLoad FlexibleBody::nodal_load(const std::vector<int>& ids, const Matrix3X& 
       const VectorX part = (sign * forces.row(axis)).cwiseMax(0).transpose();
       const double sum = part.sum();
       if (sum == 0) continue;
-      Vector3 c = Vector3::Zero();
-      Matrix3X Bm = Matrix3X::Zero(3, field_count());
       MarkerNodes loaded;
       for (size_t k = 0; k < nodes.size(); ++k) {
         const double weight = part[static_cast<Eigen::Index>(k)] / sum;
         if (weight == 0) continue;
         loaded.nodes.push_back(nodes[k]);
         loaded.weights.push_back(weight);
-        c += weight * basis().nodes.col(nodes[k]);
-        if (modes_ > 0) Bm += weight * node_fields(nodes[k]);
       }
-      load.markers.push_back(
-          {this, add_marker(c, Bm, Matrix3X(3, 0), basis().rotation.transpose(), std::move(loaded))});
+      load.markers.push_back(add_marker([=, this] {
+        Vector3 c = Vector3::Zero();
+        Matrix3X Bm = Matrix3X::Zero(3, field_count());
+        for (size_t k = 0; k < loaded.nodes.size(); ++k) {
+          c += loaded.weights[k] * basis().nodes.col(loaded.nodes[k]);
+          if (modes_ > 0) Bm += loaded.weights[k] * node_fields(loaded.nodes[k]);
+        }
+        return shape(c, Bm, Matrix3X(3, 0), basis().rotation.transpose(), loaded);
+      }));
       load.forces.push_back(sign * sum * Vector3::Unit(axis));
     }
   if (load.forces.empty()) throw SceneError("a nodal load is zero at every node", place, "leave it out");
@@ -172,8 +188,10 @@ NodalLoad FlexibleBody::nodal_load(const std::vector<int>& ids, const Matrix3X& 
 Marker FlexibleBody::frame(const Matrix3& orientation) {
   require::at("'" + name() + "' of " + where(),
               [&] { require::rotation(orientation, "orientation of the frame marker"); });
-  return {this, add_marker(Vector3::Zero(), Matrix3X::Zero(3, field_count()), Matrix3X(3, 0),
-                           basis().rotation.transpose() * orientation)};
+  return add_marker([=, this] {
+    return shape(Vector3::Zero(), Matrix3X::Zero(3, field_count()), Matrix3X(3, 0),
+                 basis().rotation.transpose() * orientation);
+  });
 }
 
 Marker FlexibleBody::modal_marker(const Vector3& c, const Matrix3X& Bm, const Matrix3X& Theta, const Matrix3& R0) {
@@ -185,7 +203,15 @@ Marker FlexibleBody::modal_marker(const Vector3& c, const Matrix3X& Bm, const Ma
     throw SceneError("a modal marker on '" + name() + "' has " + std::to_string(Bm.cols()) + " columns for " +
                          std::to_string(field_count()) + " displacement fields",
                      where(), "give Bm and Theta one column a mode (and field of a quadratic deflection)");
-  return {this, add_marker(c, Bm, Theta, R0)};
+  if (fields_.size() > 0)
+    throw SceneError("a modal marker was made after set_fidelity() of '" + name() + "'", where(),
+                     "make modal markers first: their columns are those of the basis as given");
+  modal_columns_ = std::min(modal_columns_, field_count());
+  return add_marker([=, this] {
+    if (fields_.size() == 0) return shape(c, Bm, Theta, R0);
+    const auto fields = fields_.topRows(Bm.cols());  // the modes drawn may be the leading ones
+    return shape(c, Bm * fields, Theta.size() > 0 ? Matrix3X(Theta * fields) : Theta, R0);
+  });
 }
 
 /// EQUATIONS.md 7.1: r = c + Bm η, orientation A exp(φ~) R0 with φ = Θ η.

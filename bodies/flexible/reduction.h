@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bodies/flexible/modal_basis.h"
+#include "engine/deformable_body.h"
 #include "engine/math.h"
 
 namespace lithe {
@@ -41,13 +42,6 @@ enum class InterfaceModes {
   attachment,     // free interfaces: deflections under unit forces and torques (Rubin, Craig-Chang)
   craig_bampton,  // fixed interfaces: rigid sets moved by unit displacements and rotations, modes with all of them held
   krylov,  // moment matching about s = 0: K⁻¹ F, K⁻¹ M K⁻¹ F, ..., and no eigenmodes but those asked for
-};
-
-/// How deformation moves the nodes.
-enum class Deflection {
-  linear,     // u = B η: no stiffening by spin or load
-  stiffened,  // with the displacements of second order that carry geometric stiffness: small deflection, any load
-  quadratic,  // and with the strain energy to fourth order: moderately large deflection
 };
 
 /// What a basis holds beside the eigenmodes of its frame, and how it deflects.

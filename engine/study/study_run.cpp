@@ -11,12 +11,6 @@ namespace {
 
 constexpr int kStepsBetweenLooks = 16;  // at the clock: a system call, dearer than a small scene's step
 
-double thread_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
 std::string at_time(double time) { return "t = " + short_number(time) + " s: "; }
 
 /// One run on its way: steps on the clock, looks beside it.
@@ -93,6 +87,12 @@ class Runner {
 
 }  // namespace
 
+double thread_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
 StudySystem::StudySystem(const StudyScene& scene) : scene_(scene), graph_({.gravity = scene.gravity}) {
   const auto refuse = [&](const std::string& what, const std::string& mend) {
     throw SceneError("the study '" + scene.name + "' " + what, "StudyScene '" + scene.name + "'", mend);
@@ -146,7 +146,8 @@ double largest_difference(const StudySystem& study, const Table& a, const Table&
 std::string short_number(double value) {
   char text[32];
   if (value == 0 || (std::abs(value) >= 0.1 && std::abs(value) < 1e4)) {
-    std::snprintf(text, sizeof text, "%.3g", value);
+    const bool thousands = std::abs(value) >= 999.5;  // 1410, not 1.41e+03
+    std::snprintf(text, sizeof text, thousands ? "%.0f" : "%.3g", thousands ? 10 * std::round(value / 10) : value);
     return text;
   }
   // "1e-5" to an engineer, not "1.00e-05".

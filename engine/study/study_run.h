@@ -54,6 +54,8 @@ StudyRun run_study(const StudySystem& study, const StudyMethod& method, double s
 /// of a sensor with several columns the Euclidean norm, so that it does not depend on the axes.
 double largest_difference(const StudySystem& study, const Table& a, const Table& b);
 
+/// CPU time of this thread, s.
+double thread_seconds();
 /// "tolerance 1e-5", "h = 2 ms".
 std::string setting_text(StudyMethod::Setting kind, double setting);
 /// "0.8 ms", "12 µs": a time in the unit that suits it, three digits.

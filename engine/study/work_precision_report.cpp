@@ -4,6 +4,7 @@
 
 #include "engine/output/number_text.h"
 #include "engine/output/partial_file.h"
+#include "engine/study/text_table.h"
 #include "engine/study/work_precision.h"
 
 namespace lithe {
@@ -37,36 +38,6 @@ const char* word(Outcome outcome) {
   }
   return "";
 }
-
-/// A table of texts, columns aligned; the first and the last to the left, the others to the right.
-class TextTable {
- public:
-  void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
-  std::string text() const {
-    std::vector<std::size_t> widths;
-    for (const auto& row : rows_) {
-      widths.resize(std::max(widths.size(), row.size()));
-      for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], letters(row[i]));
-    }
-    std::string out;
-    for (const auto& row : rows_) {
-      std::string line;
-      for (std::size_t i = 0; i < row.size(); ++i) {
-        const std::string blanks(widths[i] - letters(row[i]), ' ');
-        const bool left = i == 0 || i + 1 == widths.size();
-        line += (i == 0 ? "" : "  ") + (left ? row[i] + blanks : blanks + row[i]);
-      }
-      out += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
-    }
-    return out;
-  }
-
- private:
-  static std::size_t letters(const std::string& text) {  // of UTF-8
-    return std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; });
-  }
-  std::vector<std::vector<std::string>> rows_;
-};
 
 }  // namespace
 

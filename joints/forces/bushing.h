@@ -22,6 +22,7 @@ class Bushing final : public Force</*markers=*/2, /*rows=*/6> {
   /// K or D of a bushing without couplings.
   static Matrix6 diagonal(const Vector3& translation, const Vector3& rotation);
 
+  bool depends_on_time() const override { return false; }
   void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const override;
   void initialize(std::span<const MarkerView> markers) override;
 

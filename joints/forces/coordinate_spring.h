@@ -25,6 +25,7 @@ class CoordinateSpring final : public Force</*markers=*/2, /*rows=*/1> {
   CoordinateSpring(CoordinateSet coordinate, Parameters parameters);
 
   std::vector<MeasuredAngle> angles() const override { return coordinate_.angles(); }
+  bool depends_on_time() const override { return false; }
   void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const override;
   void initialize(std::span<const MarkerView> markers) override;
 

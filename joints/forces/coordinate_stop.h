@@ -26,6 +26,7 @@ class CoordinateStop final : public Force</*markers=*/2, /*rows=*/1> {
   CoordinateStop(CoordinateSet coordinate, Parameters parameters);
 
   std::vector<MeasuredAngle> angles() const override { return coordinate_.angles(); }
+  bool depends_on_time() const override { return false; }
   void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const override;
   std::vector<CoordinateSwitch> switches() const override;
 

@@ -24,6 +24,7 @@ class DistributedLoad final : public ForceElement {
 
   int marker_count() const override { return static_cast<int>(parameters_.forces.size()); }
   int row_count() const override { return 0; }
+  bool depends_on_time() const override { return static_cast<bool>(parameters_.amplitude); }
   void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const override;
 
  private:

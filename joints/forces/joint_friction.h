@@ -32,6 +32,7 @@ class JointFriction final : public Force</*markers=*/2, /*rows=*/1> {
 
   std::vector<MeasuredAngle> angles() const override { return coordinate_.angles(); }
   const Constraint* reaction_of() const override { return parameters_.joint; }
+  bool depends_on_time() const override { return false; }
   void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const override;
 
  private:

@@ -19,6 +19,7 @@ class PointForce final : public Force</*markers=*/1, /*rows=*/0> {
   /// Throws SceneError for what is no number.
   explicit PointForce(Parameters parameters);
 
+  bool depends_on_time() const override { return false; }
   void evaluate(double, std::span<const MarkerView> markers, ForceRows& rows) const override {
     const MarkerView& A = markers[0];
     const auto& [F, T, axes] = parameters_;

@@ -24,6 +24,7 @@ class SpringDamper final : public Force</*markers=*/2, /*rows=*/1> {
 
   double natural_length() const { return parameters_.natural_length; }
 
+  bool depends_on_time() const override { return false; }
   void evaluate(double, std::span<const MarkerView> markers, ForceRows& rows) const override {
     const auto &A = markers[0], &B = markers[1];
     const double k = parameters_.stiffness, c = parameters_.damping, preload = parameters_.preload;

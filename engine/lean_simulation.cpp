@@ -1,0 +1,326 @@
+#include "engine/lean_simulation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <unordered_map>
+
+#include "engine/islands.h"
+
+namespace lithe {
+namespace {
+
+/// A run of numbers that a vector of the whole and one of an island share.
+struct Share {
+  int whole, island, count;
+};
+using Shares = std::vector<Share>;
+
+void scatter(const Shares& shares, const VectorX& whole, VectorX& island) {
+  for (const Share& s : shares) island.segment(s.island, s.count) = whole.segment(s.whole, s.count);
+}
+void gather(const Shares& shares, const VectorX& island, VectorX& whole) {
+  for (const Share& s : shares) whole.segment(s.whole, s.count) = island.segment(s.island, s.count);
+}
+bool same(const Shares& shares, const VectorX& whole, const VectorX& island) {
+  return std::all_of(shares.begin(), shares.end(), [&](const Share& s) {
+    return whole.segment(s.whole, s.count) == island.segment(s.island, s.count);
+  });
+}
+
+/// Where the numbers of each body and connector lie.
+struct Places {
+  struct Place {
+    int row, row_count, angle, angle_count;
+  };
+  std::unordered_map<const Body*, Layout::BodySlice> bodies;
+  std::unordered_map<const Connector*, Place> connectors;
+  int angles = 0;
+
+  explicit Places(const System& system) {
+    for (const auto& slice : system.layout().bodies()) bodies.emplace(slice.body, slice);
+    const SystemGraph& graph = system.graph();
+    for (std::size_t i = 0; i < graph.constraints().size(); ++i) {
+      const auto& rows = system.layout().rows()[i];
+      add(*graph.constraints()[i].constraint, rows.first, rows.count);
+    }
+    for (const auto& f : graph.forces()) add(*f.force, 0, 0);
+  }
+  void add(const Connector& connector, int row, int rows) {
+    const int count = static_cast<int>(connector.angles().size());
+    connectors[&connector] = {row, rows, angles, count};
+    angles += count;
+  }
+};
+
+/// "'crank', 'rod' and 3 more"
+std::string names(const Layout& layout) {
+  constexpr std::size_t kNamed = 3;
+  const auto& bodies = layout.bodies();
+  const std::size_t named = bodies.size() <= kNamed + 1 ? bodies.size() : kNamed;
+  std::string text;
+  for (std::size_t i = 0; i < named; ++i) text += (i == 0 ? "'" : ", '") + bodies[i].name + "'";
+  if (named < bodies.size()) text += " and " + std::to_string(bodies.size() - named) + " more";
+  return text;
+}
+
+}  // namespace
+
+/// A part of the scene, with all that runs it.
+struct LeanSimulation::Island {
+  /// The whole as one island.
+  Island(const System& whole, std::unique_ptr<Integrator> method, bool sleep)
+      : system(whole),
+        integrator(std::move(method)),
+        sleeper(make_sleeper(sleep)),
+        simulation(system, *integrator),
+        state(whole.initial_state()) {
+    find_shares(Places(whole));
+  }
+  Island(std::unique_ptr<SystemGraph> part, const Places& whole, std::unique_ptr<Integrator> method,
+         const LeanOptions& options)
+      : graph(std::move(part)),
+        assembled(std::make_unique<const System>(assemble(*graph, options.assemble))),
+        system(*assembled),
+        integrator(std::move(method)),
+        sleeper(make_sleeper(options.sleep)),
+        simulation(system, *integrator),
+        state(system.initial_state()) {
+    find_shares(whole);
+  }
+
+  void find_shares(const Places& whole) {
+    const Places own(system);
+    for (const auto& [body, slice] : own.bodies) {
+      const Layout::BodySlice& there = whole.bodies.at(body);
+      q.push_back({there.q, slice.q, body->coordinates().q_count()});
+      v.push_back({there.v, slice.v, body->coordinates().v_count()});
+    }
+    for (const auto& [connector, place] : own.connectors) {
+      const Places::Place& there = whole.connectors.at(connector);
+      rows.push_back({there.row, place.row, place.row_count});
+      angles.push_back({there.angle, place.angle, place.angle_count});
+    }
+  }
+
+  /// Puts its integrator into one that may sleep; null: it must not.
+  const SleepingIntegrator* make_sleeper(bool may_sleep) {
+    if (!may_sleep || depends_on_time(system.graph())) return nullptr;
+    auto wrapped = std::make_unique<SleepingIntegrator>(std::move(integrator));
+    const SleepingIntegrator* made = wrapped.get();
+    integrator = std::move(wrapped);
+    return made;
+  }
+  bool asleep() const { return sleeper && sleeper->asleep(); }
+
+  /// Takes its part of a state, unless it is where it stands: then it goes on as if nobody had asked. What sleeps does
+  /// not watch the clock.
+  void take(const State& whole) {
+    if ((whole.time == state.time || asleep()) && same(q, whole.q, state.q) && same(v, whole.v, state.v) &&
+        same(v, whole.v_dot, state.v_dot))
+      return;
+    touched = true;
+    state = system.initial_state();
+    state.time = whole.time;
+    scatter(q, whole.q, state.q);
+    scatter(v, whole.v, state.v);
+    scatter(v, whole.v_dot, state.v_dot);
+    if (whole.lambda.size() > 0) scatter(rows, whole.lambda, state.lambda);
+    scatter(angles, whole.quadrants, state.quadrants);
+  }
+
+  void move(double stop, Multipliers multipliers) {
+    if (!touched && sleeper && sleeper->sleeps_until(stop)) return;
+    touched = false;
+    simulation.run(state, stop, multipliers);
+  }
+
+  std::unique_ptr<SystemGraph> graph;       // null: the whole's
+  std::unique_ptr<const System> assembled;  // likewise
+  const System& system;
+  std::unique_ptr<Integrator> integrator;
+  const SleepingIntegrator* sleeper;
+  Simulation simulation;
+  State state;          // its time stands still while it sleeps
+  bool touched = true;  // since it moved last
+  Shares q, v, rows, angles;
+};
+
+LeanSimulation::LeanSimulation(SystemGraph& graph, const MakeIntegrator& make_integrator, const LeanOptions& options)
+    : system_(assemble(graph, options.assemble)) {
+  auto parts = split(graph);
+  const Places places(system_);
+  if (options.split && parts.size() > 1)
+    for (auto& part : parts)
+      islands_.push_back(std::make_unique<Island>(std::move(part), places, make_integrator(), options));
+  else
+    islands_.push_back(std::make_unique<Island>(system_, make_integrator(), options.sleep));
+  reacts_ = std::any_of(graph.forces().begin(), graph.forces().end(),
+                        [](const auto& f) { return f.force->reaction_of() != nullptr; });
+}
+
+LeanSimulation::LeanSimulation(SystemGraph& graph, const MakeIntegrator& make_integrator, const System& whole,
+                               Expand expand, const LeanOptions& options)
+    : LeanSimulation(graph, make_integrator, options) {
+  whole_ = &whole;
+  expand_ = std::move(expand);
+}
+
+LeanSimulation::~LeanSimulation() = default;
+
+void LeanSimulation::refuse(const std::string& what, const std::string& where) const {
+  throw SceneError(what + (islands_.size() > 1 ? "this one runs as " + std::to_string(islands_.size()) + " islands"
+                                               : "another, simpler one runs"),
+                   "LeanSimulation::" + where,
+                   "use a Simulation of assemble(graph), or no simplification and {.split = false}");
+}
+
+void LeanSimulation::observe(Observer& observer, Schedule schedule) {
+  if (is_one()) return islands_.front()->simulation.observe(observer, schedule);
+  if (schedule.interval == 0) refuse("observers of every step need a scene with steps in common, and ", "observe");
+  watches_.add(observer, schedule);
+}
+
+void LeanSimulation::on(Event event) {
+  if (!is_one()) refuse("events watch all of a scene at every step, and ", "on");
+  islands_.front()->simulation.on(std::move(event));
+}
+
+const std::vector<EventRecord>& LeanSimulation::events() const { return islands_.front()->simulation.events(); }
+const std::string& LeanSimulation::stopped_by() const { return islands_.front()->simulation.stopped_by(); }
+
+void LeanSimulation::check(const State& state, double end) const {
+  const Layout& layout = system_.layout();
+  if (state.q.size() != layout.q_count() || state.v.size() != layout.v_count())
+    throw SceneError("the state has " + std::to_string(state.q.size()) + " coordinates and " +
+                         std::to_string(state.v.size()) + " velocities; the scene that runs has " +
+                         std::to_string(layout.q_count()) + " and " + std::to_string(layout.v_count()),
+                     "LeanSimulation::run", "start from system().initial_state() of the simulation");
+  if (!std::isfinite(end) || end < state.time - time_round_off(end))
+    throw SceneError("cannot run from " + time_text(state.time) + " to " + time_text(end), "LeanSimulation::run",
+                     "give a later end: it is a time, not a duration");
+}
+
+void LeanSimulation::run(State& state, double end) {
+  if (is_one()) return islands_.front()->simulation.run(state, end);
+  check(state, end);
+  // Accelerations and multipliers are the integrators' to find.
+  if (state.v_dot.size() != state.v.size()) state.v_dot.setZero(state.v.size());
+  if (state.lambda.size() != system_.layout().row_count()) state.lambda.resize(0);
+  const VectorX& drawn = system_.initial_state().quadrants;
+  if (state.quadrants.size() != drawn.size()) state.quadrants = drawn;
+
+  // 1. To each island its part; those that it changes start anew, accelerations become consistent.
+  const bool resumed = begun_ && same(state, last_);
+  for (auto& island : islands_) island->take(state);
+  if (!resumed) {
+    last_ = state;
+    evaluated_ = false;
+  }
+  const auto multipliers = [&](double stop) {
+    return reacts_ || stop == end ? Multipliers::found : Multipliers::later;
+  };
+  begun_ = resumed;
+  if (!resumed) advance(state, state.time, multipliers(state.time));
+  begun_ = true;
+  watches_.begin(state.time, !resumed);
+  const auto tell_due = [&] { watches_.tell_due(state.time, [&]() -> Snapshot& { return look(state); }); };
+  tell_due();
+
+  // 2. From one meeting to the next.
+  while (end - state.time > time_round_off(end)) {
+    const double stop = watches_.next_stop(state.time, end);
+    advance(state, stop, multipliers(stop));
+    tell_due();
+  }
+}
+
+/// All islands to `stop`.
+void LeanSimulation::advance(State& state, double stop, Multipliers multipliers) {
+  for (auto& island : islands_) {
+    try {
+      island->move(stop, multipliers);
+    } catch (const SimulationError& error) {
+      fail(state, *island, error);
+    }
+  }
+  gather(state, stop);
+  last_ = state;
+  evaluated_ = false;
+}
+
+void LeanSimulation::fail(State& state, const Island& failed, const SimulationError& error) {
+  state = last_;
+  try {
+    const double time = failed.state.time;
+    for (auto& island : islands_) {
+      if (island.get() == &failed) continue;
+      if (island->state.time > time) island->take(last_);
+      island->move(time, Multipliers::found);
+    }
+    gather(state, time);
+    evaluated_ = evaluated_ && same(state, last_);
+    last_ = state;
+  } catch (const SimulationError&) {  // NOLINT: they met at last_
+  }
+  watches_.tell_all(state.time, [&]() -> Snapshot& { return look(state); });
+  throw SimulationError("in the island of " + names(failed.system.layout()) + ": " + error.problem(), error.where(),
+                        error.mend());
+}
+
+void LeanSimulation::gather(State& state, double time) const {
+  const bool found = std::all_of(islands_.begin(), islands_.end(), [](const auto& island) {
+    return island->state.lambda.size() == island->system.layout().row_count();
+  });
+  state.lambda.resize(found ? system_.layout().row_count() : 0);
+  state.time = time;
+  for (const auto& island : islands_) {
+    const State& part = island->state;
+    lithe::gather(island->q, part.q, state.q);
+    lithe::gather(island->v, part.v, state.v);
+    lithe::gather(island->v, part.v_dot, state.v_dot);
+    if (found) lithe::gather(island->rows, part.lambda, state.lambda);
+    lithe::gather(island->angles, part.quadrants, state.quadrants);
+  }
+}
+
+/// As observers see it.
+Snapshot& LeanSimulation::look(const State& state) {
+  if (!snapshot_) snapshot_.emplace(observed());
+  if (evaluated_) return *snapshot_;
+  if (expand_) expand_(state, expanded_);
+  snapshot_->evaluate(expand_ ? expanded_ : state);
+  evaluated_ = true;
+  return *snapshot_;
+}
+
+std::vector<LeanSimulation::IslandReport> LeanSimulation::islands() const {
+  std::vector<IslandReport> reports;
+  for (const auto& island : islands_) {
+    IslandReport report{{},
+                        island->system.degrees_of_freedom(),
+                        island->integrator->name(),
+                        island->asleep(),
+                        island->simulation.statistics()};
+    for (const auto& body : island->system.layout().bodies()) report.bodies.push_back(body.name);
+    reports.push_back(std::move(report));
+  }
+  return reports;
+}
+
+std::string LeanSimulation::report() const {
+  std::ostringstream text;
+  const auto reports = islands();
+  text << reports.size() << (reports.size() == 1 ? " island\n" : " islands\n");
+  for (std::size_t i = 0; i < reports.size(); ++i) {
+    const auto& [bodies, freedoms, integrator, asleep, done] = reports[i];
+    text << "  " << names(islands_[i]->system.layout()) << ": " << freedoms << " degrees of freedom, " << integrator;
+    if (asleep)
+      text << ", asleep\n";
+    else
+      text << ", " << done.steps << " steps, " << done.evaluations << " evaluations\n";
+  }
+  return text.str();
+}
+
+}  // namespace lithe

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "engine/study/certificate.h"
+#include "engine/study/model_run.h"
+
+namespace lithe {
+
+/// How well a quantity is wanted: the largest error over the sampled instants, the Euclidean norm over its columns.
+struct Precision {
+  double value = 0.01;
+  bool relative = true;  // to the largest change of the quantity in the run, max |y(t) - y(0)|; else in its unit
+};
+/// Throws SceneError unless the value is positive and finite.
+Precision percent(double value, std::source_location where = std::source_location::current());
+Precision within(double bound, std::source_location where = std::source_location::current());
+
+struct Want {
+  Sensor sensor;
+  Precision precision;
+};
+inline Want want(Sensor sensor, Precision precision) { return {std::move(sensor), precision}; }
+
+/// The integrators that solve() works with.
+struct SolveMethods {
+  MakeIntegrator by_tolerance;
+  /// Of second order in its fixed step, at home with stiff modes: for coarse answers. None: left out.
+  std::function<std::unique_ptr<Integrator>(double step)> by_step;
+};
+
+struct SolveOptions {
+  int samples = 100;            // instants after the first, evenly spaced
+  std::string scene = "scene";  // its name on the sheet
+  /// The graph first: welded bodies, planar motion, islands (engine/simplification.h). The answer is the same.
+  bool simplify = true;
+  /// Deflections are known to be small: their second order stays out of the statement where a basis has no data for it.
+  /// Else nothing is certified with such a basis.
+  bool small_deflection = false;
+  int most_runs = 4;  // of models that deform, before it is told that the precision is not reached
+};
+
+/// The answer and its certificate. The graph is left with the chosen models: assemble(graph) goes on with them.
+struct Solution {
+  Table samples;  // "t", then the columns of the wanted quantities
+  Certificate certificate;
+};
+
+/// Runs a scene with the smallest model that gives the wanted quantities as well as they are wanted, and states how
+/// large the error that remains is.
+///   1. A run with rigid bodies. Its accelerations, spins and reactions drive every candidate mode of every body
+///      (model_error.h); what the modes do to the motion at large is found by a second rigid run under these loads.
+///   2. Modes stay out as long as their effects together are a small part of what is allowed. What the second order of
+///      deflection would do (stiffening, large deflection) is estimated likewise, and its terms are taken if it counts.
+///   3. The model so chosen runs, at a tolerance that follows from two rigid runs; what it leaves out is estimated anew
+///      along its own motion. How far it came from what was predicted scales the statement. If it is not within the
+///      bounds, what counts most is refined, and it runs again.
+/// Two runs with fixed steps of one and of half a sampling interval come first: where their difference says that they
+/// do, they are the cheapest.
+/// Bodies without candidates stay as they are drawn. integrators/solve.h has the default methods.
+/// Throws SceneError for wants that are none, a duration that is not positive, and whatever drawing throws;
+/// SimulationError if no model reaches the end.
+Solution solve(SystemGraph& graph, double duration, const std::vector<Want>& wants, const SolveMethods& methods,
+               const SolveOptions& options = {});
+
+}  // namespace lithe

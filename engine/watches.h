@@ -1,0 +1,66 @@
+#pragma once
+
+#include <vector>
+
+#include "engine/error.h"
+#include "engine/observer.h"
+
+namespace lithe {
+
+/// What round-off may do to a time near this one, s.
+double time_round_off(double time);
+
+/// Observers and when each is to be told: the one diary of whoever moves time. `look()` gives the snapshot to show, and
+/// is asked for it only where somebody is told.
+class Watches {
+ public:
+  void add(Observer& observer, Schedule schedule) { watches_.push_back({&observer, schedule}); }
+  /// Schedules begin at `time`: of observers that are new, or of all.
+  void begin(double time, bool all);
+  /// The next time after `time` that somebody waits for; `end` if there is none before it.
+  double next_stop(double time, double end) const;
+
+  template <class Look>
+  void tell_due(double time, Look&& look) {
+    for (Watch& watch : watches_)
+      if (watch.is_due(time)) {
+        ++watch.told;
+        tell(watch, time, look);
+      }
+  }
+  /// Those whose schedule would skip `time` too, after a failure: it shows how that came.
+  template <class Look>
+  void tell_all(double time, Look&& look) {
+    for (Watch& watch : watches_) {
+      if (watch.told_time == time) continue;
+      try {
+        tell(watch, time, look);
+      } catch (const Error&) {  // NOLINT: the failure itself matters more
+      }
+    }
+  }
+
+ private:
+  struct Watch {
+    Observer* observer;
+    Schedule schedule;
+    double origin = 0;  // t₀ of the schedule
+    long told = 0;      // states of the schedule, so far
+    double told_time = 0;
+    bool begun = false;
+
+    double next_time() const;
+    double slack(double time) const;
+    bool is_due(double time) const;
+  };
+  template <class Look>
+  static void tell(Watch& watch, double time, Look&& look) {
+    Snapshot& snapshot = look();
+    watch.told_time = time;
+    watch.observer->observe(snapshot);
+  }
+
+  std::vector<Watch> watches_;
+};
+
+}  // namespace lithe
