@@ -110,7 +110,7 @@ void require_positive(const std::string& name, double value, const char* paramet
 
 }  // namespace
 
-FiniteElementModel brick_mesh(const BrickMesh& mesh) {
+FiniteElementModel brick_mesh(const BrickMeshParameters& mesh) {
   for (int k = 0; k < 3; ++k) require_positive(mesh.name, mesh.size[k], "size");
   return structured(mesh.name, mesh.divisions, mesh.type, mesh.material,
                     [&](const Vector3& s) { return Vector3(s.cwiseProduct(mesh.size)); });

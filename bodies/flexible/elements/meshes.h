@@ -11,7 +11,7 @@ namespace lithe {
 /// A box of elements with a corner at the mesh origin, edges along x, y, z:
 ///   const auto model = brick_mesh({.size = {0.1, 0.01, 0.015}, .divisions = {8, 2, 1}, .material = {2e11, 0.3,
 ///   7800}});
-struct BrickMesh {
+struct BrickMeshParameters {
   Vector3 size{1, 1, 1};                  // length, width, height, m
   std::array<int, 3> divisions{1, 1, 1};  // cells along x, y, z
   std::string type = "C3D20";  // C3D8I bends as well at a third of the nodes; C3D4, C3D10: six tetrahedra a cell
@@ -42,7 +42,7 @@ struct PlateMesh {
 /// faces "x_min", "x_max", "y_min", ... (a rod: "x_min", "x_max", "surface", and "axis" if `across` is even), and
 /// "all". Throw SceneError for a size or division that is not positive, an unknown type, a material without E, ν or
 /// density.
-FiniteElementModel brick_mesh(const BrickMesh& mesh);
+FiniteElementModel brick_mesh(const BrickMeshParameters& mesh);
 FiniteElementModel rod_mesh(const RodMesh& mesh);
 FiniteElementModel plate_mesh(const PlateMesh& mesh);
 
