@@ -137,7 +137,7 @@ void Solver::judge() {
     next =
         model_error(graph_, bodies_, answer_, deflected(answer_.models, above), Missing::all, sensors_, stride_).effect;
     auto& known = order == Deflection::linear ? second_order_ : fourth_order_;
-    for (std::size_t w = 0; w < count(); ++w) known[w] = next[w] = std::max(known[w], next[w]);
+    for (std::size_t w = 0; w < count(); ++w) known[w] = std::max(known[w], next[w]);
   } else if (order != Deflection::linear) {  // orders fall as the second fell from the first
     const auto& last = order == Deflection::quadratic ? fourth_order_ : second_order_;
     for (std::size_t w = 0; w < count() && !deformation_.empty(); ++w)
