@@ -164,7 +164,8 @@ class SystemBuilder {
                          "give at least one marker of a body");
       initialize(*c.constraint, c.markers);
     }
-    for (const auto& f : graph_.forces()) initialize(*f.force, f.markers);
+    for (const auto& f : graph_.forces())
+      if (f.make_batch) initialize(*f.force, f.markers);
   }
 
   template <class Connector>
@@ -215,9 +216,11 @@ class SystemBuilder {
       const int compliant = rows > 0 ? b.reserve(rows) : -1;
       ConnectorRecord record = connect(f.markers, b.row_count, rows, compliant, true);
       record.energy = static_cast<int>(force_records_.size());
+      const auto* contact = dynamic_cast<const ContactElement*>(f.force);
+      if (contact) add_contact(*contact, f.markers, record);
       record.first_angle = system_.first_angles_[graph_.constraints().size() + force_records_.size()];
       reactions_.push_back(reaction_of(*f.force, record));
-      add_couplings(record, couplings);
+      if (!contact) add_couplings(record, couplings);
       force_records_.push_back(record);
       b.row_count += rows;
       system_.compliant_count_ += rows;
@@ -234,7 +237,7 @@ class SystemBuilder {
 
   ConnectorRecord connect(const std::vector<Marker>& markers, int first_row, int rows, int compliant, bool loads) {
     BlockStructure& b = system_.blocks_;
-    MarkerSlot slots[kMaxMarkers];
+    std::vector<MarkerSlot> slots(markers.size());
     ConnectorRecord record;
     record.first_row = first_row;
     record.rows = -1;
@@ -284,7 +287,7 @@ class SystemBuilder {
       }
       slots[i] = slot;
     }
-    record.slots = keep(slots, record.slot_count);
+    record.slots = keep(slots.data(), record.slot_count);
     return record;
   }
 
@@ -292,10 +295,22 @@ class SystemBuilder {
   const MarkerSlot* keep(const MarkerSlot* slots, int count) {
     constexpr std::size_t kChunk = 1024;
     auto& chunks = system_.slots_;
-    if (chunks.empty() || chunks.back().size() + count > kChunk) chunks.emplace_back().reserve(kChunk);
+    if (chunks.empty() || chunks.back().size() + count > chunks.back().capacity())
+      chunks.emplace_back().reserve(std::max<std::size_t>(kChunk, count));
     auto& chunk = chunks.back();
     chunk.insert(chunk.end(), slots, slots + count);
     return chunk.data() + chunk.size() - count;
+  }
+
+  void add_contact(const ContactElement& element, const std::vector<Marker>& markers, const ConnectorRecord& record) {
+    ContactRecord contact{&element, static_cast<int>(system_.contacts_.size()), record.energy, markers, {}, {}};
+    for (std::size_t i = 0; i < markers.size(); ++i) {
+      contact.places.push_back(record.slots[i].marker);
+      contact.bodies.push_back(markers[i].body == &graph_.ground()
+                                   ? -1
+                                   : static_cast<int>(&slice_of(*markers[i].body) - system_.layout_.bodies().data()));
+    }
+    system_.contacts_.push_back(std::move(contact));
   }
 
   ReactionRecord reaction_of(const ForceElement& force, const ConnectorRecord& record) {
@@ -365,6 +380,7 @@ class SystemBuilder {
     number.clear();
     for (std::size_t i = 0; i < graph_.forces().size(); ++i) {
       const auto& entry = graph_.forces()[i];
+      if (!entry.make_batch) continue;
       const auto [it, fresh] = number.try_emplace(entry.type, static_cast<int>(batches.forces.size()));
       if (fresh) batches.forces.push_back(entry.make_batch());
       batches.forces[it->second]->add(*entry.force, force_records_[i], reactions_[i]);

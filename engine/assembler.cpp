@@ -6,6 +6,11 @@
 #include "engine/error.h"
 
 namespace lithe {
+namespace {
+
+constexpr int kMostContactRows = 1200;  // whose couplings are solved for exactly
+
+}  // namespace
 
 Assembler::Assembler(const System& system) : system_(system), factor_(system.blocks_) {
   const auto& layout = system.layout();
@@ -27,6 +32,23 @@ Assembler::Assembler(const System& system) : system_(system), factor_(system.blo
   zero_rows_.setZero(rows);
   for (const RedundantRow& r : system.redundant_) redundant_rows_.push_back(r.row);
   factor_.drop_rows(redundant_rows_);
+  if (system.contacts().empty()) return;
+  std::vector<BodyState> bodies;
+  for (const auto& slice : layout.bodies()) bodies.push_back(body_state(*slice.body));
+  contacts_ = std::make_unique<ContactForces>(system.contacts(), layout, work_, std::move(bodies));
+  if (contacts_->any_rigid()) rigid_contacts_ = std::make_unique<RigidContacts>(*this, system.blocks_);
+}
+
+void Assembler::recall(const ContactMemory& contacts) {
+  if (contacts_) contacts_->recall(contacts);
+}
+
+RigidContacts* Assembler::rigid_contacts() { return rigid_contacts_.get(); }
+
+void Assembler::track_contacts(State& state) {
+  if (!contacts_ || !contacts_->remembers()) return;
+  evaluate(state.time, state.q, state.v, Level::velocity);
+  contacts_->track(state.contacts);
 }
 
 /// Of one assembler: a kernel for the scene, with the forces that act in it.
@@ -58,20 +80,26 @@ ForwardDynamics* Assembler::forward_dynamics() {
 Assembler::~Assembler() = default;
 
 const double* Assembler::applied_forces(double time, ConstVectorRef q, ConstVectorRef v) {
-  if (system_.batches_.forces.empty()) return nullptr;
+  if (!has_forces()) return nullptr;
   work_.time = time;
   work_.q = q;
   work_.v = v;
   for (std::size_t b = 0; b < caches_.size(); ++b)
     system_.batches_.bodies[b]->evaluate_loaded(work_, *caches_[b], Level::velocity);
-  work_.load.setZero();
-  for (const auto& batch : system_.batches_.forces) batch->evaluate(work_, system_.blocks_);
+  add_applied_forces();
   if (work_.tension.size() > 0) {
     work_.tension = -work_.tension;
     add_row_forces(nullptr, work_.tension.data(), work_.load.data());
     work_.tension = -work_.tension;
   }
   return work_.load.data();
+}
+
+/// Loads, tensions and contacts of the state whose markers are evaluated.
+void Assembler::add_applied_forces() {
+  work_.load.setZero();
+  for (const auto& batch : system_.batches_.forces) batch->evaluate(work_, system_.blocks_);
+  if (contacts_) contacts_->evaluate(work_.load, work_.force_energy);
 }
 
 void Assembler::place_markers(ConstVectorRef q) {
@@ -132,15 +160,12 @@ void Assembler::evaluate(double time, ConstVectorRef q, ConstVectorRef v, Level 
   work_.v = v;
   // Joints ask for the velocities of markers where the velocity terms of g̈ or rows on velocities are wanted.
   const bool no_velocities =
-      level == Level::velocity && system_.batches_.forces.empty() && system_.velocity_rows_.empty();
+      level == Level::velocity && !has_forces() && system_.velocity_rows_.empty();
   const Level markers = no_velocities ? Level::position : level;
   for (std::size_t b = 0; b < caches_.size(); ++b)
     system_.batches_.bodies[b]->evaluate(work_, *caches_[b], level, markers);
   for (const auto& batch : system_.batches_.constraints) batch->evaluate(work_, system_.blocks_, level);
-  if (level != Level::position && !system_.batches_.forces.empty()) {
-    work_.load.setZero();
-    for (const auto& batch : system_.batches_.forces) batch->evaluate(work_, system_.blocks_);
-  }
+  if (level != Level::position && has_forces()) add_applied_forces();
   if (!held_.velocities.empty()) release_from_joints();
 }
 
@@ -180,10 +205,11 @@ bool Assembler::hold(const std::vector<int>& velocities) {
 /// Columns of G of what is held.
 void Assembler::release_from_joints() {
   for (const auto& [first, count] : held_.jacobian) std::fill_n(work_.values.data() + first, count, 0.0);
+  if (contacts_) contacts_->release(held_.velocities);
 }
 
 void Assembler::residual(ConstVectorRef v_dot, ConstVectorRef lambda, VectorRef r) {
-  if (system_.batches_.forces.empty())
+  if (!has_forces())
     r.setZero();
   else
     r = -work_.load;
@@ -266,10 +292,38 @@ void Assembler::form(const TangentWeights& weights, ConstVectorRef v_dot, ConstV
   for (int entry : held_.diagonals) values[entry] = weights.acceleration;
 }
 
+/// Of very many contacts, what they are to each body by itself: Newton converges more slowly, at linear cost.
+void Assembler::add_contact_diagonals(const TangentWeights& weights) {
+  const auto& frames = system_.blocks_.frames;
+  int at = 0;
+  for (const ContactRows::Row& row : contacts_->rows().points()) {
+    const int n = row.rows;
+    const Eigen::Map<const MatrixX> by_x(contacts_->by_position().data() + at, n, n),
+        by_u(contacts_->by_velocity().data() + at, n, n);
+    at += n * n;
+    for (const ContactRows::Side& side : row.sides) {
+      if (side.count == 0 || !contacts_->places()[row.element].slice(side.collider)->frame) continue;
+      const auto frame = std::lower_bound(frames.begin(), frames.end(), side.velocity,
+                                          [](const auto& f, int velocity) { return f.v < velocity; });
+      const Eigen::Map<const MatrixX> H(contacts_->rows().values(side), n, 6), H_right(contacts_->right().data() + side.H, n, 6);
+      Eigen::Map<Matrix6>(work_.values.data() + frame->values).noalias() -=
+          H.transpose() * (weights.position * by_x + weights.velocity * by_u) * H_right;
+    }
+  }
+}
+
 void Assembler::factorize(const TangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
                           const VectorX* increment) {
   form(weights, v_dot, lambda, increment);
+  contact_correction_.clear();
+  const bool stiff = contacts_ && (weights.position != 0 || weights.velocity != 0);
+  if (stiff) contacts_->form(weights, increment);
+  const bool many = stiff && contacts_->stiff_rows() > kMostContactRows;
+  if (many) add_contact_diagonals(weights);
   factor_.factorize(work_.values);
+  if (!stiff || many) return;
+  contact_correction_.form(*contacts_, weights.position, weights.velocity, static_cast<int>(unknowns_.size()),
+                           [&](double* x) { factor_.solve(x); });
 }
 
 /// S is linear in the weights: twice the real form gives its real and imaginary part. Compliant rows are not: -1/(k w).
@@ -315,6 +369,11 @@ void Assembler::factorize_complex(const ComplexTangentWeights& weights, ConstVec
     }
   }
   complex_->factor.factorize(values);
+  complex_->contacts.clear();
+  if (!contacts_) return;
+  contacts_->form({1, 1, 1}, increment);
+  complex_->contacts.form(*contacts_, weights.position, weights.velocity, static_cast<int>(unknowns_.size()),
+                          [&](std::complex<double>* x) { complex_->factor.solve(x); });
 }
 
 void Assembler::solve_complex(ComplexVectorRef rv, ComplexVectorRef rl) const {
@@ -323,6 +382,7 @@ void Assembler::solve_complex(ComplexVectorRef rv, ComplexVectorRef rl) const {
   unknowns.segment(rv.size(), rl.size()) = rl;
   unknowns.tail(unknowns.size() - rv.size() - rl.size()).setZero();
   complex_->factor.solve(unknowns.data());
+  complex_->contacts.apply(unknowns.data());
   rv = unknowns.head(rv.size());
   rl = unknowns.segment(rv.size(), rl.size());
 }
@@ -332,6 +392,7 @@ void Assembler::solve(VectorRef rv, VectorRef rl) const {
   unknowns_.segment(rv.size(), rl.size()) = rl;
   unknowns_.tail(unknowns_.size() - rv.size() - rl.size()).setZero();
   factor_.solve(unknowns_.data());
+  contact_correction_.apply(unknowns_.data());
   rv = unknowns_.head(rv.size());
   rl = unknowns_.segment(rv.size(), rl.size());
 }
@@ -372,9 +433,18 @@ void Assembler::visit_blocks(const std::function<void(int, int, ConstMatrixRef)>
   for (const auto& c : b.row_couplings)
     visit(b.velocity_count + b.rows[c.rows].first, b.velocity_count + b.rows[c.on].first,
           View(values + c.values, b.rows[c.rows].count, b.rows[c.on].count));
+  if (contact_correction_.active())
+    contact_correction_.visit([&](int row, int column, const MatrixX& block) { visit(row, column, block); });
   for (const auto& row : b.rows)
     for (int i = 0; row.compliant >= 0 && i < row.count; ++i)
       visit(b.velocity_count + row.first + i, b.velocity_count + row.first + i, View(values + row.compliant + i, 1, 1));
+}
+
+int Assembler::find_body(const Body& body) const {
+  const auto& bodies = system_.layout().bodies();
+  for (std::size_t i = 0; i < bodies.size(); ++i)
+    if (bodies[i].body == &body) return static_cast<int>(i);
+  return -1;
 }
 
 BodyState Assembler::body_state(const Body& body) {

@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "engine/block_factor.h"
+#include "engine/contact/contact_correction.h"
+#include "engine/contact/rigid_contacts.h"
 #include "engine/equations_of_motion.h"
 #include "engine/joint_coordinate.h"
 #include "engine/system.h"
@@ -23,6 +25,9 @@ class Assembler final : public EquationsOfMotion {
   const std::vector<int>& velocity_rows() const override { return system_.velocity_rows(); }
   void recall(const VectorX& quadrants) override;
   void track(VectorX& quadrants) const override;
+  void recall(const ContactMemory& contacts) override;
+  void track_contacts(State& state) override;
+  RigidContacts* rigid_contacts() override;
   void evaluate(double time, ConstVectorRef q, ConstVectorRef v, Level level) override;
   void residual(ConstVectorRef v_dot, ConstVectorRef lambda, VectorRef r) override;
   void constraint(Level which, VectorRef out) const override;
@@ -42,11 +47,15 @@ class Assembler final : public EquationsOfMotion {
   BodyState body_state(const Body& body);
   MarkerKinematics marker(Marker marker, Level level);
   const Workspace& workspace() const { return work_; }
+  /// Null: the scene has no contacts.
+  ContactForces* contacts() { return contacts_.get(); }
 
   /// Sets the tensions that joints' reactions make (friction), where no residual() has done so for this lambda.
   void react(ConstVectorRef lambda);
   /// A connector's own part of the quadrants.
   const double* quadrants_of(const Connector& connector) const;
+  /// Index into Layout::bodies(); -1: ground.
+  int find_body(const Body& body) const;
   /// Place of an angle in State::quadrants; -1 if no connector of the system measures it.
   int find_angle(const JointCoordinate& coordinate) const;
 
@@ -59,6 +68,9 @@ class Assembler final : public EquationsOfMotion {
   void add_row_forces(const double* lambda, const double* tension, double* r) const;  // Gᵀ (lambda, tension)
   void form(const TangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda, const VectorX* increment);
   void release_from_joints();
+  bool has_forces() const { return !system_.batches_.forces.empty() || contacts_; }
+  void add_applied_forces();
+  void add_contact_diagonals(const TangentWeights& weights);
 
   /// Generalized forces besides gravity at a state: loads and compliant rows; null if the scene has none.
   const double* applied_forces(double time, ConstVectorRef q, ConstVectorRef v);
@@ -73,8 +85,12 @@ class Assembler final : public EquationsOfMotion {
     ComplexBlockFactor factor;
     std::vector<std::complex<double>> values;
     ComplexVectorX unknowns;
+    ContactCorrection<std::complex<double>> contacts;
   };
   std::unique_ptr<ComplexPart> complex_;  // once asked for
+  std::unique_ptr<ContactForces> contacts_;  // null: the scene has none
+  mutable ContactCorrection<double> contact_correction_;
+  std::unique_ptr<RigidContacts> rigid_contacts_;
   std::vector<int> redundant_rows_;
   /// Linear coordinates that stand still, and what that leaves of the blocks.
   struct Held {

@@ -5,10 +5,14 @@
 #include <vector>
 
 #include "engine/body.h"
+#include "engine/contact/contact_memory.h"
 #include "engine/layout.h"
 #include "engine/math.h"
 
 namespace lithe {
+
+class RigidContacts;
+struct State;
 
 /// Weights of an iteration matrix at a complex point (stages of implicit Runge-Kutta methods).
 struct ComplexTangentWeights {
@@ -46,6 +50,12 @@ class EquationsOfMotion {
   /// brought up to the state evaluated last. Integrator does both, a step.
   virtual void recall(const VectorX& quadrants) = 0;
   virtual void track(VectorX& quadrants) const = 0;
+  /// The same of contacts (State::contacts): what compliant ones remember, and what rigid ones do, who act in
+  /// evaluations by what they did last. tracking evaluates the state.
+  virtual void recall(const ContactMemory& /*contacts*/) {}
+  virtual void track_contacts(State& /*state*/) {}
+  /// Contacts of rigid surfaces; null: the scene has none. Who does not know them cannot integrate the scene.
+  virtual RigidContacts* rigid_contacts() { return nullptr; }
   virtual void evaluate(double time, ConstVectorRef q, ConstVectorRef v, Level level) = 0;
   /// r = M v_dot + Gᵀ lambda - f; f knows lambda where joints rub. Needs Level::velocity.
   virtual void residual(ConstVectorRef v_dot, ConstVectorRef lambda, VectorRef r) = 0;

@@ -39,7 +39,7 @@ struct Event {
 struct EventRecord {
   double time;  // s
   std::string name;
-  int index;  // of the event, in the order of Simulation::on()
+  int index;  // of the event, in the order of Simulation::on(); -1: surfaces of a contact of that name met or parted
 };
 
 }  // namespace lithe

@@ -17,6 +17,7 @@ class EventFinder {
 
   void add(std::string name, EventFunction function, double level, Event::Direction direction);
   bool empty() const { return watched_.empty(); }
+  int count() const { return static_cast<int>(watched_.size()); }
 
   /// A new state to go on from. Where a function lies at its level, or has just been dealt with, its sign is that of
   /// its trend in the next step: so an event is not found again where it happened.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "engine/error.h"
+
 namespace lithe {
 namespace {
 
@@ -38,7 +40,14 @@ Vector3 turn_between(const Vector4& e_from, const Vector4& e_to, const Vector3& 
 }  // namespace
 
 void Integrator::start(EquationsOfMotion& equations, State& state) {
+  if (equations.rigid_contacts() && !handles_rigid_contacts())
+    throw SceneError(name() + " knows no contact between rigid surfaces", "Integrator::start",
+                     "take MoreauJean or NonsmoothGeneralizedAlpha, or give the contact a compliant law: "
+                     "{.law = Compliance{...}}");
   equations.recall(state.quadrants);
+  equations.recall(state.contacts);
+  equations.track_contacts(state);
+  equations.recall(state.contacts);
   quadrants_ = state.quadrants;
   turn_rates_.setZero(quadrants_.size());
   last_length_ = 0;
@@ -49,11 +58,13 @@ void Integrator::start(EquationsOfMotion& equations, State& state) {
 StepResult Integrator::step(EquationsOfMotion& equations, State& state, double t_stop, Multipliers multipliers) {
   multipliers_ = multipliers;
   equations.recall(state.quadrants);
+  equations.recall(state.contacts);
   quadrants_ = state.quadrants;
   const double begin = state.time;
   StepResult result = advance(equations, state, std::min(t_stop, begin + longest_));
   if (!result.ok()) return result;
   equations.track(state.quadrants);
+  equations.track_contacts(state);
   if (turn_rates_.size() > 0 && turn_rates_.size() == state.quadrants.size())
     limit_turn(state.quadrants, state.time - begin);
   return result;
@@ -91,6 +102,7 @@ void Integrator::interpolate(const Layout& layout, const State& from, const Stat
   else
     out.lambda.resize(0);  // one end was left without
   out.quadrants = from.quadrants;
+  out.contacts = from.contacts;
   for (const Layout::BodySlice& b : layout.bodies()) {
     int iq = b.q, iv = b.v;
     if (b.frame) {

@@ -46,6 +46,8 @@ class Integrator {
   StepResult step(EquationsOfMotion& equations, State& state, double t_stop,
                   Multipliers multipliers = Multipliers::found);
   virtual const IntegratorStatistics& statistics() const = 0;
+  /// Whether it moves scenes with contacts of rigid surfaces; start() refuses them otherwise.
+  virtual bool handles_rigid_contacts() const { return false; }
 
   /// Dense output: the motion within the last step, which led from `from` to `to`, at from.time <= time <= to.time.
   /// Fills time, q, v, v_dot, lambda; quadrants are those of `from`. The common one is the polynomial of degree 5

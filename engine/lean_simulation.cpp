@@ -35,6 +35,7 @@ struct Places {
   };
   std::unordered_map<const Body*, Layout::BodySlice> bodies;
   std::unordered_map<const Connector*, Place> connectors;
+  std::unordered_map<const ContactElement*, int> contacts;
   int angles = 0;
 
   explicit Places(const System& system) {
@@ -45,6 +46,7 @@ struct Places {
       add(*graph.constraints()[i].constraint, rows.first, rows.count);
     }
     for (const auto& f : graph.forces()) add(*f.force, 0, 0);
+    for (const ContactRecord& contact : system.contacts()) contacts.emplace(contact.element, contact.number);
   }
   void add(const Connector& connector, int row, int rows) {
     const int count = static_cast<int>(connector.angles().size());
@@ -101,6 +103,7 @@ struct LeanSimulation::Island {
       rows.push_back({there.row, place.row, place.row_count});
       angles.push_back({there.angle, place.angle, place.angle_count});
     }
+    for (const ContactRecord& contact : system.contacts()) contacts.push_back(whole.contacts.at(contact.element));
   }
 
   /// Puts its integrator into one that may sleep; null: it must not.
@@ -127,6 +130,10 @@ struct LeanSimulation::Island {
     scatter(v, whole.v_dot, state.v_dot);
     if (whole.lambda.size() > 0) scatter(rows, whole.lambda, state.lambda);
     scatter(angles, whole.quadrants, state.quadrants);
+    state.contacts.clear();
+    for (const ContactTrace& trace : whole.contacts)
+      for (std::size_t i = 0; i < contacts.size(); ++i)
+        if (contacts[i] == trace.element) state.contacts.emplace_back(trace).element = static_cast<int>(i);
   }
 
   void move(double stop, Multipliers multipliers) {
@@ -144,6 +151,7 @@ struct LeanSimulation::Island {
   State state;          // its time stands still while it sleeps
   bool touched = true;  // since it moved last
   Shares q, v, rows, angles;
+  std::vector<int> contacts;  // number in the whole of each of its contact elements
 };
 
 LeanSimulation::LeanSimulation(SystemGraph& graph, const MakeIntegrator& make_integrator, const LeanOptions& options)
@@ -282,6 +290,12 @@ void LeanSimulation::gather(State& state, double time) const {
     if (found) lithe::gather(island->rows, part.lambda, state.lambda);
     lithe::gather(island->angles, part.quadrants, state.quadrants);
   }
+  state.contacts.clear();
+  for (const auto& island : islands_)
+    for (const ContactTrace& trace : island->state.contacts)
+      state.contacts.emplace_back(trace).element = island->contacts[trace.element];
+  std::stable_sort(state.contacts.begin(), state.contacts.end(),
+                   [](const ContactTrace& a, const ContactTrace& b) { return a.element < b.element; });
 }
 
 /// As observers see it.

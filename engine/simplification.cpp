@@ -65,6 +65,7 @@ void Simplification::expand(const State& small, State& whole) const {
     whole.v_dot.segment(c.whole, c.count) = small.v_dot.segment(c.small, c.count);
   }
   for (const Copied& c : angles_) whole.quadrants.segment(c.whole, c.count) = small.quadrants.segment(c.small, c.count);
+  whole.contacts = small.contacts;  // colliders keep their places and axes
   for (const Moved& moved : moved_) {
     const Motion m = motion(moved, small);
     const Matrix3 R = rotation_matrix(m.e);
@@ -98,6 +99,7 @@ State Simplification::reduce(const State& whole) const {
   if (whole.lambda.size() == whole_.layout().row_count())
     for (std::size_t r = 0; r < rows_.size(); ++r) small.lambda[static_cast<int>(r)] = whole.lambda[rows_[r]];
   for (const Copied& c : angles_) small.quadrants.segment(c.small, c.count) = whole.quadrants.segment(c.whole, c.count);
+  small.contacts = whole.contacts;
   for (const Moved& moved : moved_) {
     // The frame's motion from that of the first body, which has its axes.
     const Piece& first = moved.pieces[0];

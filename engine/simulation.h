@@ -20,7 +20,7 @@ namespace lithe {
 /// their own. Their schedules cut the integrator's steps, so that observed times are met exactly, never interpolated.
 /// Events are located within steps. Where force laws change their form (ForceElement::switches, a stop met or left),
 /// the step ends and the integrator starts anew: across such a kink no method keeps its order, and its error estimate
-/// errs.
+/// errs. The same where surfaces of compliant contacts meet or part, which events() tells of too.
 class Simulation {
  public:
   Simulation(const System& system, Integrator& integrator);
@@ -78,6 +78,7 @@ class Simulation {
 
   std::vector<Event> watched_events_;
   std::vector<EventRecord> events_;
+  std::vector<std::string> meetings_;  // the last of finder_'s functions: gaps of located contacts, by name
   std::string stopped_by_;
   std::optional<EventFinder> finder_;  // of watched_events_, then of the switches of force laws; none: nothing to find
   Projector projector_;

@@ -24,6 +24,15 @@ void add(IntegratorStatistics& sum, const IntegratorStatistics& more) {
   if (more.limiting >= 0) sum.limiting = more.limiting;
 }
 
+/// Gap of two colliders, or how far they are from each other at least.
+EventFunction gap_of(int element, int a, int b) {
+  return [=](Snapshot& now) {
+    ContactForces& contacts = *now.assembler().contacts();
+    const double size = contacts.extent(element, a) + contacts.extent(element, b);
+    return contacts.gap(element, a, b, size > 0 ? size : 1.0);
+  };
+}
+
 }  // namespace
 
 void Simulation::on(Event event) {
@@ -43,6 +52,13 @@ void Simulation::make_finder() {
     for (const CoordinateSwitch& s : entry.force->switches())
       finder().add(entry.force->name(), watch(coordinate(s.coordinate, entry.force->name())), s.value,
                    Event::Direction::both);
+  // Where surfaces meet and part.
+  meetings_.clear();
+  for (const ContactRecord& record : system_.contacts())
+    for (const auto& [a, b] : record.element->located_pairs()) {
+      finder().add(record.element->name(), gap_of(record.number, a, b), 0, Event::Direction::both);
+      meetings_.push_back(record.element->name());
+    }
 }
 
 IntegratorStatistics Simulation::statistics() const {
@@ -117,6 +133,9 @@ void Simulation::meet(State& state) {
   move_onto_constraints();
   const double time = state.time;
   bool restarted = false;
+  const int first_meeting = finder_->count() - static_cast<int>(meetings_.size());
+  for (int i : met_)
+    if (i >= first_meeting) events_.push_back({time, meetings_[i - first_meeting], -1});
   for (int i : met_) {
     if (is_switch(i)) continue;
     const Event& event = watched_events_[i];

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/contact/contact_memory.h"
 #include "engine/math.h"
 
 namespace lithe {
@@ -12,6 +13,7 @@ struct State {
   VectorX v_dot;      // accelerations, as the integrator left them
   VectorX lambda;     // Lagrange multipliers: M v_dot + Gᵀ lambda = f; empty: not found yet (Multipliers)
   VectorX quadrants;  // that each measured angle of a joint has passed since it was zero: where whole turns are kept
+  ContactMemory contacts;  // what surfaces in touch remember; of rigid ones, what they did in the last step
 };
 
 /// Bit for bit, but for the turns of angles.

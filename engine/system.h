@@ -8,6 +8,7 @@
 
 #include "engine/batch.h"
 #include "engine/block_structure.h"
+#include "engine/contact/contact_places.h"
 #include "engine/layout.h"
 #include "engine/rigid_scene.h"
 #include "engine/state.h"
@@ -37,6 +38,8 @@ class System {
   /// The state as drawn, projected onto the constraints: consistent positions and velocities at t = 0.
   const State& initial_state() const { return initial_; }
 
+  const std::vector<ContactRecord>& contacts() const { return contacts_; }
+
   /// How explicit integrators find accelerations.
   ForwardMethod forward_method() const { return forward_method_; }
 
@@ -63,6 +66,7 @@ class System {
   std::vector<Place> body_places_;             // of graph bodies, ground first
   std::deque<std::vector<MarkerSlot>> slots_;  // of all connectors, in chunks that do not move
   int marker_count_ = 0, compliant_count_ = 0;
+  std::vector<ContactRecord> contacts_;
   std::vector<RedundantRow> redundant_;
   std::vector<int> velocity_rows_;
   struct Angle {

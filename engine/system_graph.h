@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "engine/batch.h"
+#include "engine/contact/contact_element.h"
 #include "engine/error.h"
 #include "engine/ground.h"
 #include "engine/joint_coordinate.h"
@@ -83,6 +84,16 @@ class SystemGraph {
     return connect(element, std::move(markers));
   }
 
+  /// Adds a contact between its colliders (joints/contact/contact.h), each a marker and a shape.
+  template <class T>
+  requires std::derived_from<T, ContactElement> T& add(Located name, std::vector<typename T::Collider> colliders,
+                                                       typename T::Parameters parameters = {}) {
+    std::vector<Marker> markers;
+    for (const auto& collider : colliders) markers.push_back(collider.marker);
+    return connect(keep(name, [&] { return std::make_unique<T>(std::move(colliders), std::move(parameters)); }),
+                   std::move(markers));
+  }
+
   struct BodyEntry {
     Body* body;
     std::type_index type;
@@ -98,7 +109,7 @@ class SystemGraph {
     ForceElement* force;
     std::vector<Marker> markers;
     std::type_index type;
-    std::unique_ptr<ForceBatch> (*make_batch)();
+    std::unique_ptr<ForceBatch> (*make_batch)();  // null: a contact, which the engine evaluates by itself
   };
   const std::vector<BodyEntry>& bodies() const { return bodies_; }  // ground first
   const std::vector<ConstraintEntry>& constraints() const { return constraints_; }
@@ -137,6 +148,8 @@ class SystemGraph {
     static_cast<Connector&>(element).markers_ = markers;
     if constexpr (std::derived_from<T, Constraint>)
       constraints_.push_back({&element, std::move(markers), typeid(T), make_constraint_batch<T>});
+    else if constexpr (std::derived_from<T, ContactElement>)
+      forces_.push_back({&element, std::move(markers), typeid(T), nullptr});
     else
       forces_.push_back({&element, std::move(markers), typeid(T), make_force_batch<T>});
     return element;

@@ -253,6 +253,7 @@ void Adams::interpolate(const Layout& layout, const State& from, const State& to
   out.v_dot = Memory::map(m.errors).tail(m.nv);
   out.lambda = (1 - s) * from.lambda + s * to.lambda;
   out.quadrants = from.quadrants;
+  out.contacts = from.contacts;
 }
 
 void Adams::count() {

@@ -47,6 +47,11 @@ void GeneralizedAlpha::prepare(EquationsOfMotion& equations, State& state) {
   for (VectorX* x : {&a_, &v_, &v_dot_, &d_, &v_dot_last_, &jerk_, &delta_, &change_, &rv_, &magnitudes_})
     x->setZero(nv);
   for (VectorX* x : {&lambda_, &rl_, &rl2_}) x->setZero(rows);
+  restart(equations, state);
+}
+
+void GeneralizedAlpha::restart(EquationsOfMotion& equations, State& state) {
+  const int nv = equations.layout().v_count(), rows = equations.layout().row_count();
   q_ = state.q;
   if (state.v_dot.size() != nv) state.v_dot.setZero(nv);
   if (state.lambda.size() != rows) state.lambda.setZero(rows);

@@ -12,7 +12,7 @@ namespace lithe {
 /// Two forms: index 3 solves g(q') = 0; stabilized index 2 (Gear, Gupta & Leimkuhler 1985) solves g(q') = 0 and
 /// G v' + ∂g/∂t = 0, at the price of a second back-substitution: multipliers without start transient, |G v| to
 /// round-off.
-class GeneralizedAlpha final : public Integrator {
+class GeneralizedAlpha : public Integrator {
  public:
   enum class Form { index3, stabilized_index2 };
   struct Parameters {
@@ -42,6 +42,11 @@ class GeneralizedAlpha final : public Integrator {
  protected:
   void prepare(EquationsOfMotion& equations, State& state) override;
   StepResult advance(EquationsOfMotion& equations, State& state, double t_stop) override;
+  /// Consistent accelerations and a history that begins here, as prepare() but for the statistics.
+  void restart(EquationsOfMotion& equations, State& state);
+  const Parameters& parameters() const { return parameters_; }
+  double beta() const { return beta_; }
+  double gamma() const { return gamma_; }
 
  private:
   enum class Newton { converged, slow, failed };

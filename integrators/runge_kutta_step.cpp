@@ -226,6 +226,7 @@ bool RungeKuttaStep::interpolate(const State& from, const State& to, double time
   out.v = from.v + v_;
   out.v_dot = d_rate_ / h_;
   out.quadrants = from.quadrants;
+  out.contacts = from.contacts;
 
   out.lambda.resize(0);
   if (forward_) return true;

@@ -26,7 +26,7 @@ InertialBody::Parameters with_mesh(InertialBody::Parameters p) {
 InertialBody::Cache::Cache(const InertialBody& body)
     : modes(body.bricks_.batch_count()), force(VectorX::Zero(3 * body.node_count())) {
   for (auto& batch : modes) brick::clear(batch.alpha, 3 * brick::kModes);
-  for (int i = 0; i < body.marker_count(); ++i) elastic.emplace_back(Matrix6X::Zero(6, 3 * body.node_count()));
+  elastic.resize(static_cast<size_t>(body.marker_count()));
 }
 
 InertialBody::InertialBody(Parameters parameters)

@@ -42,7 +42,7 @@ class InertialBody final : public Body {
     std::vector<brick::Modes> modes;
     VectorX force;                  // ∂U/∂q + stiffness-proportional damping
     double strain_energy = 0;       // J
-    std::vector<Matrix6X> elastic;  // of each marker
+    std::vector<Matrix6X> elastic;  // of each marker; no columns before it is asked for
     explicit Cache(const InertialBody&);
   };
 

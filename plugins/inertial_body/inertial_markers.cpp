@@ -89,8 +89,8 @@ Marker InertialBody::average(const std::vector<int>& ids, const Matrix3& orienta
 void InertialBody::marker_kinematics(const BodyState& state, int marker, Level level, MarkerKinematics& k) const {
   auto& cache = static_cast<Cache&>(*state.cache);
   const MarkerShape& m = markers_[marker];
-  while (static_cast<int>(cache.elastic.size()) < marker_count())  // markers made since
-    cache.elastic.emplace_back(Matrix6X::Zero(6, 3 * node_count()));
+  if (static_cast<int>(cache.elastic.size()) < marker_count())  // markers made since
+    cache.elastic.resize(static_cast<size_t>(marker_count()));
   const auto position = [&](int node) { return Eigen::Map<const Vector3>(state.q + 3 * node); };
   const auto velocity = [&](int node) { return Eigen::Map<const Vector3>(state.v + 3 * node); };
 
@@ -108,6 +108,7 @@ void InertialBody::marker_kinematics(const BodyState& state, int marker, Level l
   k.A = &cache.A;
 
   Matrix6X& J = cache.elastic[marker];  // columns of other nodes stay zero
+  if (J.cols() == 0) J = Matrix6X::Zero(6, 3 * node_count());
   for (int node : m.points) J.middleCols<3>(3 * node).setZero();
   for (const auto& arm : m.arms) J.middleCols<3>(3 * arm.node).setZero();
   for (int node : m.points)

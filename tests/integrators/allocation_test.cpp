@@ -4,12 +4,19 @@
 #include <array>
 #include <atomic>
 #include <cstddef>
+#include <set>
 
 #include "bodies/flexible/flexible_body.h"
 #include "bodies/flexible/readers/calculix.h"
+#include "bodies/rigid_body.h"
+#include "engine/contact/gauss_seidel.h"
+#include "integrators/explicit_runge_kutta.h"
 #include "integrators/generalized_alpha.h"
+#include "integrators/moreau_jean.h"
+#include "joints/contact/contact.h"
 #include "joints/forces/point_force.h"
 #include "joints/revolute_joint.h"
+#include "tests/joints/contact_pairs.h"
 #include "tests/support/methods.h"
 #include "tests/support/scenes.h"
 
@@ -100,6 +107,109 @@ TEST(Step, AllocatesNothingForALoadedFlexibleBody) {
       EXPECT_EQ(allocations - before, 0) << method->name();
     }
   }
+}
+
+/// Colliders where they are put; the nodes of the last, a surface, at their points on it.
+class PosesWithNodes final : public ContactPoses {
+ public:
+  GivenPoses poses;
+  std::vector<Vector3> nodes;
+  Vector3 at;  // of the surface
+  explicit PosesWithNodes(int count) : poses(count) {}
+  const MarkerKinematics& collider(int collider) const override { return poses.collider(collider); }
+  void node(int, int marker, MarkerKinematics& out) const override { out.p = at + nodes[marker]; }
+  std::span<const double> deformation(int) const override { return {}; }
+};
+
+TEST(Contact, AllocatesNothingOnceItHasBeenThere) {
+#ifdef LITHE_TEST_NO_COUNT
+  GTEST_SKIP() << "a sanitizer owns malloc";
+#endif
+  const std::vector<Vector3> square{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+  const std::vector<std::array<int, 3>> triangles{{0, 1, 2}, {0, 2, 3}};
+  std::vector<Vector3> octahedron;
+  for (int axis = 0; axis < 3; ++axis)
+    for (double side : {-0.2, 0.2}) octahedron.push_back(side * Vector3::Unit(axis));
+  SystemGraph graph;
+  auto& sheet = graph.add<RigidBody>("sheet");
+  std::vector<Marker> nodes;
+  for (int i = 0; i < 4; ++i) nodes.push_back({sheet.marker().body, i});
+  std::vector<Shape> shapes{shape::half_space(), shape::mesh(square, triangles)};
+  for (int i = 0; i < 3; ++i)  // more pairs than are looked at one by one
+    for (const Shape& convex : {shape::sphere(0.2), shape::box({0.4, 0.3, 0.5}), shape::cylinder(0.2, 0.4),
+                                shape::cone(0.2, 0.4), shape::capsule(0.1, 0.3), shape::convex_hull(octahedron)})
+      shapes.push_back(convex);
+  shapes.push_back(shape::surface(nodes, square, triangles));
+  const int count = static_cast<int>(shapes.size());
+  std::vector<Collider> colliders;
+  for (int i = 0; i < count; ++i)
+    colliders.push_back({graph.add<RigidBody>("body " + std::to_string(i)).marker(), shapes[i]});
+  const Contact contact(colliders, {.law = Sensing{}});
+  const auto detector = make_bullet_detector(contact);
+
+  PosesWithNodes poses(count);
+  poses.nodes = square;
+  const std::vector<double> reach(count, 0.02);
+  std::vector<ContactPoint> points;
+  const auto find = [&](double moved) {
+    Random random(8);
+    for (int i = 0; i < count; ++i) {
+      const ContactPose turn = i > 1 && i + 1 < count ? random_pose(random, 0) : ContactPose{};
+      const Vector3 place(uniform(random, -0.4, 0.4), uniform(random, -0.4, 0.4), uniform(random, -0.2, 0.2));
+      poses.poses.set(i, {place + moved * Vector3::Ones(), turn.R});
+      poses.at = place + moved * Vector3::Ones();
+    }
+    points.clear();
+    detector->find(poses, reach, points);
+  };
+  find(0);
+  std::set<int> touched;
+  for (const ContactPoint& p : points) touched.insert({p.A.collider, p.B.collider});
+  EXPECT_EQ(touched.size(), shapes.size());
+  const std::size_t found = points.size();
+  points.reserve(2 * found);
+  for (double moved : {0.0, 1e-6, -0.3, 0.0}) {
+    if (moved < 0) {  // far enough for the tree to be changed
+      find(moved);
+      continue;
+    }
+    const long before = allocations;
+    find(moved);
+    EXPECT_EQ(allocations - before, 0) << moved;
+  }
+}
+
+TEST(Step, AllocatesNothingForContactsThatStay) {
+#ifdef LITHE_TEST_NO_COUNT
+  GTEST_SKIP() << "a sanitizer owns malloc";
+#endif
+  const auto pile = [](std::variant<Compliance, RigidSurfaces, Sensing> law) {
+    return Scene({0, 0, -9.81}, [&](SystemGraph& graph) {
+      std::vector<Collider> colliders{{graph.ground().marker(), shape::half_space()}};
+      for (int i = 0; i < 3; ++i) {
+        auto& ball = graph.add<RigidBody>("ball " + std::to_string(i), {.position = {0.3 * i, 0, 0.1}});
+        auto& box = graph.add<RigidBody>("box " + std::to_string(i), {.position = {0.5 * i, 1, 0.1}});
+        colliders.push_back({ball.marker(), shape::sphere(0.1)});
+        colliders.push_back({box.marker(), shape::box({0.2, 0.2, 0.2})});
+      }
+      auto& rod = graph.add<RigidBody>("rod", {.position = {0, -1.5, 0.1}});
+      graph.add<RevoluteJoint>("pin", {graph.ground().marker({0, -2, 0.1}), rod.marker({0, -0.5, 0})});
+      colliders.push_back({rod.marker(), shape::capsule(0.1, 0.5)});
+      graph.add<Contact>("contact", std::move(colliders), {.law = law, .friction = {.coefficient = 0.3}});
+    });
+  };
+  const auto counted = [](Scene scene, Integrator& integrator) {
+    scene.run(integrator, 0.02);
+    const long before = allocations;
+    bool ok = true;
+    while (scene.state.time < 0.05) ok &= integrator.step(scene.equations, scene.state, 0.05).ok();
+    EXPECT_TRUE(ok);
+    return allocations - before;
+  };
+  MoreauJean moreau{{.step = 1e-3}, std::make_unique<GaussSeidel>()};
+  EXPECT_EQ(counted(pile(RigidSurfaces{}), moreau), 0);
+  ExplicitRungeKutta rk{{.tolerance = {1e-6, 1e-8}}};
+  EXPECT_EQ(counted(pile(Compliance{.stiffness = 1e5, .exponent = 1}), rk), 0);
 }
 
 }  // namespace

@@ -8,9 +8,11 @@ target_compile_options(lithe_flags INTERFACE -Wall -Wextra -Wpedantic -Wnon-virt
 target_compile_options(lithe_flags INTERFACE $<IF:$<CXX_COMPILER_ID:GNU>,-Wshadow=local,-Wshadow>)
 # Scenes name the parameters they set and leave the rest at their defaults.
 target_compile_options(lithe_flags INTERFACE -Wno-missing-field-initializers)
-# GCC 12 reports false positives at -O3: the first two inside Eigen, the third inside std::string (GCC bug 105651).
+# GCC 12 reports false positives at -O3: the first two inside Eigen, the third inside std::string (GCC bug 105651), the
+# last two in its AVX-512 header.
 target_compile_options(lithe_flags INTERFACE
-                       $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized -Wno-array-bounds -Wno-restrict>)
+                       $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized -Wno-array-bounds -Wno-restrict
+                       -Wno-stringop-overflow -Wno-stringop-overread>)
 
 function(lithe_library name)
   cmake_parse_arguments(ARG "" "" "DEPENDS;PRIVATE;HEADERS_ONLY" ${ARGN})

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <vector>
+
+#include "engine/contact/contact_element.h"
+#include "engine/layout.h"
+#include "engine/workspace.h"
+
+namespace lithe {
+
+/// A contact element as an assembled system knows it.
+struct ContactRecord {
+  const ContactElement* element;
+  int number;                   // of the graph's contact elements
+  int energy;                   // index into Workspace::force_energy
+  std::vector<Marker> markers;  // one a collider
+  std::vector<int> places;      // of these in the marker table
+  std::vector<int> bodies;      // index into Layout::bodies(); -1: ground
+};
+
+/// Where the colliders are, and their bodies' slices, for one assembler.
+class ContactPlaces final : public ContactPoses {
+ public:
+  ContactPlaces(const ContactRecord& record, const Layout& layout, const Workspace& work,
+                const std::vector<BodyState>& bodies)
+      : record_(record), layout_(layout), work_(work), bodies_(bodies) {}
+
+  const MarkerKinematics& collider(int i) const override { return work_.markers[record_.places[i]]; }
+  void node(int i, int marker, MarkerKinematics& out) const override {
+    record_.markers[i].body->marker_kinematics(bodies_[record_.bodies[i]], marker, Level::velocity, out);
+  }
+  std::span<const double> deformation(int i) const override {
+    if (record_.bodies[i] < 0) return {};
+    const Layout::BodySlice& s = *slice(i);
+    return {bodies_[record_.bodies[i]].q + (s.frame ? 7 : 0), static_cast<std::size_t>(s.linear)};
+  }
+  /// Null: ground.
+  const Layout::BodySlice* slice(int i) const {
+    return record_.bodies[i] < 0 ? nullptr : &layout_.bodies()[record_.bodies[i]];
+  }
+  const ContactRecord& record() const { return record_; }
+
+ private:
+  const ContactRecord& record_;
+  const Layout& layout_;
+  const Workspace& work_;
+  const std::vector<BodyState>& bodies_;  // by layout
+};
+
+}  // namespace lithe

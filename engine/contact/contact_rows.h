@@ -1,0 +1,54 @@
+#pragma once
+
+#include <vector>
+
+#include "engine/contact/contact_places.h"
+#include "engine/math.h"
+
+namespace lithe {
+
+/// Rotation whose columns are a contact's axes: the normal and two across, the same for the same normal.
+Matrix3 contact_frame(const Vector3& normal);
+
+/// Contact points as rows: u = H v, the velocity of B relative to A in the point's frame; three rows a point, or six
+/// with the angular velocity. A generalized force is Hᵀ f, f the load on B in that frame.
+class ContactRows {
+ public:
+  struct Side {
+    int collider = -1;
+    int body = -1;      // index into Layout::bodies(), -1: ground
+    int velocity = -1;  // first velocity of the columns; -1: none
+    int count = 0;      // columns, side by side
+    int H = 0;          // in values(): rows x count, column-major
+  };
+  struct Row {
+    int element;  // ContactRecord::number
+    ContactPoint point;
+    Matrix3 frame;
+    int first, rows;
+    Side sides[2];  // A, B
+  };
+
+  void clear();
+  /// Adds a point of the element at `places`, whose bodies and markers have been evaluated.
+  void add(const ContactPlaces& places, const ContactPoint& point, int rows);
+  const std::vector<Row>& points() const { return points_; }
+  int row_count() const { return count_; }
+  const double* values(const Side& side) const { return values_.data() + side.H; }
+
+  /// Of one point: u = H v, `rows` long.
+  void velocity(const Row& row, const double* v, double* u) const;
+  /// p += Hᵀ f.
+  void add_force(const Row& row, const double* f, double* p) const;
+  /// Columns that belong to these velocities become zero: what is held does not move.
+  void release(const std::vector<int>& velocities);
+
+ private:
+  void add_side(const ContactPlaces& places, const ContactSide& at, double sign, Row& row, Side& side);
+
+  std::vector<Row> points_;
+  std::vector<double> values_;
+  int count_ = 0;
+};
+
+}  // namespace lithe

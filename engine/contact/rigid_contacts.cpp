@@ -1,0 +1,251 @@
+#include "engine/contact/rigid_contacts.h"
+
+#include <algorithm>
+#include <numeric>
+#include <tuple>
+
+#include "engine/assembler.h"
+
+namespace lithe {
+namespace {
+
+constexpr double kNear = 1e-6;  // m: looked at whatever the speed
+
+}  // namespace
+
+RigidContacts::RigidContacts(Assembler& equations, const BlockStructure& blocks) : equations_(equations) {
+  for (const ContactRecord& record : equations.system().contacts()) reach_.emplace_back(record.markers.size(), 0.0);
+  group_bodies(blocks);
+}
+
+void RigidContacts::group_bodies(const BlockStructure& blocks) {
+  const auto& bodies = equations_.layout().bodies();
+  const int n = static_cast<int>(bodies.size());
+  std::vector<int> body_of(equations_.layout().v_count()), parent(n);
+  for (int b = 0; b < n; ++b)
+    for (int i = 0; i < (bodies[b].frame ? 6 : 0) + bodies[b].linear; ++i) body_of[bodies[b].v + i] = b;
+  // 1. Who shares rows or couplings.
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](int b) {
+    while (parent[b] != b) b = parent[b] = parent[parent[b]];
+    return b;
+  };
+  std::vector<char> tied(n, 0);
+  std::vector<int> first(blocks.rows.size(), -1);
+  for (const auto& G : blocks.jacobians) {
+    const int b = body_of[G.velocity];
+    tied[b] = 1;
+    if (first[G.rows] < 0) first[G.rows] = b;
+    parent[root(b)] = root(first[G.rows]);
+  }
+  for (const auto& c : blocks.row_couplings)
+    if (first[c.rows] >= 0 && first[c.on] >= 0) parent[root(first[c.rows])] = root(first[c.on]);
+  for (const auto& c : blocks.couplings) {
+    const int a = body_of[blocks.frames[c.a].v], b = body_of[blocks.frames[c.b].v];
+    tied[a] = tied[b] = 1;
+    parent[root(a)] = root(b);
+  }
+  for (const auto& entry : equations_.system().graph().forces()) {
+    if (!entry.make_batch) continue;
+    for (const Marker& m : entry.markers)
+      if (const int b = equations_.find_body(*m.body); b >= 0) tied[b] = 1;  // its load has a tangent
+  }
+  // 2. Components, by their first body.
+  std::vector<int> component(n, -1);
+  component_.assign(n, -1);
+  place_.assign(equations_.layout().v_count(), 0);
+  for (int b = 0; b < n; ++b) {
+    int& c = component[root(b)];
+    if (c < 0) c = static_cast<int>(components_.size()), components_.emplace_back();
+    component_[b] = c;
+    Component& of = components_[c];
+    of.bodies.push_back(b);
+    for (int i = 0; i < (bodies[b].frame ? 6 : 0) + bodies[b].linear; ++i) {
+      place_[bodies[b].v + i] = static_cast<int>(of.velocities.size());
+      of.velocities.push_back(bodies[b].v + i);
+    }
+  }
+  for (Component& c : components_) {
+    const auto& body = bodies[c.bodies.front()];
+    const auto inertia = body.body->rigid_inertia();
+    c.alone = c.bodies.size() == 1 && !tied[c.bodies.front()] && body.frame && body.linear == 0 && inertia;
+    if (c.alone) c.inertia = {1 / inertia->mass, inertia->inertia.inverse()};
+  }
+}
+
+void RigidContacts::find(ConstVectorRef v, double horizon) {
+  rows_.clear();
+  points_.clear();
+  ContactForces& contacts = *equations_.contacts();
+  const double fall = horizon * horizon * equations_.system().gravity().norm();
+  for (const ContactRecord& record : equations_.system().contacts()) {
+    if (record.element->law() != ContactElement::Law::rigid) continue;
+    const ContactPlaces& places = contacts.places()[record.number];
+    auto& reach = reach_[record.number];
+    for (std::size_t i = 0; i < reach.size(); ++i) {
+      reach[i] = kNear;
+      if (record.bodies[i] < 0) continue;
+      const MarkerKinematics& k = places.collider(static_cast<int>(i));
+      reach[i] += horizon * (k.v.norm() + k.w.norm() * contacts.extent(record.number, static_cast<int>(i))) + fall;
+    }
+    found_.clear();
+    contacts.find(record.number, reach, found_);
+    const RigidContact law = record.element->rigid();
+    for (const ContactPoint& point : found_) {
+      if (record.bodies[point.A.collider] == record.bodies[point.B.collider]) continue;  // welded together
+      rows_.add(places, point, record.element->has_moments() ? 6 : 3);
+      const ContactRows::Row& row = rows_.points().back();
+      double u[6] = {};
+      rows_.velocity(row, v.data(), u);
+      points_.push_back({law, point.gap, {u[0], u[1], u[2]}, row.first, row.rows});
+    }
+  }
+}
+
+/// M⁻¹ Hᵀ of a rigid body.
+void RigidContacts::respond_alone(const ContactRows::Row& row, const ContactRows::Side& side, ConeProblem::Side& to) {
+  const RigidInertia& inverse = components_[component_[side.body]].inertia;
+  const double* H = rows_.values(side);
+  double* Y = problem_.values.data() + to.Y;
+  for (int i = 0; i < row.rows; ++i, Y += 6) {
+    const Vector3 turn(H[i + 3 * row.rows], H[i + 4 * row.rows], H[i + 5 * row.rows]);
+    for (int k = 0; k < 3; ++k) Y[k] = inverse.mass * H[i + k * row.rows];
+    Eigen::Map<Vector3>(Y + 3).noalias() = inverse.inertia * turn;
+  }
+}
+
+/// S⁻¹ Hᵀ of all others: a column of each component goes into one solution.
+void RigidContacts::respond_together() {
+  if (columns_.size() < problem_.groups.size()) columns_.resize(problem_.groups.size());
+  for (auto& of : columns_) of.clear();
+  for (std::size_t i = 0; i < points_.size(); ++i)
+    for (int s = 0; s < 2; ++s) {
+      const ContactRows::Side& side = rows_.points()[i].sides[s];
+      if (side.count == 0 || components_[component_[side.body]].alone) continue;
+      for (int row = 0; row < points_[i].rows; ++row)
+        columns_[problem_.contacts[i].sides[s].group].push_back({static_cast<int>(i), s, row});
+    }
+  std::size_t most = 0;
+  for (const auto& of : columns_) most = std::max(most, of.size());
+  rv_.resize(equations_.layout().v_count()), rl_.resize(equations_.layout().row_count());
+  for (std::size_t k = 0; k < most; ++k) {
+    rv_.setZero(), rl_.setZero();
+    for (const auto& of : columns_) {
+      if (k >= of.size()) continue;
+      const ContactRows::Row& row = rows_.points()[of[k].point];
+      const ContactRows::Side& side = row.sides[of[k].side];
+      for (int c = 0; c < side.count; ++c) rv_[side.velocity + c] = rows_.values(side)[of[k].row + row.rows * c];
+    }
+    equations_.solve(rv_, rl_);
+    for (std::size_t g = 0; g < columns_.size(); ++g) {
+      if (k >= columns_[g].size()) continue;
+      const Column& column = columns_[g][k];
+      const auto& velocities = components_[used_[g]].velocities;
+      double* Y = problem_.values.data() + problem_.contacts[column.point].sides[column.side].Y +
+                  column.row * static_cast<int>(velocities.size());
+      for (int velocity : velocities) *Y++ = rv_[velocity];
+    }
+  }
+}
+
+ConeProblem& RigidContacts::form() {
+  // 1. Groups: the components in touch.
+  for (int c : used_) components_[c].group = -1;
+  used_.clear();
+  problem_.contacts.clear(), problem_.groups.clear(), problem_.values.clear();
+  problem_.rows = rows_.row_count();
+  problem_.velocities = 0;
+  problem_.free.setZero(problem_.rows);
+  bool tied = false;
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const ContactRows::Row& row = rows_.points()[i];
+    ConeProblem::Contact& contact = problem_.contacts.emplace_back();
+    contact.row = row.first;
+    contact.rows = row.rows;
+    contact.friction = points_[i].law.friction;
+    contact.rolling = points_[i].law.rolling;
+    contact.spinning = points_[i].law.spinning;
+    for (int s = 0; s < 2; ++s) {
+      const ContactRows::Side& side = row.sides[s];
+      if (side.count == 0) continue;
+      Component& component = components_[component_[side.body]];
+      const int size = static_cast<int>(component.velocities.size());
+      if (component.group < 0) {
+        component.group = static_cast<int>(used_.size());
+        used_.push_back(component_[side.body]);
+        problem_.groups.push_back({problem_.velocities, size});
+        problem_.velocities += size;
+      }
+      // 2. H as it is, Y where it is to be.
+      ConeProblem::Side& to = contact.sides[s];
+      to.group = component.group;
+      to.first = place_[side.velocity];
+      to.count = side.count;
+      to.H = static_cast<int>(problem_.values.size());
+      problem_.values.insert(problem_.values.end(), rows_.values(side), rows_.values(side) + row.rows * side.count);
+      to.Y = static_cast<int>(problem_.values.size());
+      problem_.values.resize(problem_.values.size() + static_cast<std::size_t>(size * row.rows), 0.0);
+      if (component.alone)
+        respond_alone(row, side, to);
+      else
+        tied = true;
+    }
+  }
+  if (tied) respond_together();
+  return problem_;
+}
+
+void RigidContacts::velocity(ConstVectorRef v, VectorRef u) const {
+  for (const ContactRows::Row& row : rows_.points()) rows_.velocity(row, v.data(), u.data() + row.first);
+}
+
+void RigidContacts::add_response(ConstVectorRef r, const VectorX* weights, VectorRef dv) const {
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const double weight = weights ? (*weights)[static_cast<int>(i)] : 1;
+    for (const ConeProblem::Side& side : problem_.contacts[i].sides) {
+      if (side.group < 0) continue;
+      const auto& velocities = components_[used_[side.group]].velocities;
+      const double* Y = problem_.values.data() + side.Y;
+      for (int row = 0; row < points_[i].rows; ++row) {
+        const double impulse = weight * r[points_[i].first + row];
+        for (int velocity : velocities) dv[velocity] += impulse * *Y++;
+      }
+    }
+  }
+}
+
+void RigidContacts::recall(const ContactMemory& memory, double h, VectorRef r) const {
+  r.setZero();
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const ContactRows::Row& row = rows_.points()[i];
+    const auto wanted = contact_key(row.element, row.point);
+    const auto at = std::lower_bound(memory.begin(), memory.end(), wanted, [](const ContactTrace& t, const auto& k) {
+      return contact_key(t.element, t.point) < k;
+    });
+    if (at == memory.end() || contact_key(at->element, at->point) != wanted) continue;
+    r.segment<3>(row.first) = h * (row.frame.transpose() * at->force);
+    if (row.rows > 3) r.segment<3>(row.first + 3) = h * (row.frame.transpose() * at->moment);
+  }
+}
+
+void RigidContacts::remember(ConstVectorRef r, double h, ContactMemory& memory) const {
+  const auto& contacts = equations_.system().contacts();
+  std::erase_if(
+      memory, [&](const ContactTrace& t) { return contacts[t.element].element->law() == ContactElement::Law::rigid; });
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const ContactRows::Row& row = rows_.points()[i];
+    if (r.segment(row.first, row.rows).isZero(0)) continue;
+    ContactTrace& trace = memory.emplace_back();
+    trace.element = row.element;
+    trace.point = row.point;
+    trace.force = row.frame * r.segment<3>(row.first) / h;
+    trace.moment.setZero();
+    if (row.rows > 3) trace.moment = row.frame * r.segment<3>(row.first + 3) / h;
+    trace.on_A.setZero(), trace.on_B.setZero(), trace.bristle.setZero();
+  }
+  std::sort(memory.begin(), memory.end(), [](const ContactTrace& a, const ContactTrace& b) {
+    return contact_key(a.element, a.point) < contact_key(b.element, b.point);
+  });
+}
+
+}  // namespace lithe

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <vector>
+
+#include "engine/block_structure.h"
+#include "engine/contact/cone_problem.h"
+#include "engine/contact/contact_forces.h"
+
+namespace lithe {
+
+class Assembler;
+
+/// The contacts of rigid surfaces as integrators see them, at the state evaluated last by the equations of motion.
+class RigidContacts {
+ public:
+  RigidContacts(Assembler& equations, const BlockStructure& blocks);
+
+  struct Point {
+    RigidContact law;
+    double gap;
+    Vector3 before;   // velocity in the point's frame at `v`, m/s
+    int first, rows;  // rows of the problem
+  };
+  /// Finds all points that surfaces moving with v may close within `horizon` seconds either way, at the state evaluated
+  /// last.
+  void find(ConstVectorRef v, double horizon);
+  bool empty() const { return points_.empty(); }
+  const std::vector<Point>& points() const { return points_; }
+
+  /// The problem of impulses at these points (engine/contact/cone_problem.h), but for `free`, with Y = S⁻¹ Hᵀ of the
+  /// last factor; of rigid bodies that nothing ties their own mass.
+  ConeProblem& form();
+  /// As formed last, to be given another `free` or friction.
+  ConeProblem& problem() { return problem_; }
+  /// u = H v of all points.
+  void velocity(ConstVectorRef v, VectorRef u) const;
+  /// dv += Σ weight_i Y_i r_i, a weight for each point (null: 1).
+  void add_response(ConstVectorRef r, const VectorX* weights, VectorRef dv) const;
+  /// Impulses of the last step that are those of these points, over `h`: where a solver may start.
+  void recall(const ContactMemory& memory, double h, VectorRef r) const;
+  /// What the points did: mean forces over h.
+  void remember(ConstVectorRef r, double h, ContactMemory& memory) const;
+
+ private:
+  void group_bodies(const BlockStructure& blocks);
+  void add_groups();
+  void respond_alone(const ContactRows::Row& row, const ContactRows::Side& side, ConeProblem::Side& to);
+  void respond_together();
+
+  Assembler& equations_;
+  // Bodies that joints or springs tie are one component.
+  struct Component {
+    std::vector<int> bodies, velocities;  // velocities: of the whole system, in order
+    bool alone = false;                   // one rigid body that nothing ties
+    RigidInertia inertia{};
+    int group = -1;  // in the problem
+  };
+  std::vector<Component> components_;
+  std::vector<int> component_;  // of each body
+  std::vector<int> place_;      // of each velocity in its component
+  std::vector<int> used_;       // components of the groups
+  struct Column {
+    int point, side, row;
+  };
+  std::vector<std::vector<Column>> columns_;  // by group
+  VectorX rv_, rl_;
+  std::vector<ContactPoint> found_;
+  std::vector<std::vector<double>> reach_;
+  ContactRows rows_;
+  std::vector<Point> points_;
+  ConeProblem problem_;
+};
+
+}  // namespace lithe

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <memory>
+
+#include "engine/contact/cone_problem.h"
+#include "engine/contact/rigid_contacts.h"
+#include "engine/equations_of_motion.h"
+#include "engine/state.h"
+
+namespace lithe {
+
+/// How rigid surfaces that meet at one time share an impact.
+enum class Impacts {
+  simultaneous,  // one problem for all, Newton's restitution at each: three equal balls in touch leave with -1/3, 2/3,
+                 // 2/3
+  sequential,    // one pair after another as their gaps close within the step: the limit of small gaps: 0, 0, 1
+};
+
+/// The contact part of a time-stepping method (Moreau 1999; Acary & Brogliato 2008): impulses r at the end of a step
+/// that has been made without contact, from v to v_free along the displacement d. Impulses act where gaps close: of
+/// contact i, whose gap and its rate within the step are known, an impulse of an impact works for the rest of the step,
+/// one that keeps surfaces at rest for half of it: w_i. So
+///   v' = v_free + Σ Y r,   d' = d + Σ w_i Y r_across + Σ Y p,   gap' >= aim ⊥ p >= 0,   p near w_i r_normal,
+/// where the gaps aimed at are those after a bounce at its time, or zero. A ball in free flight bounces at the time of
+/// its impact, to round-off; bodies at rest, and those that others fall upon, neither sink nor float.
+class ContactImpulses {
+ public:
+  struct Parameters {
+    Impacts impacts = Impacts::simultaneous;
+    double tolerance = 1e-8;           // of impulses, relative to the largest
+    double position_tolerance = 1e-9;  // m: overlaps below it stay
+  };
+  ContactImpulses(Parameters parameters, std::unique_ptr<ConeSolver> solver);
+
+  /// With the equations evaluated in the middle of the step, q ⊕ h/2 v, and factorised with its weights. `v_end` and
+  /// `d` come without contact and leave with it. False where no point was near.
+  bool apply(EquationsOfMotion& equations, const VectorX& v, double h, const ContactMemory& last, VectorX& v_end,
+             VectorX& d);
+  /// What the step did, for State::contacts: nothing where apply() found none.
+  void remember(EquationsOfMotion& equations, double h, ContactMemory& memory) const;
+  /// Iterations of the solver in the last step: sweeps, factorisations.
+  int iterations() const { return iterations_; }
+  /// Steps whose impulses the solver left above the tolerance; the first one is warned of.
+  long unconverged() const { return unconverged_; }
+
+ private:
+  /// Of one point: what its impulse aims at, and how long it works.
+  struct Aim {
+    double velocity;  // least normal velocity at the end
+    double time;      // w, s
+    double gap = 0;   // least gap there, m
+  };
+  Aim aim(const RigidContacts::Point& point, double free_velocity, double gap, double free_gap, double h) const;
+  void collide(RigidContacts& contacts, double h, VectorX& v_end, VectorX& d);
+  void displace(RigidContacts& contacts, VectorX& d);
+
+  Parameters parameters_;
+  std::unique_ptr<ConeSolver> solver_, single_, position_;
+  bool acted_ = false;
+  int iterations_ = 0;
+  long unconverged_ = 0;
+  VectorX u_, r_, total_, weights_, dv_, moved_, gaps_, free_gaps_, least_gaps_, now_, impulse_;
+  ConeProblem alone_;
+};
+
+}  // namespace lithe

@@ -1,0 +1,101 @@
+#include "integrators/moreau_jean.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/checks.h"
+#include "engine/contact/direct_cone_solver.h"
+#include "engine/error.h"
+#include "engine/projection.h"
+
+namespace lithe {
+
+MoreauJean::MoreauJean(Parameters parameters, std::unique_ptr<ConeSolver> solver)
+    : parameters_(parameters),
+      impulses_(parameters.contact, solver ? std::move(solver) : std::make_unique<AutomaticConeSolver>()) {
+  require::at("MoreauJean", [&] { require::positive(parameters.step, "step"); });
+}
+
+void MoreauJean::prepare(EquationsOfMotion& equations, State& state) {
+  const int nv = equations.layout().v_count(), rows = equations.layout().row_count();
+  statistics_ = {};
+  for (VectorX* x : {&v_, &d_, &rv_}) x->setZero(nv);
+  rl_.setZero(rows);
+  q_ = state.q;
+  if (state.v_dot.size() != nv) state.v_dot.setZero(nv);
+  if (state.lambda.size() != rows) state.lambda.setZero(rows);
+  Projector(equations).accelerations(state.time, state.q, state.v, state.v_dot, state.lambda);
+}
+
+StepResult MoreauJean::advance(EquationsOfMotion& equations, State& state, double t_stop) {
+  if (!(t_stop > state.time)) return {};
+  // Equal steps up to t_stop, no longer than the given one.
+  const double left = t_stop - state.time, count = std::max(1.0, std::ceil(left / parameters_.step - 1e-6));
+  const double h = std::abs(count * parameters_.step - left) > 1e-9 * left ? left / count : parameters_.step;
+  const double time = count == 1 ? t_stop : state.time + h;
+  const Layout& layout = equations.layout();
+
+  // 1. Without contact: forces and their derivatives in the middle.
+  const bool rigid = equations.rigid_contacts() != nullptr;
+  if (rigid) equations.recall(ContactMemory{});
+  d_ = h / 2 * state.v;
+  layout.retract(state.q, d_, q_);
+  equations.evaluate(state.time + h / 2, q_, state.v, Level::velocity);
+  ++statistics_.evaluations;
+  if (state.lambda.size() != rl_.size()) state.lambda.setZero(rl_.size());
+  rl_.setZero();
+  v_.setZero();
+  equations.residual(v_, equations.reacts() ? state.lambda : rl_, rv_);
+  if (!rv_.allFinite()) {
+    const auto broken = std::find_if(rv_.begin(), rv_.end(), [](double x) { return !std::isfinite(x); });
+    return {StepResult::Outcome::failed, "the equations give no numbers at the step of " + step_text(h) +
+                                             "; first in " +
+                                             layout.velocity_name(static_cast<int>(broken - rv_.begin()))};
+  }
+  equations.factorize({h * h / 4, h / 2, 1}, state.v_dot, state.lambda, nullptr);
+  ++statistics_.factorizations;
+  rv_ *= -h;
+  equations.constraint(Level::velocity, rl_);
+  rl_ = -rl_;
+  equations.solve(rv_, rl_);
+  v_ = state.v + rv_;
+  d_ = h / 2 * (state.v + v_);
+
+  // 2. With contact, then with closed joints.
+  if (rigid) {
+    impulses_.apply(equations, state.v, h, state.contacts, v_, d_);
+    impulses_.remember(equations, h, state.contacts);
+    statistics_.newton_iterations += impulses_.iterations();
+  }
+  layout.retract(state.q, d_, q_);
+  if (rl_.size() > 0) close_joints(equations, time);
+  if (!q_.allFinite() || !v_.allFinite())
+    return {StepResult::Outcome::failed, "the contact problem gives no numbers at the step of " + step_text(h)};
+
+  state.v_dot = (v_ - state.v) / h;
+  state.time = time;
+  state.q = q_;
+  state.v = v_;
+  state.lambda.resize(0);  // who wants the multipliers asks Snapshot
+  ++statistics_.steps;
+  return {};
+}
+
+/// Moves positions, then velocities, onto the constraints along the last factor.
+void MoreauJean::close_joints(EquationsOfMotion& equations, double time) {
+  equations.evaluate(time, q_, v_, Level::velocity);
+  ++statistics_.evaluations;
+  equations.constraint(Level::position, rl_);
+  rl_ = -rl_;
+  for (int row : equations.velocity_rows()) rl_[row] = 0;
+  rv_.setZero();
+  equations.solve(rv_, rl_);
+  equations.layout().retract(q_, rv_, q_);
+  equations.constraint(Level::velocity, rl_);
+  rl_ = -rl_;
+  rv_.setZero();
+  equations.solve(rv_, rl_);
+  v_ += rv_;
+}
+
+}  // namespace lithe

@@ -1,0 +1,76 @@
+#include "integrators/nonsmooth_generalized_alpha.h"
+
+#include "engine/checks.h"
+#include "engine/contact/direct_cone_solver.h"
+
+namespace lithe {
+
+NonsmoothGeneralizedAlpha::NonsmoothGeneralizedAlpha(Parameters parameters, std::unique_ptr<ConeSolver> solver)
+    : GeneralizedAlpha(
+          {.step = parameters.step, .spectral_radius = parameters.spectral_radius, .form = Form::stabilized_index2}),
+      impulses_(parameters.contact, solver ? std::move(solver) : std::make_unique<AutomaticConeSolver>()) {
+  require::at("NonsmoothGeneralizedAlpha", [&] { require::positive(parameters.step, "step"); });
+}
+
+void NonsmoothGeneralizedAlpha::prepare(EquationsOfMotion& equations, State& state) {
+  equations.recall(ContactMemory{});
+  jumped_ = false;
+  GeneralizedAlpha::prepare(equations, state);
+}
+
+StepResult NonsmoothGeneralizedAlpha::advance(EquationsOfMotion& equations, State& state, double t_stop) {
+  // 1. The smooth motion.
+  equations.recall(ContactMemory{});
+  start_ = state;
+  if (jumped_) state.v_dot = smooth_v_dot_, state.lambda = smooth_lambda_;
+  jumped_ = false;
+  const StepResult result = GeneralizedAlpha::advance(equations, state, t_stop);
+  if (!result.ok() || !equations.rigid_contacts()) return result;
+  const Layout& layout = equations.layout();
+  const double h = state.time - start_.time;
+  if (!(h > 0)) return result;
+
+  // 2. Contact, in the middle of it.
+  d_.resize(state.v.size());
+  layout.difference(start_.q, state.q, d_);
+  v_ = state.v;
+  q_ = start_.q;
+  layout.retract(start_.q, h / 2 * start_.v, q_);
+  equations.evaluate(start_.time + h / 2, q_, start_.v, Level::velocity);
+  equations.factorize({beta() * h * h, gamma() * h, 1}, state.v_dot, state.lambda, nullptr);
+  if (!impulses_.apply(equations, start_.v, h, start_.contacts, v_, d_)) {
+    impulses_.remember(equations, h, state.contacts);
+    return result;
+  }
+  layout.retract(start_.q, d_, q_);
+
+  // 3. Joints closed again, and a history from here on.
+  rl_.resize(layout.row_count());
+  if (rl_.size() > 0) {
+    equations.evaluate(state.time, q_, v_, Level::velocity);
+    equations.constraint(Level::position, rl_);
+    rl_ = -rl_;
+    for (int row : equations.velocity_rows()) rl_[row] = 0;
+    rv_.setZero(v_.size());
+    equations.solve(rv_, rl_);
+    layout.retract(q_, rv_, q_);
+    equations.constraint(Level::velocity, rl_);
+    rl_ = -rl_;
+    rv_.setZero();
+    equations.solve(rv_, rl_);
+    v_ += rv_;
+  }
+  state.q = q_;
+  state.v = v_;
+  if (!q_.allFinite() || !v_.allFinite())
+    return {StepResult::Outcome::failed, "the contact problem gives no numbers at the step of " + step_text(h)};
+  restart(equations, state);
+  smooth_v_dot_ = state.v_dot, smooth_lambda_ = state.lambda;
+  jumped_ = true;
+  state.v_dot = (state.v - start_.v) / h;
+  state.lambda.resize(0);
+  impulses_.remember(equations, h, state.contacts);
+  return result;
+}
+
+}  // namespace lithe

@@ -1,0 +1,41 @@
+#pragma once
+
+#include "integrators/contact_impulses.h"
+#include "integrators/generalized_alpha.h"
+
+namespace lithe {
+
+/// The generalized-alpha method with impulses of rigid contacts (Chen, Acary, Virlez & Brüls 2013, in the decoupled
+/// form of Cosimo et al. 2020): the smooth motion of each step by GeneralizedAlpha, stabilized index 2, with joints
+/// closed in position and velocity and damping of unresolved modes by the spectral radius; then contact
+/// (integrators/contact_impulses.h) along S = M + γ h D + β h² K in its middle. For stiff and flexible scenes, where
+/// MoreauJean would ring. After a step with impulses its history begins anew.
+class NonsmoothGeneralizedAlpha final : public GeneralizedAlpha {
+ public:
+  struct Parameters {
+    double step = 1e-3;            // s
+    double spectral_radius = 0.8;  // at infinite frequency
+    ContactImpulses::Parameters contact{};
+  };
+  /// Solver of impulses: null takes AutomaticConeSolver. Throws SceneError for a step that is not positive, a spectral
+  /// radius outside [0, 1).
+  explicit NonsmoothGeneralizedAlpha(Parameters parameters, std::unique_ptr<ConeSolver> solver = nullptr);
+
+  std::string name() const override { return "nonsmooth generalized-alpha"; }
+  bool handles_rigid_contacts() const override { return true; }
+  const ContactImpulses& impulses() const { return impulses_; }
+
+ protected:
+  void prepare(EquationsOfMotion& equations, State& state) override;
+  StepResult advance(EquationsOfMotion& equations, State& state, double t_stop) override;
+
+ private:
+  ContactImpulses impulses_;
+  State start_;
+  VectorX v_, d_, q_, rv_, rl_;
+  // Of the smooth motion at the end of a step that jumped: State has the mean over the step there.
+  bool jumped_ = false;
+  VectorX smooth_v_dot_, smooth_lambda_;
+};
+
+}  // namespace lithe
