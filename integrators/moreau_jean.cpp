@@ -25,6 +25,7 @@ void MoreauJean::prepare(EquationsOfMotion& equations, State& state) {
   if (state.v_dot.size() != nv) state.v_dot.setZero(nv);
   if (state.lambda.size() != rows) state.lambda.setZero(rows);
   Projector(equations).accelerations(state.time, state.q, state.v, state.v_dot, state.lambda);
+  lambda_ = state.lambda;
 }
 
 StepResult MoreauJean::advance(EquationsOfMotion& equations, State& state, double t_stop) {
@@ -42,17 +43,17 @@ StepResult MoreauJean::advance(EquationsOfMotion& equations, State& state, doubl
   layout.retract(state.q, d_, q_);
   equations.evaluate(state.time + h / 2, q_, state.v, Level::velocity);
   ++statistics_.evaluations;
-  if (state.lambda.size() != rl_.size()) state.lambda.setZero(rl_.size());
+  if (state.lambda.size() == lambda_.size()) lambda_ = state.lambda;
   rl_.setZero();
   v_.setZero();
-  equations.residual(v_, equations.reacts() ? state.lambda : rl_, rv_);
+  equations.residual(v_, equations.reacts() ? lambda_ : rl_, rv_);
   if (!rv_.allFinite()) {
     const auto broken = std::find_if(rv_.begin(), rv_.end(), [](double x) { return !std::isfinite(x); });
     return {StepResult::Outcome::failed, "the equations give no numbers at the step of " + step_text(h) +
                                              "; first in " +
                                              layout.velocity_name(static_cast<int>(broken - rv_.begin()))};
   }
-  equations.factorize({h * h / 4, h / 2, 1}, state.v_dot, state.lambda, nullptr);
+  equations.factorize({h * h / 4, h / 2, 1}, state.v_dot, lambda_, nullptr);
   ++statistics_.factorizations;
   rv_ *= -h;
   equations.constraint(Level::velocity, rl_);

@@ -39,6 +39,7 @@ class MoreauJean final : public Integrator {
   ContactImpulses impulses_;
   IntegratorStatistics statistics_;
   VectorX q_, v_, d_, rv_, rl_;
+  VectorX lambda_;  // of the last state that had any
 };
 
 }  // namespace lithe

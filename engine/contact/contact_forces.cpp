@@ -15,7 +15,7 @@ bool before(const ContactTrace& a, const ContactTrace& b) {
 /// Six numbers of a load.
 Vector6 flat(const ContactLoad& load) {
   Vector6 f;
-  f << load.force, load.moment;
+  f << load.force, to_moment_rows(load.moment);
   return f;
 }
 
@@ -118,7 +118,7 @@ ContactMotion ContactForces::motion_of(const ContactRows& rows, const ContactRow
   motion.gap = row.point.gap;
   motion.curvature = row.point.curvature;
   motion.velocity = {u[0], u[1], u[2]};
-  motion.spin = {u[3], u[4], u[5]};
+  motion.spin = from_moment_rows({u[3], u[4], u[5]});
   motion.slip.setZero();
   motion.bristle.setZero();
   if (!records_[row.element].element->remembers()) return motion;
@@ -221,7 +221,7 @@ void ContactForces::form(const TangentWeights& weights, const VectorX* increment
     if (weights.velocity != 0)
       for (int axis = 0; axis < n; ++axis)
         difference(
-            1e-7, [axis](ContactMotion& m, double d) { (axis < 3 ? m.velocity[axis] : m.spin[axis - 3]) += d; },
+            1e-7, [axis](ContactMotion& m, double d) { (axis < 3 ? m.velocity[axis] : m.spin[(axis - 2) % 3]) += d; },
             by_u + n * axis);
   }
   // 2. H', where corrections are those of the chart of the increment: d' = Jr⁻¹ ω.

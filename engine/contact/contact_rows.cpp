@@ -13,7 +13,7 @@ void add_marker(const MarkerKinematics& k, const Matrix3& frame, const Vector3& 
   for (int axis = 0; axis < axes; ++axis) {
     const int row = first_axis + axis;
     const bool turns = row >= 3;
-    const Vector3 world = weight * frame.col(row % 3), f = k.A->transpose() * world;
+    const Vector3 world = weight * frame.col(turns ? (row - 2) % 3 : row), f = k.A->transpose() * world;
     const Vector3 moment = turns ? f : arm_b.cross(f);  // about the marker's point, body axes
     double* to = H + row;
     if (has_frame) {

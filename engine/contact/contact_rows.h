@@ -10,8 +10,13 @@ namespace lithe {
 /// Rotation whose columns are a contact's axes: the normal and two across, the same for the same normal.
 Matrix3 contact_frame(const Vector3& normal);
 
+/// About the axes of a contact's frame (normal first) as rows have it: rolling about the two across, then spinning; and
+/// back.
+inline Vector3 to_moment_rows(const Vector3& about) { return {about[1], about[2], about[0]}; }
+inline Vector3 from_moment_rows(const Vector3& rows) { return {rows[2], rows[0], rows[1]}; }
+
 /// Contact points as rows: u = H v, the velocity of B relative to A in the point's frame; three rows a point, or six
-/// with the angular velocity. A generalized force is Hᵀ f, f the load on B in that frame.
+/// with the angular velocity (roll, roll, spin). A generalized force is Hᵀ f, f the load on B in that frame.
 class ContactRows {
  public:
   struct Side {

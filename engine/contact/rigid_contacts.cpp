@@ -224,7 +224,7 @@ void RigidContacts::recall(const ContactMemory& memory, double h, VectorRef r) c
     });
     if (at == memory.end() || contact_key(at->element, at->point) != wanted) continue;
     r.segment<3>(row.first) = h * (row.frame.transpose() * at->force);
-    if (row.rows > 3) r.segment<3>(row.first + 3) = h * (row.frame.transpose() * at->moment);
+    if (row.rows > 3) r.segment<3>(row.first + 3) = h * to_moment_rows(row.frame.transpose() * at->moment);
   }
 }
 
@@ -240,7 +240,7 @@ void RigidContacts::remember(ConstVectorRef r, double h, ContactMemory& memory) 
     trace.point = row.point;
     trace.force = row.frame * r.segment<3>(row.first) / h;
     trace.moment.setZero();
-    if (row.rows > 3) trace.moment = row.frame * r.segment<3>(row.first + 3) / h;
+    if (row.rows > 3) trace.moment = row.frame * from_moment_rows(r.segment<3>(row.first + 3)) / h;
     trace.on_A.setZero(), trace.on_B.setZero(), trace.bristle.setZero();
   }
   std::sort(memory.begin(), memory.end(), [](const ContactTrace& a, const ContactTrace& b) {

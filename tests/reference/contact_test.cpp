@@ -250,7 +250,7 @@ VectorX collide(const Cradle& cradle, Impacts impacts) {
     x += 0.2 + (cradle.speeds[i] > 0 && i + 1 < n && cradle.speeds[i + 1] == 0 ? 0.0102 : cradle.gap);
   }
   scene.contact(colliders, 0, 1, /*rest_speed=*/0);
-  scene.start(Stepper::moreau_jean, 1e-3, {.impacts = impacts});
+  scene.start(Stepper::moreau_jean, 1e-3, {.impacts = impacts, .tolerance = 1e-10});
   scene.run(0.05);
   VectorX speeds(n);
   for (int i = 0; i < n; ++i) speeds[i] = scene.state().v[6 * i];
