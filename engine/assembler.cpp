@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "engine/block_kernels.h"
+#include "engine/contact/contact_correction.h"
+#include "engine/contact/rigid_contacts.h"
 #include "engine/error.h"
 
 namespace lithe {
@@ -11,6 +13,15 @@ namespace {
 constexpr int kMostContactRows = 1200;  // whose couplings are solved for exactly
 
 }  // namespace
+
+/// Of factorize_complex().
+struct Assembler::ComplexPart {
+  explicit ComplexPart(const BlockStructure& structure) : factor(structure) {}
+  ComplexBlockFactor factor;
+  std::vector<std::complex<double>> values;
+  ComplexVectorX unknowns;
+  ContactCorrection<std::complex<double>> contacts;
+};
 
 Assembler::Assembler(const System& system) : system_(system), factor_(system.blocks_) {
   const auto& layout = system.layout();
@@ -35,6 +46,7 @@ Assembler::Assembler(const System& system) : system_(system), factor_(system.blo
   if (system.contacts().empty()) return;
   std::vector<BodyState> bodies;
   for (const auto& slice : layout.bodies()) bodies.push_back(body_state(*slice.body));
+  contact_correction_ = std::make_unique<ContactCorrection<double>>();
   contacts_ = std::make_unique<ContactForces>(system.contacts(), layout, work_, std::move(bodies));
   if (contacts_->any_rigid()) rigid_contacts_ = std::make_unique<RigidContacts>(*this, system.blocks_);
 }
@@ -159,8 +171,7 @@ void Assembler::evaluate(double time, ConstVectorRef q, ConstVectorRef v, Level 
   work_.q = q;
   work_.v = v;
   // Joints ask for the velocities of markers where the velocity terms of g̈ or rows on velocities are wanted.
-  const bool no_velocities =
-      level == Level::velocity && !has_forces() && system_.velocity_rows_.empty();
+  const bool no_velocities = level == Level::velocity && !has_forces() && system_.velocity_rows_.empty();
   const Level markers = no_velocities ? Level::position : level;
   for (std::size_t b = 0; b < caches_.size(); ++b)
     system_.batches_.bodies[b]->evaluate(work_, *caches_[b], level, markers);
@@ -305,7 +316,8 @@ void Assembler::add_contact_diagonals(const TangentWeights& weights) {
       if (side.count == 0 || !contacts_->places()[row.element].slice(side.collider)->frame) continue;
       const auto frame = std::lower_bound(frames.begin(), frames.end(), side.velocity,
                                           [](const auto& f, int velocity) { return f.v < velocity; });
-      const Eigen::Map<const MatrixX> H(contacts_->rows().values(side), n, 6), H_right(contacts_->right().data() + side.H, n, 6);
+      const Eigen::Map<const MatrixX> H(contacts_->rows().values(side), n, 6),
+          H_right(contacts_->right().data() + side.H, n, 6);
       Eigen::Map<Matrix6>(work_.values.data() + frame->values).noalias() -=
           H.transpose() * (weights.position * by_x + weights.velocity * by_u) * H_right;
     }
@@ -315,15 +327,15 @@ void Assembler::add_contact_diagonals(const TangentWeights& weights) {
 void Assembler::factorize(const TangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
                           const VectorX* increment) {
   form(weights, v_dot, lambda, increment);
-  contact_correction_.clear();
+  if (contact_correction_) contact_correction_->clear();
   const bool stiff = contacts_ && (weights.position != 0 || weights.velocity != 0);
   if (stiff) contacts_->form(weights, increment);
   const bool many = stiff && contacts_->stiff_rows() > kMostContactRows;
   if (many) add_contact_diagonals(weights);
   factor_.factorize(work_.values);
   if (!stiff || many) return;
-  contact_correction_.form(*contacts_, weights.position, weights.velocity, static_cast<int>(unknowns_.size()),
-                           [&](double* x) { factor_.solve(x); });
+  contact_correction_->form(*contacts_, weights.position, weights.velocity, static_cast<int>(unknowns_.size()),
+                            [&](double* x) { factor_.solve(x); });
 }
 
 /// S is linear in the weights: twice the real form gives its real and imaginary part. Compliant rows are not: -1/(k w).
@@ -392,7 +404,7 @@ void Assembler::solve(VectorRef rv, VectorRef rl) const {
   unknowns_.segment(rv.size(), rl.size()) = rl;
   unknowns_.tail(unknowns_.size() - rv.size() - rl.size()).setZero();
   factor_.solve(unknowns_.data());
-  contact_correction_.apply(unknowns_.data());
+  if (contact_correction_) contact_correction_->apply(unknowns_.data());
   rv = unknowns_.head(rv.size());
   rl = unknowns_.segment(rv.size(), rl.size());
 }
@@ -433,8 +445,8 @@ void Assembler::visit_blocks(const std::function<void(int, int, ConstMatrixRef)>
   for (const auto& c : b.row_couplings)
     visit(b.velocity_count + b.rows[c.rows].first, b.velocity_count + b.rows[c.on].first,
           View(values + c.values, b.rows[c.rows].count, b.rows[c.on].count));
-  if (contact_correction_.active())
-    contact_correction_.visit([&](int row, int column, const MatrixX& block) { visit(row, column, block); });
+  if (contact_correction_ && contact_correction_->active())
+    contact_correction_->visit([&](int row, int column, const MatrixX& block) { visit(row, column, block); });
   for (const auto& row : b.rows)
     for (int i = 0; row.compliant >= 0 && i < row.count; ++i)
       visit(b.velocity_count + row.first + i, b.velocity_count + row.first + i, View(values + row.compliant + i, 1, 1));

@@ -4,14 +4,16 @@
 #include <vector>
 
 #include "engine/block_factor.h"
-#include "engine/contact/contact_correction.h"
-#include "engine/contact/rigid_contacts.h"
 #include "engine/equations_of_motion.h"
 #include "engine/joint_coordinate.h"
 #include "engine/system.h"
 #include "engine/workspace.h"
 
 namespace lithe {
+
+class ContactForces;
+template <class Scalar>
+class ContactCorrection;
 
 /// Evaluates one system: walks the batches and writes the blocks of M, f, g, G in place. One a thread.
 class Assembler final : public EquationsOfMotion {
@@ -80,16 +82,10 @@ class Assembler final : public EquationsOfMotion {
   Workspace work_;
   std::vector<std::unique_ptr<BodyBatch::Caches>> caches_;
   BlockFactor factor_;
-  struct ComplexPart {
-    explicit ComplexPart(const BlockStructure& structure) : factor(structure) {}
-    ComplexBlockFactor factor;
-    std::vector<std::complex<double>> values;
-    ComplexVectorX unknowns;
-    ContactCorrection<std::complex<double>> contacts;
-  };
-  std::unique_ptr<ComplexPart> complex_;  // once asked for
-  std::unique_ptr<ContactForces> contacts_;  // null: the scene has none
-  mutable ContactCorrection<double> contact_correction_;
+  struct ComplexPart;
+  std::unique_ptr<ComplexPart> complex_;                           // once asked for
+  std::unique_ptr<ContactForces> contacts_;                        // null: the scene has none
+  std::unique_ptr<ContactCorrection<double>> contact_correction_;  // likewise
   std::unique_ptr<RigidContacts> rigid_contacts_;
   std::vector<int> redundant_rows_;
   /// Linear coordinates that stand still, and what that leaves of the blocks.

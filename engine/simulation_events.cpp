@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/contact/contact_forces.h"
 #include "engine/error.h"
 #include "engine/sensors.h"
 #include "engine/simulation.h"

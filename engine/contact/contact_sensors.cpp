@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "engine/contact/contact_forces.h"
+
 namespace lithe {
 namespace {
 
