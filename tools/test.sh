@@ -13,7 +13,7 @@ source tools/stages.sh
 
 stage_shown "packages" tools/install_packages.sh
 for preset in "${presets[@]}"; do
-  stage "configure $preset" cmake --preset "$preset"
+  stage "configure $preset" cmake --preset "$preset" -D LITHE_BENCH=OFF  # benchmarks are no tests: tools/bench.sh
   build "build $preset" cmake --build --preset "$preset" --parallel "$jobs"
   stage_shown "tests $preset" ctest --preset "$preset" --parallel "$jobs" --no-tests=error
 done
