@@ -76,11 +76,8 @@ void ContactRows::add_side(const ContactPlaces& places, const ContactSide& at, d
   double* H = values_.data() + side.H;
   if (at.node_count == 0)
     add_marker(base, row.frame, row.point.position - base.p, sign, 0, 3, frame, linear, row.rows, H);
-  // The nodes' mean lies on this side's surface, the point between both: what pulls across it has that arm.
-  Vector3 arm = row.point.position;
-  for (int i = 0; i < at.node_count; ++i) arm -= at.weights[i] * nodes[i].p;
   for (int i = 0; i < at.node_count; ++i)
-    add_marker(nodes[i], row.frame, arm, sign * at.weights[i], 0, 3, frame, linear, row.rows, H);
+    add_marker(nodes[i], row.frame, Vector3::Zero(), sign * at.weights[i], 0, 3, frame, linear, row.rows, H);
   if (row.rows > 3)  // turns with the collider's marker
     add_marker(base, row.frame, Vector3::Zero(), sign, 3, 3, frame, linear, row.rows, H);
 }

@@ -173,10 +173,10 @@ Collider skin(FlexibleBody& body) {
 TEST(FlexibleContact, ARodDroppedOnATableExchangesMomentumAndEnergyWithIt) {
   for (const bool elastic : {true, false}) {
     std::vector<Named> methods;  // of fixed steps, so fine that sums over them are exact enough
-    methods.push_back({"Runge-Kutta 5", runge_kutta_fixed(2e-6), 1e-6});
-    methods.push_back({"Radau", radau_fixed(2e-6), 1e-6});
-    methods.push_back({"generalized-alpha", index2(2e-6), 1e-6});
-    if (elastic) methods.push_back({"RATTLE", rattle(2e-6), 1e-6});
+    methods.push_back({"Runge-Kutta 5", runge_kutta_fixed(2e-6), 3e-6});
+    methods.push_back({"Radau", radau_fixed(2e-6), 3e-6});
+    methods.push_back({"generalized-alpha", index2(2e-6), 3e-6});
+    if (elastic) methods.push_back({"RATTLE", rattle(2e-6), 3e-6});
     for (Named& m : methods) {
       SystemGraph graph;
       FlexibleBody& rod = add_modal(graph, {.velocity = {0.2, 0, -1}}, 6);
@@ -218,10 +218,10 @@ Contact& add_stop(SystemGraph& graph, const Collider& collider, const Contact::P
 TEST(FlexibleContact, APendulumHittingAStopLoadsItsPinAsWell) {
   for (const bool elastic : {true, false}) {
     std::vector<Named> methods;  // of fixed steps, so fine that sums over them are exact enough
-    methods.push_back({"Runge-Kutta 5", runge_kutta_fixed(2e-6), 1e-6});
-    methods.push_back({"Radau", radau_fixed(2e-6), 1e-6});
-    methods.push_back({"generalized-alpha", index2(2e-6), 1e-6});
-    if (elastic) methods.push_back({"RATTLE", rattle(2e-6), 1e-6});
+    methods.push_back({"Runge-Kutta 5", runge_kutta_fixed(2e-6), 3e-6});
+    methods.push_back({"Radau", radau_fixed(2e-6), 3e-6});
+    methods.push_back({"generalized-alpha", index2(2e-6), 3e-6});
+    if (elastic) methods.push_back({"RATTLE", rattle(2e-6), 3e-6});
     for (Named& m : methods) {
       SystemGraph graph;
       FlexibleBody& rod = add_modal_pendulum(graph, 6);
@@ -246,7 +246,7 @@ struct History {
 History history(SystemGraph& graph, const Contact& contact, Marker tip, double end) {
   const System system = assemble(graph);
   State state = system.initial_state();
-  const Method method = index2(1e-5);
+  const Method method = index2(3e-5);
   Simulation simulation(system, *method);
   Recorder recorder({height(tip, "tip"), contact_force(contact, 1, "contact")});
   simulation.observe(recorder, every(2e-5));
@@ -370,7 +370,7 @@ TEST(FlexibleContact, ImpulsesOfRigidSurfacesChangeTheRodsMomentumExactlyAndTake
         expect_below(name + ": in the cone", std::abs(impulses.sum()[0]) - friction * impulses.sum()[2], 1e-9);
         if (friction > 0) expect_below(name + ": braked (N s)", impulses.sum()[0], -0.05);
         // Elements' own frequencies are not resolved by this step; the modes are.
-        if (!nodal) expect_below(name + ": energy rises (J)", impulses.rise(), 1e-5);
+        if (!nodal) expect_below(name + ": energy rises (J)", impulses.rise(), 3e-5);
       }
 }
 
