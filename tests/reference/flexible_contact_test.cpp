@@ -246,7 +246,7 @@ struct History {
 History history(SystemGraph& graph, const Contact& contact, Marker tip, double end) {
   const System system = assemble(graph);
   State state = system.initial_state();
-  const Method method = index2(3e-5);
+  const Method method = index2(1e-5);
   Simulation simulation(system, *method);
   Recorder recorder({height(tip, "tip"), contact_force(contact, 1, "contact")});
   simulation.observe(recorder, every(2e-5));
