@@ -1,7 +1,4 @@
 // Ways to reduce a body: Craig-Bampton, Krylov, given modes; beams with nodal rotations, and condensed models.
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <numbers>
 
 #include "bodies/flexible/flexible_body.h"
@@ -11,6 +8,7 @@
 #include "tests/bodies/bar_model.h"
 #include "tests/bodies/fe_models.h"
 #include "tests/support/body_checks.h"
+#include "tests/support/linear_algebra.h"
 
 namespace lithe::test {
 namespace {
@@ -27,14 +25,7 @@ struct Rod {
 
 /// λ of K a = λ M a in the span of X.
 VectorX ritz_values(const MatrixX& K, const MatrixX& M, const MatrixX& X) {
-  const MatrixX Kx = X.transpose() * K * X, Mx = X.transpose() * M * X;
-  return Eigen::GeneralizedSelfAdjointEigenSolver<MatrixX>(Kx, Mx, Eigen::EigenvaluesOnly).eigenvalues();
-}
-
-/// Orthonormal columns with Fᵀ x = 0.
-MatrixX complement(const MatrixX& F) {
-  const Eigen::HouseholderQR<MatrixX> qr(F);
-  return MatrixX(qr.householderQ()).rightCols(F.rows() - F.cols());
+  return test::symmetric_eigenvalues(test::congruence(X, K), test::congruence(X, M));
 }
 
 /// Mean motion of a set (its transpose: unit loads), with plain weights; rows of six, mesh axes.
@@ -158,7 +149,7 @@ TEST(CraigBampton, AveragedInterfacesAreFixedInTheirMeanMotion) {
   ASSERT_EQ(basis->mode_count(), kept + 6);
   expect_orthonormal(rod.model, *basis);
   const VectorX exact = ritz_values(rod.K, rod.M, MatrixX::Identity(rod.K.rows(), rod.K.rows()));
-  const double cut_off = ritz_values(rod.K, rod.M, complement(F))[kept];
+  const double cut_off = ritz_values(rod.K, rod.M, test::complement(F))[kept];
   for (int k = 0; k < basis->mode_count(); ++k) {
     const double found = std::pow(kTwoPi * basis->frequencies[k], 2);
     EXPECT_GT(found / exact[6 + k], 1 - 1e-9) << k;
@@ -169,9 +160,12 @@ TEST(CraigBampton, AveragedInterfacesAreFixedInTheirMeanMotion) {
   // Statics between the ends, loads in balance: exact.
   const MatrixX X = with_rigid(*basis);
   MatrixX load = F.rightCols(6);  // at the end, and what balances it at the start
-  load -= F.leftCols(6) * (rigid_motions(rod.model.nodes, Vector3::Zero()).transpose() * F.leftCols(6)).inverse() *
-          (rigid_motions(rod.model.nodes, Vector3::Zero()).transpose() * F.rightCols(6));
-  const MatrixX mesh = load.transpose() * MatrixX(rod.K).completeOrthogonalDecomposition().solve(load);
+  const MatrixX motions = rigid_motions(rod.model.nodes, Vector3::Zero());
+  load -= F.leftCols(6) *
+          test::solve(motions.transpose() * F.leftCols(6), MatrixX(motions.transpose() * F.rightCols(6)));
+  // Balanced loads do not feel springs that act on rigid motions alone.
+  const MatrixX held = rod.K + rod.K.diagonal().mean() * motions * motions.transpose();
+  const MatrixX mesh = load.transpose() * test::solve_positive(held, load);
   const MatrixX body = load.transpose() * basis->modes *
                        VectorX(basis->stiffness.diagonal()).cwiseInverse().asDiagonal() * basis->modes.transpose() *
                        load;
@@ -207,7 +201,6 @@ TEST(Krylov, TwiceAsManyMomentsOfTheComplianceAsBlocksAreTheMeshes) {
   const int held = 27, n = static_cast<int>(rod.K.rows()) - held;
   const MatrixX K = rod.K.bottomRightCorner(n, n), M = rod.M.bottomRightCorner(n, n);
   const MatrixX F = mean_motion(rod.model, rod.end).bottomRows(n);
-  const Eigen::LLT<MatrixX> factor(K);
   for (int blocks : {1, 2, 3}) {
     const auto basis =
         make_basis(rod.model, TangentFrame{rod.start}, 0,
@@ -216,7 +209,7 @@ TEST(Krylov, TwiceAsManyMomentsOfTheComplianceAsBlocksAreTheMeshes) {
     expect_orthonormal(rod.model, *basis);
     const MatrixX b = basis->modes.bottomRows(n).transpose() * F;
     const VectorX lambda = basis->stiffness.diagonal();
-    MatrixX x = factor.solve(F);
+    MatrixX x = test::solve_positive(K, F);
     VectorX scale;
     for (int moment = 0; moment <= 2 * blocks; ++moment) {
       const MatrixX mesh = F.transpose() * x;
@@ -229,11 +222,11 @@ TEST(Krylov, TwiceAsManyMomentsOfTheComplianceAsBlocksAreTheMeshes) {
         EXPECT_LT(error, 1e-9) << blocks << " blocks, moment " << moment;
       else
         EXPECT_GT(error, blocks == 1 ? 1e-6 : 0) << blocks;  // the first that is not matched
-      x = factor.solve(M * x);
+      x = test::solve_positive(K, M * x);
     }
     // The compliance below and near the first resonance, which is not among the modes.
     const double first = ritz_values(K, M, MatrixX::Identity(n, n))[0];
-    const MatrixX dynamic = F.transpose() * MatrixX(K - 0.5 * first * M).lu().solve(F);
+    const MatrixX dynamic = F.transpose() * test::solve(K - 0.5 * first * M, F);
     const MatrixX reduced = b.transpose() * (lambda.array() - 0.5 * first).inverse().matrix().asDiagonal() * b;
     EXPECT_LT((dynamic - reduced).norm() / dynamic.norm(), blocks == 1 ? 1e-2 : blocks == 2 ? 1e-6 : 1e-9) << blocks;
   }
@@ -502,7 +495,7 @@ TEST(CondensedModel, IsAcceptedWithANoteAndKeepsItsRigidInertia) {
   }
   MatrixX G = MatrixX::Zero(rod.K.rows(), static_cast<Eigen::Index>(kept.size()));
   G(kept, Eigen::all).setIdentity();
-  G(gone, Eigen::all) = -MatrixX(rod.K(gone, gone)).llt().solve(MatrixX(rod.K(gone, kept)));
+  G(gone, Eigen::all) = -test::solve_positive(rod.K(gone, gone), rod.K(gone, kept));
   const auto symmetric = [](const MatrixX& A) { return SparseMatrix((0.5 * (A + A.transpose())).sparseView()); };
   model.stiffness = symmetric(G.transpose() * rod.K * G);
   model.mass = symmetric(G.transpose() * rod.M * G);
