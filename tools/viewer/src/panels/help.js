@@ -1,0 +1,28 @@
+// The sheet of keys.
+import { h } from '../dom.js';
+
+const kKeys = [
+  ['space', 'play, pause'], ['← →', 'a frame back, forth; with shift ten'], ['home end', 'start, end'],
+  ['+ −', 'faster, slower'], ['l', 'loop'], ['f', 'fit the whole motion'], ['shift F', 'fit the selected body'],
+  ['0', 'first view'], ['1 2 3', 'view along x, y, z; again: from the other side'], ['o', 'parallel or perspective'],
+  ['w', 'follow the selected body'], ['[ ]', 'select the body before, after'], ['esc', 'select nothing, close'], ['e j m p', 'edges, joints, markers, traces'],
+  ['r k n', 'reactions, contact forces, names'], ['shift 1 …', 'variant on, off'], ['a', 'add a channel to the charts'],
+  ['c g', 'charts, side panel on, off'], ['t', 'light or dark'], ['?', 'this sheet'],
+];
+
+const kMouse = [
+  ['scene', 'drag turns, wheel zooms, right drag moves, click selects, double click fits a body'],
+  ['charts', 'click sets the time, drag zooms, double click shows all'],
+  ['graph', 'click selects, wheel zooms, drag moves'],
+];
+
+export function helpSheet() {
+  const sheet = h('dialog.help', { 'aria-label': 'Keys and help' },
+    h('h2', {}, 'Keys'),
+    h('dl', {}, kKeys.flatMap(([keys, what]) => [h('dt', {}, keys.split(' ').map((key) => h('kbd', {}, key))), h('dd', {}, what)])),
+    h('h2', {}, 'Mouse'),
+    h('dl', {}, kMouse.flatMap(([where, what]) => [h('dt', {}, where), h('dd', {}, what)])),
+    h('form', { method: 'dialog' }, h('button', {}, 'Close')));
+  sheet.addEventListener('click', (event) => { if (event.target === sheet) sheet.close(); });
+  return sheet;
+}

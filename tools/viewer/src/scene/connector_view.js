@@ -1,0 +1,157 @@
+// Connectors of one run: a glyph at the first marker, a link to the others, arrows of what they transmit.
+import { Group, Mesh, MeshLambertMaterial, Quaternion, Vector3, GreaterDepth } from 'three';
+import { bodyPose, locate, markerPose, vectorAt } from '../motion.js';
+import { Arrows } from './arrows.js';
+import { glyphGeometry, linkGeometry } from './glyphs.js';
+import { setRotation } from './run_scene.js';
+
+const kZ = new Vector3(0, 0, 1);
+const kSpans = ['distance', 'rod', 'spring'];
+const from = new Vector3();
+const along = new Vector3();
+const turn = new Quaternion();
+const scale = new Vector3();
+
+const size3 = (v) => Math.hypot(v[0], v[1], v[2]);
+
+/** The size that all but the largest percent of the vectors stay below: one peak must not make all arrows dots. */
+export function typicalSize(lists) {
+  const sizes = [];
+  for (const values of lists) {
+    for (let i = 0; i + 2 < values.length; i += 3) {
+      const size = Math.hypot(values[i], values[i + 1], values[i + 2]);
+      if (Number.isFinite(size) && size > 0) sizes.push(size);
+    }
+  }
+  sizes.sort((a, b) => a - b);
+  return sizes.length ? sizes[Math.floor(0.99 * (sizes.length - 1))] : 0;
+}
+
+/** A solid that is drawn full where it is seen and faint where something hides it. */
+function ghosted(geometry, material, ghost) {
+  const group = new Group();
+  const shade = new Mesh(geometry, ghost);
+  shade.renderOrder = 2;
+  group.add(new Mesh(geometry, material), shade);
+  return group;
+}
+
+export class ConnectorViews {
+  constructor(model, run, dim) {
+    this.run = run;
+    this.group = new Group();
+    this.materials = {};
+    this.views = run.connectors.filter((one) => one.role !== 'contact' && one.markers.length > 0).map((connector) => {
+      const entry = model.connectorEntry(run.index, connector.index);
+      const group = new Group();
+      group.userData = { kind: 'connector', index: entry.index };
+      const material = new MeshLambertMaterial({});
+      const ghost = new MeshLambertMaterial({ transparent: true, opacity: 0.22, depthFunc: GreaterDepth, depthWrite: false });
+      const glyph = ghosted(glyphGeometry(connector.kind), material, ghost);
+      const links = connector.markers.slice(1).map(() => ghosted(linkGeometry(connector.kind), material, ghost));
+      group.add(glyph, ...links);
+      this.group.add(group);
+      return { connector, entry, group, glyph, links, material, ghost };
+    });
+    const n = Math.max(1, run.connectors.length);
+    this.forces = new Arrows(n, false, dim);
+    this.moments = new Arrows(n, true, dim);
+    const most = run.contacts ? run.contacts.first.reduce((max, first, i, all) => (i ? Math.max(max, first - all[i - 1]) : 0), 0) : 0;
+    this.contacts = new Arrows(Math.max(1, most), false, dim);
+    for (const arrows of [this.forces, this.moments, this.contacts]) this.group.add(...arrows.meshes);
+    const of = (field) => run.connectors.map((one) => one.reaction?.[field]).filter(Boolean);
+    this.typical_force = Math.max(typicalSize(of('force')), run.contacts ? typicalSize([run.contacts.forces]) : 0);
+    this.typical_moment = typicalSize(of('moment'));
+  }
+
+  update(view, sizes) {
+    const at = locate(this.run.times, view.time);
+    const poses = this.run.bodies.map((body) => bodyPose(body, at));
+    const glyph_size = sizes.glyph * view.glyph_scale;
+    for (const one of this.views) this.#place(one, at, poses, view, glyph_size);
+    this.#arrows(at, poses, view, sizes);
+  }
+
+  #place({ connector, group, glyph, links }, at, poses, view, glyph_size) {
+    group.visible = view.show.joints;
+    if (!group.visible) return;
+    const markers = connector.markers.map((i) => this.run.markers[i]);
+    const ends = markers.map((marker) => markerPose(this.run, marker, at, poses[marker.body], view.magnification));
+    glyph.position.set(...ends[0].position);
+    setRotation(glyph, ends[0].rotation);
+    glyph.scale.setScalar(glyph_size);
+    const spans = kSpans.some((word) => connector.kind.toLowerCase().includes(word));
+    links.forEach((link, i) => {
+      from.set(...ends[0].position);
+      along.set(...ends[i + 1].position).sub(from);
+      const length = along.length();
+      link.visible = length > 0.3 * glyph_size;
+      if (!link.visible) return;
+      link.position.copy(from);
+      link.quaternion.copy(turn.setFromUnitVectors(kZ, along.divideScalar(length)));
+      const width = glyph_size * (spans ? 1 : 0.5);
+      link.scale.copy(scale.set(width, width, length));
+    });
+  }
+
+  #arrows(at, poses, view, sizes) {
+    const { forces, moments, contacts, run } = this;
+    for (const arrows of [forces, moments, contacts]) arrows.begin();
+    const width = sizes.glyph * 0.28 * Math.min(1.5, view.glyph_scale);
+    for (const { reaction, markers } of run.connectors) {
+      if (!reaction) continue;
+      const marker = run.markers[markers[0]];
+      const point = reaction.point ? vectorAt(reaction.point, at)
+        : marker ? markerPose(run, marker, at, poses[marker.body], view.magnification).position : null;
+      if (!point) continue;
+      if (view.show.reactions && reaction.force) {
+        const force = vectorAt(reaction.force, at);
+        forces.add(point, force, size3(force) * sizes.force, width);
+      }
+      if (view.show.moments && reaction.moment) {
+        const moment = vectorAt(reaction.moment, at);
+        moments.add(point, moment, size3(moment) * sizes.moment, width);
+      }
+    }
+    if (view.show.contacts && run.contacts) {
+      // Contacts come and go: those of the frame nearest in time.
+      const frame = at.w < 0.5 ? at.i : at.j;
+      for (let c = run.contacts.first[frame]; c < run.contacts.first[frame + 1]; ++c) {
+        const force = Array.from(run.contacts.forces.subarray(3 * c, 3 * c + 3));
+        contacts.add(Array.from(run.contacts.points.subarray(3 * c, 3 * c + 3)), force, size3(force) * sizes.force, width);
+      }
+    }
+    for (const arrows of [forces, moments, contacts]) arrows.end();
+  }
+
+  dress(colours, selection, opacity) {
+    for (const { connector, entry, material, ghost } of this.views) {
+      const selected = selection?.kind === 'connector' && selection.index === entry.index;
+      const colour = selected ? colours.accent : (colours[connector.role] ?? colours.joint);
+      for (const one of [material, ghost]) one.color.set(colour);
+      material.emissive.set(selected ? colours.accent : '#000');
+      material.transparent = opacity < 1;
+      material.opacity = opacity;
+      ghost.opacity = selected ? 0.6 : 0.22 * opacity;
+    }
+    this.forces.material.color.set(colours.reaction);
+    this.moments.material.color.set(colours.moment);
+    this.contacts.material.color.set(colours.contact);
+  }
+}
+
+/** Axes of all markers of a run as line segments. */
+export function markerAxes(run, at, poses, length, view, out) {
+  let n = 0;
+  for (const marker of run.markers) {
+    const { position, rotation } = markerPose(run, marker, at, poses[marker.body], view.magnification);
+    turn.set(rotation[1], rotation[2], rotation[3], rotation[0]);
+    for (let axis = 0; axis < 3; ++axis) {
+      from.set(axis === 0 ? length : 0, axis === 1 ? length : 0, axis === 2 ? length : 0).applyQuaternion(turn);
+      out.set(position, n);
+      out.set([position[0] + from.x, position[1] + from.y, position[2] + from.z], n + 3);
+      n += 6;
+    }
+  }
+  return n / 3;
+}

@@ -1,0 +1,83 @@
+// Fields on a finite-element mesh: displacement and stress, from the modal coordinates.
+import { displacements } from '../motion.js';
+
+const kComponents = ['σxx', 'σyy', 'σzz', 'τxy', 'τyz', 'τzx'];
+
+/** The fields that the model's meshes can show, 'plain' first. */
+export function fieldNames(model) {
+  const meshes = model.runs.flatMap((run) => run.bodies.map((body) => body.mesh)).filter(Boolean);
+  if (!meshes.length) return ['plain'];
+  const stress = meshes.some((mesh) => mesh.stress) ? ['von Mises', ...kComponents] : [];
+  return ['plain', 'displacement', ...stress];
+}
+
+export const fieldUnit = (name) => (name === 'displacement' ? 'm' : 'Pa');
+
+/** Equivalent stress of von Mises from xx, yy, zz, xy, yz, zx. */
+function vonMises(s, at) {
+  const [a, b, c] = [s[at] - s[at + 1], s[at + 1] - s[at + 2], s[at + 2] - s[at]];
+  const shear = s[at + 3] ** 2 + s[at + 4] ** 2 + s[at + 5] ** 2;
+  return Math.sqrt(0.5 * (a * a + b * b + c * c) + 3 * shear);
+}
+
+/** Evaluates one field on one mesh; keeps its scratch. */
+export class FieldOnMesh {
+  constructor(mesh) {
+    this.mesh = mesh;
+    this.values = new Float32Array(mesh.count);
+  }
+
+  has(name) {
+    return name === 'displacement' || (name !== 'plain' && this.mesh.stress !== null);
+  }
+
+  /** `u` are the displacements at `eta`, if known already. Returns values a point. */
+  evaluate(name, eta, u) {
+    const { mesh, values } = this;
+    const n = mesh.count;
+    if (name === 'displacement') {
+      const moved = u ?? displacements(mesh, eta, (this.scratch ??= new Float32Array(n * 3)));
+      for (let i = 0; i < n; ++i) values[i] = Math.hypot(moved[3 * i], moved[3 * i + 1], moved[3 * i + 2]);
+      return values;
+    }
+    const s = (this.stress ??= new Float32Array(n * 6));
+    if (mesh.stress.static) s.set(mesh.stress.static);
+    else s.fill(0);
+    const shapes = mesh.stress.shapes;
+    for (let k = 0; k < eta.length; ++k) {
+      const factor = eta[k];
+      const begin = k * n * 6;
+      if (factor !== 0) for (let c = 0; c < n * 6; ++c) s[c] += factor * shapes[begin + c];
+    }
+    if (name === 'von Mises') {
+      for (let i = 0; i < n; ++i) values[i] = vonMises(s, 6 * i);
+    } else {
+      const component = kComponents.indexOf(name);
+      for (let i = 0; i < n; ++i) values[i] = s[6 * i + component];
+    }
+    return values;
+  }
+
+  /** Smallest and largest value over the run: over all frames, or evenly chosen ones where that would take long. */
+  range(name) {
+    const { mesh } = this;
+    const modes = mesh.modes.length;
+    const frames = mesh.coordinates ? mesh.coordinates.length / Math.max(1, modes) : 1;
+    const affordable = Math.max(20, Math.floor(4e7 / (mesh.count * 6 * Math.max(1, modes))));
+    const step = Math.max(1, Math.ceil(frames / affordable));
+    const range = [Infinity, -Infinity];
+    for (let frame = 0; frame < frames; frame += step) {
+      const eta = mesh.coordinates ? mesh.coordinates.subarray(frame * modes, (frame + 1) * modes) : new Float32Array(0);
+      extend(range, this.evaluate(name, eta));
+    }
+    return range;
+  }
+}
+
+export function extend(range, values) {
+  for (const value of values) {
+    if (value < range[0]) range[0] = value;
+    if (value > range[1]) range[1] = value;
+  }
+  return range;
+}
