@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/checkpoint/archive.h"
 #include "engine/error.h"
 #include "engine/observer.h"
 
@@ -51,6 +52,22 @@ void EventFinder::accept() {
     w.start = w.end;
     w.by_trend = w.end == 0;
   }
+}
+
+void EventFinder::history(Archive& archive) {
+  std::vector<std::string> names;
+  std::vector<double> values;
+  std::vector<int> trends;
+  for (const Watched& w : watched_) names.push_back(w.name), values.push_back(w.start), trends.push_back(w.by_trend);
+  const std::vector<std::string> now = names;
+  archive("watched", names);
+  archive("values", values);
+  archive("by_trend", trends);
+  if (names != now || values.size() != now.size() || trends.size() != now.size())
+    throw SceneError("the checkpoint was written with other events, switches or located contacts", archive.source(),
+                     "give the same ones, in the same order, before resume()");
+  for (std::size_t i = 0; i < watched_.size(); ++i)
+    watched_[i].start = values[i], watched_[i].by_trend = trends[i] != 0;
 }
 
 void EventFinder::look(const Step& step, double s) {

@@ -7,6 +7,8 @@
 
 namespace lithe {
 
+class Archive;
+
 /// Finds where functions pass their levels within the steps of an integrator: by a change of sign between the ends or
 /// the middle of a step, or where the parabola through these has an extremum near the level (two passages in one step);
 /// then on the integrator's dense output, by bracketing (Alefeld, Potra & Shi 1995), to round-off of time. What passes
@@ -33,6 +35,8 @@ class EventFinder {
   const std::vector<Crossing>& find(const Integrator& integrator, const State& from, const State& to);
   /// Ends the step: its end is where the next begins.
   void accept();
+  /// Throws SceneError when loading what other functions left.
+  void history(Archive& archive);
 
  private:
   struct Watched {

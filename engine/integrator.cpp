@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "engine/checkpoint/archive.h"
 #include "engine/error.h"
 
 namespace lithe {
@@ -68,6 +69,13 @@ StepResult Integrator::step(EquationsOfMotion& equations, State& state, double t
   if (turn_rates_.size() > 0 && turn_rates_.size() == state.quadrants.size())
     limit_turn(state.quadrants, state.time - begin);
   return result;
+}
+
+bool Integrator::history(Archive& archive, EquationsOfMotion& equations, const State& state) {
+  archive("turn_rates", turn_rates_);
+  archive("last_length", last_length_);
+  archive("longest", longest_);
+  return keep(archive, equations, state);
 }
 
 /// From the mean rates of the last two steps, how long the next may be for its fastest angle to move by 1.6 quadrants:

@@ -8,6 +8,8 @@
 
 namespace lithe {
 
+class Archive;
+
 /// The one tolerance convention: a component x of the chart increment or of v may err by absolute + relative |x| a step
 /// (rotations: |x| = 1 rad); the root mean square of error over allowance is kept below 1.
 struct Tolerance {
@@ -55,12 +57,21 @@ class Integrator {
   /// bring their own. Constraints hold to its error: project where they must hold exactly.
   virtual void interpolate(const Layout& layout, const State& from, const State& to, double time, State& out) const;
 
+  /// All that the next steps from `state` depend on besides the state: saved, or loaded into an integrator with the
+  /// same parameters that has been started with these equations and a copy of the state (SceneError for other
+  /// parameters, FileError for an archive of something else). False: the method cannot tell its history; a run then
+  /// starts it anew wherever it is saved, and so does the resumed one: both go on with the same bits.
+  bool history(Archive& archive, EquationsOfMotion& equations, const State& state);
+
  protected:
   /// The method's own start and step; angles are counted around them.
   virtual void prepare(EquationsOfMotion& equations, State& state) = 0;
   virtual StepResult advance(EquationsOfMotion& equations, State& state, double t_stop) = 0;
   /// What is asked of the present step.
   Multipliers multipliers() const { return multipliers_; }
+  /// The method's own part of history(): archive.same() its parameters, then archive() each member that outlives a
+  /// step, its statistics among them.
+  virtual bool keep(Archive& /*archive*/, EquationsOfMotion& /*equations*/, const State& /*state*/) { return false; }
 
  private:
   void limit_turn(const VectorX& quadrants, double length);

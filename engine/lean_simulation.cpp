@@ -232,7 +232,11 @@ void LeanSimulation::run(State& state, double end) {
   if (!resumed) advance(state, state.time, multipliers(state.time));
   begun_ = true;
   watches_.begin(state.time, !resumed);
-  const auto tell_due = [&] { watches_.tell_due(state.time, [&]() -> Snapshot& { return look(state); }); };
+  checkpoints_.begin(state.time, !resumed);
+  const auto tell_due = [&] {
+    watches_.tell_due(state.time, [&]() -> Snapshot& { return look(state); });
+    write_due_checkpoint(state);
+  };
   tell_due();
 
   // 2. From one meeting to the next.
@@ -255,6 +259,66 @@ void LeanSimulation::advance(State& state, double stop, Multipliers multipliers)
   gather(state, stop);
   last_ = state;
   evaluated_ = false;
+}
+
+void LeanSimulation::checkpoint(std::string path, Schedule schedule) {
+  if (is_one()) return islands_.front()->simulation.checkpoint(std::move(path), schedule);
+  if (path.empty())
+    throw SceneError("checkpoints need a path", "LeanSimulation::checkpoint", "give one, as in \"run.h5\"");
+  checkpoints_ = {std::move(path), schedule};
+}
+
+void LeanSimulation::save(State& state, Archive& archive) {
+  if (is_one()) return islands_.front()->simulation.save(state, archive);
+  if (!begun_ || !same(state, last_)) run(state, state.time);
+  history(archive, state);
+}
+
+void LeanSimulation::save(State& state, const std::string& path) {
+  Archive archive(path);
+  save(state, archive);
+  lithe::write_checkpoint(archive, path);
+}
+
+State LeanSimulation::resume(Archive& archive) {
+  if (is_one()) return islands_.front()->simulation.resume(archive);
+  State state = system_.initial_state();
+  begun_ = false;  // unless all goes well
+  history(archive, state);
+  begun_ = true;
+  return state;
+}
+
+State LeanSimulation::resume(const std::string& path) {
+  Archive archive = read_checkpoint(path);
+  return resume(archive);
+}
+
+void LeanSimulation::write_due_checkpoint(State& state) {
+  if (!checkpoints_.pass(state.time)) return;
+  Archive archive(checkpoints_.path());
+  history(archive, state);
+  write_checkpoint(archive, checkpoints_.path());
+}
+
+/// Where all islands have met.
+void LeanSimulation::history(Archive& archive, State& state) {
+  if (!scene_) scene_.emplace(system_);
+  scene_->same(archive);
+  archive.same("islands", static_cast<double>(islands_.size()));
+  archive("time", state.time);
+  for (std::size_t i = 0; i < islands_.size(); ++i)
+    archive.group("island " + std::to_string(i), [&] {
+      Island& island = *islands_[i];
+      island.simulation.history(archive, island.state);
+      island.simulation.started_ = true;
+      archive("touched", island.touched);
+    });
+  if (archive.loads()) state.v_dot.setZero(system_.layout().v_count());
+  gather(state, state.time);
+  if (archive.loads() || !same(state, last_)) last_ = state, evaluated_ = false;
+  archive.group("observers", [&] { watches_.history(archive); });
+  archive.group("checkpoints", [&] { checkpoints_.history(archive); });
 }
 
 void LeanSimulation::fail(State& state, const Island& failed, const SimulationError& error) {

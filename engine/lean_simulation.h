@@ -49,6 +49,14 @@ class LeanSimulation {
   void observe(Observer& observer, Schedule schedule);
   /// Looks for `event` in later runs. Throws SceneError likewise: events watch all of a scene.
   void on(Event event);
+  /// Checkpoints of the whole, as Simulation writes them, where islands meet: at the end of a run, and at times that
+  /// observers wait for; save() takes the state that the last run ended with.
+  void checkpoint(std::string path, Schedule schedule);
+  void save(State& state, const std::string& path);
+  void save(State& state, Archive& archive);
+  State resume(const std::string& path);
+  State resume(Archive& archive);
+
   /// As Simulation has them.
   const std::vector<EventRecord>& events() const;
   const std::string& stopped_by() const;
@@ -78,6 +86,8 @@ class LeanSimulation {
   [[noreturn]] void fail(State& state, const Island& failed, const SimulationError& error);
   void gather(State& state, double time) const;
   Snapshot& look(const State& state);
+  void history(Archive& archive, State& state);
+  void write_due_checkpoint(State& state);
 
   const System system_;
   const System* whole_ = nullptr;  // null: system_
@@ -91,6 +101,8 @@ class LeanSimulation {
   State expanded_;      // scratch
   std::optional<Snapshot> snapshot_;
   bool evaluated_ = false;  // snapshot_ holds last_
+  CheckpointSchedule checkpoints_;
+  std::optional<SceneFingerprint> scene_;  // once asked for
 };
 
 }  // namespace lithe

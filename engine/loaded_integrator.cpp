@@ -1,12 +1,28 @@
 #include "engine/loaded_integrator.h"
 
+#include "engine/checkpoint/archive.h"
 #include "engine/error.h"
+#include "engine/output/number_text.h"
 
 namespace lithe {
 namespace {
 
 Eigen::Map<const VectorX> read(const double* at, int n) { return {at, n}; }
 Eigen::Map<VectorX> write(double* at, int n) { return {at, n}; }
+
+/// As given, a line each.
+std::string text_of(const ParameterList& parameters) {
+  std::string text;
+  for (const Parameter& p : parameters) {
+    text += p.name;
+    if (const auto* number = std::get_if<double>(&p.value)) append_number(text += ' ', *number);
+    if (const auto* said = std::get_if<std::string>(&p.value)) text += ' ' + *said;
+    if (const auto* vector = std::get_if<std::vector<double>>(&p.value))
+      for (double number : *vector) append_number(text += ' ', number);
+    text += '\n';
+  }
+  return text;
+}
 
 lithe_state as_c(State& state) {
   return {
@@ -31,7 +47,7 @@ int32_t LoadedIntegrator::Border::cross(void* border, F&& f) noexcept {
 }
 
 LoadedIntegrator::LoadedIntegrator(const IntegratorType& type, const ParameterList& parameters)
-    : table_(type.table), object_(type, parameters) {
+    : table_(type.table), object_(type, parameters), parameters_(text_of(parameters)) {
   lithe_equations& t = border_.table;
   t.struct_size = sizeof t;
   t.host = &border_;
@@ -160,6 +176,35 @@ void LoadedIntegrator::prepare(EquationsOfMotion& equations, State& state) {
   const int32_t code = table_.start(object_.get(), &border_.table, &s, why.text, sizeof why.text);
   state.time = s.time;
   finish(code > 0 ? -1 : code, why);
+}
+
+bool LoadedIntegrator::keep(Archive& archive, EquationsOfMotion& equations, const State& state) {
+  archive.same("parameters", parameters_);
+  bool keeps = table_.save && table_.load;
+  std::vector<unsigned char> bytes;
+  if (keeps && !archive.loads()) {
+    const std::int64_t size = table_.save(object_.get(), nullptr, 0);
+    bytes.resize(static_cast<std::size_t>(std::max<std::int64_t>(size, 0)));
+    keeps = size >= 0 && table_.save(object_.get(), bytes.data(), size) == size;
+  }
+  archive("keeps", keeps);
+  if (!keeps) return false;
+  // Bytes as integers: an archive knows no smaller thing.
+  std::vector<int> integers(bytes.begin(), bytes.end());
+  archive("bytes", integers);
+  archive("statistics", statistics_);
+  if (!archive.loads()) return true;
+  bind(equations);
+  bytes.assign(integers.begin(), integers.end());
+  ErrorText why;
+  State at = state;
+  const lithe_state s = as_c(at);
+  if (!table_.load || table_.load(object_.get(), &s, bytes.data(), static_cast<std::int64_t>(bytes.size()), why.text,
+                                  sizeof why.text) != 0)
+    throw FileError(object_.description() + " cannot take its past back: " + why.problem(), archive.source(),
+                    why.mend().empty() ? "resume with the plug-in that wrote it" : why.mend());
+  if (border_.trouble) std::rethrow_exception(std::exchange(border_.trouble, nullptr));
+  return true;
 }
 
 StepResult LoadedIntegrator::advance(EquationsOfMotion& equations, State& state, double t_stop) {

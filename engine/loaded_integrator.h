@@ -21,6 +21,7 @@ class LoadedIntegrator final : public Integrator {
   /// Both throw SimulationError where the integrator fails, and what the equations threw at it.
   void prepare(EquationsOfMotion& equations, State& state) override;
   StepResult advance(EquationsOfMotion& equations, State& state, double t_stop) override;
+  bool keep(Archive& archive, EquationsOfMotion& equations, const State& state) override;
 
  private:
   /// The equations as C sees them; their address is the first argument of its functions.
@@ -41,6 +42,7 @@ class LoadedIntegrator final : public Integrator {
 
   const lithe_integrator_type table_;
   const PluginObject object_;
+  const std::string parameters_;  // as given, for checkpoints
   Border border_;
   IntegratorStatistics statistics_;
 };

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <tuple>
 
+#include "engine/checkpoint/archive.h"
 #include "engine/checks.h"
 #include "engine/deformable_body.h"
 #include "engine/error.h"
@@ -303,6 +304,49 @@ double ModeFreezing::lack(int body) const {
   for (const Mode& m : modes_)
     if (m.frozen && m.body == body) sum += m.lack();
   return sum;
+}
+
+bool ModeFreezing::keep(Archive& archive, EquationsOfMotion& equations, const State& state) {
+  archive.same("displacement", parameters_.displacement);
+  archive.same("interval", parameters_.interval);
+  archive.same("modes", static_cast<double>(modes_.size()));
+  archive("statistics", statistics_);
+  archive("earlier", earlier_);
+  archive("watched_time", watched_time_);
+  archive("begun", begun_);
+  std::vector<int> fresh;
+  for (const Mode* m : fresh_) fresh.push_back(static_cast<int>(m - modes_.data()));
+  archive("fresh", fresh);
+  archive("fresh_energy", fresh_energy_);
+  fresh_.clear();
+  for (int m : fresh)
+    if (m >= 0 && static_cast<std::size_t>(m) < modes_.size() && fresh_.size() < fresh_energy_.size())
+      fresh_.push_back(&modes_[static_cast<std::size_t>(m)]);
+  for (std::size_t i = 0; i < modes_.size(); ++i)
+    archive.group("mode " + std::to_string(i), [&] {
+      Mode& m = modes_[i];
+      std::array<double, 12> motion{m.since, m.low,        m.high,    m.fastest,      m.patience,   m.mobility,
+                                    m.force, m.force_then, m.swing.z, m.frozen_since, m.swing.rate, m.frozen_time};
+      archive("motion", motion);
+      m.since = motion[0], m.low = motion[1], m.high = motion[2], m.fastest = motion[3], m.patience = motion[4];
+      m.mobility = motion[5], m.force = motion[6], m.force_then = motion[7];
+      m.swing = {.z = motion[8], .rate = motion[10]}, m.frozen_since = motion[9], m.frozen_time = motion[11];
+      archive("then", m.swing_then.z);
+      archive("then_rate", m.swing_then.rate);
+      archive("seen", m.seen);
+      archive("frozen", m.frozen);
+      archive("freezes", m.history.freezes);
+      archive("thaws", m.history.thaws);
+      archive("energy_taken", m.history.energy_taken);
+    });
+  if (archive.loads()) {
+    hold(equations);
+    State begun = state;
+    method_->start(equations, begun);
+  }
+  bool kept = false;
+  archive.group("moving", [&] { kept = method_->history(archive, equations, state); });
+  return kept;
 }
 
 void ModeFreezing::interpolate(const Layout& layout, const State& from, const State& to, double time,

@@ -63,6 +63,7 @@ class ModeFreezing final : public Integrator {
  protected:
   void prepare(EquationsOfMotion& equations, State& state) override;
   StepResult advance(EquationsOfMotion& equations, State& state, double t_stop) override;
+  bool keep(Archive& archive, EquationsOfMotion& equations, const State& state) override;
 
  private:
   /// z and its rate.

@@ -6,6 +6,8 @@
 
 namespace lithe {
 
+class Archive;
+
 /// One who is told of the states that a simulation comes by: a recorder, a live plot, a log. Owned by the scene; the
 /// simulation borrows it. May throw: the simulation ends there, with its state kept.
 class Observer {
@@ -17,6 +19,9 @@ class Observer {
 
   /// A state of the schedule, or the last good one before a failure.
   virtual void observe(Snapshot& snapshot) = 0;
+
+  /// What it has kept so far, saved in checkpoints or loaded where a run is resumed: nothing unless it says so.
+  virtual void history(Archive& /*archive*/) {}
 };
 
 /// When an observer is told; always at the first state too.

@@ -274,6 +274,14 @@ typedef struct lithe_integrator_type {
   /* One step, never past t_stop; > 0: it failed, the state is the last good one and `error` says why. */
   int32_t (*step)(void* integrator, lithe_state*, double t_stop, char* error, size_t error_size);
   void (*statistics)(const void* integrator, lithe_statistics*);
+  /* For checkpoints; both may be null, or beyond the end of a shorter table: the host then starts the method anew
+     wherever it saves, and where it resumes. save() writes what the next steps depend on besides the state and the
+     parameters, at most `capacity` bytes, and returns how many there are; < 0: it cannot. load() takes it over after a
+     start() with the equations and the state of then; 0, or else `error` says why not. Bytes of one machine: whoever
+     writes them sees to their version. */
+  int64_t (*save)(void* integrator, unsigned char* bytes, int64_t capacity);
+  int32_t (*load)(void* integrator, const lithe_state*, const unsigned char* bytes, int64_t count, char* error,
+                  size_t error_size);
 } lithe_integrator_type;
 
 /* ---- the entry ---- */

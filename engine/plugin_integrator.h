@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 
+#include "engine/checkpoint/archive.h"
 #include "engine/integrator.h"
 #include "engine/plugin_tables.h"
 #include "engine/projection.h"
@@ -152,6 +153,34 @@ void statistics(const void* integrator, lithe_statistics* out) noexcept {
 }
 
 template <class T>
+int64_t save(void* integrator, unsigned char* bytes, int64_t capacity) noexcept {
+  int64_t size = -1;
+  guarded(nullptr, 0, [&] {
+    auto& self = *static_cast<IntegratorInstance<T>*>(integrator);
+    Archive archive("plug-in");
+    if (!self.equations || !self.integrator->history(archive, *self.equations, self.state)) return kFine;
+    const std::vector<unsigned char> all = archive.bytes();
+    size = static_cast<int64_t>(all.size());
+    if (capacity >= size) std::copy(all.begin(), all.end(), bytes);
+    return kFine;
+  });
+  return size;
+}
+
+template <class T>
+int32_t load(void* integrator, const lithe_state* state, const unsigned char* bytes, int64_t count, char* error,
+             size_t size) noexcept {
+  return guarded(error, size, [&] {
+    auto& self = *static_cast<IntegratorInstance<T>*>(integrator);
+    lithe_state at = *state;
+    Archive archive = Archive::of_bytes("plug-in", bytes, static_cast<std::size_t>(count));
+    if (!self.equations) return kFatal;
+    return self.on_state(
+        &at, [&] { return self.integrator->history(archive, *self.equations, self.state) ? kFine : kFatal; });
+  });
+}
+
+template <class T>
 lithe_integrator_type integrator_type(const char* name) {
   auto table = table_of<T, lithe_integrator_type>(name);
   table.create = create_integrator<T>;
@@ -159,6 +188,8 @@ lithe_integrator_type integrator_type(const char* name) {
   table.start = start<T>;
   table.step = step<T>;
   table.statistics = statistics<T>;
+  table.save = save<T>;
+  table.load = load<T>;
   return table;
 }
 

@@ -5,9 +5,11 @@
 #include <limits>
 #include <map>
 
+#include "engine/checkpoint/archive.h"
 #include "engine/output/binary.h"
 #include "engine/output/csv.h"
 #include "engine/output/hdf5_table.h"
+#include "engine/output/table_stream.h"
 
 namespace lithe {
 Recorder::Recorder(std::vector<Sensor> sensors, std::source_location where) : sensors_(std::move(sensors)) {
@@ -40,6 +42,38 @@ void Recorder::observe(Snapshot& snapshot) {
     rest = rest.subspan(values.size());
   }
   table_.add_row(row_);
+  if (stream_) stream_->append(table_.columns, row_);
+}
+
+Recorder::~Recorder() = default;
+
+void Recorder::stream(const std::string& path) {
+  if (!table_.values.empty())
+    throw SceneError(
+        "a recorder that has " + std::to_string(table_.row_count()) + " rows already cannot begin '" + path + "'",
+        "Recorder::stream", "call stream() before the run, or write_csv() after it");
+  stream_ = std::make_unique<TableStream>(path);
+}
+
+void Recorder::history(Archive& archive) {
+  std::vector<std::string> columns = table_.columns;
+  archive("columns", columns);
+  if (columns != table_.columns)
+    throw SceneError("the recorder where the checkpoint was written had other columns", archive.source(),
+                     "resume with the same recorders, observed in the same order");
+  int rows = table_.row_count();
+  bool streams = stream_ != nullptr;
+  archive("rows", rows);
+  archive("streams", streams);
+  if (streams && archive.loads() && !stream_)
+    throw SceneError("the recorder where the checkpoint was written kept its rows in a file", archive.source(),
+                     "call stream() with the path of that file before resume()");
+  if (!streams)
+    archive("values", table_.values);
+  else if (archive.loads())
+    table_ = stream_->go_on(table_.columns, rows);
+  // A run that kept its rows in memory goes on into a file.
+  if (!streams && stream_ && archive.loads()) stream_->begin(table_);
 }
 
 void Recorder::write_csv(const std::string& path) const { lithe::write_csv(table_, path); }

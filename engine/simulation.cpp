@@ -44,8 +44,27 @@ void Simulation::observe(Observer& observer, Schedule schedule) { watches_.add(o
 
 void Simulation::run(State& state, double end, Multipliers multipliers) {
   check(state, end);
+  begin(state);
+  started_ = false;  // until the run has ended well
+  stopped_by_.clear();
+  const auto tell_due = [&] {
+    watches_.tell_due(state.time, [&]() -> Snapshot& { return look(state); });
+    write_due_checkpoint(state);
+  };
+  tell_due();
+  // From one observed time to the next; a rest of round-off's size is no step.
+  while (end - state.time > time_round_off(end) && stopped_by_.empty()) {
+    advance(state, next_stop(state.time, end));
+    tell_due();
+  }
+  if (multipliers == Multipliers::found) find_multipliers(state);
+  started_ = true;
+  steps_ = integrator_.statistics().steps;
+}
 
-  // 1. Start, unless the state goes on from the last run.
+/// Starts, unless the state goes on from the last run. Schedules begin here for observers that are new, and for all at
+/// a new state.
+void Simulation::begin(State& state) {
   const bool resumed = same(state, last_);
   if (!resumed || !started_ || integrator_.statistics().steps != steps_) {
     started_ = false;
@@ -57,22 +76,8 @@ void Simulation::run(State& state, double end, Multipliers multipliers) {
     last_ = state;
     evaluated_ = false;
   }
-  started_ = false;  // until the run has ended well
-  stopped_by_.clear();
-
-  // 2. Schedules begin here for observers that are new, and for all at a new state.
   watches_.begin(state.time, !resumed);
-  const auto tell_due = [&] { watches_.tell_due(state.time, [&]() -> Snapshot& { return look(state); }); };
-  tell_due();
-
-  // 3. From one observed time to the next; a rest of round-off's size is no step.
-  while (end - state.time > time_round_off(end) && stopped_by_.empty()) {
-    advance(state, next_stop(state.time, end));
-    tell_due();
-  }
-  if (multipliers == Multipliers::found) find_multipliers(state);
-  started_ = true;
-  steps_ = integrator_.statistics().steps;
+  checkpoints_.begin(state.time, !resumed);
 }
 
 /// Where the integrator has left them out.

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/assembler.h"
+#include "engine/checkpoint/checkpoint.h"
 #include "engine/event.h"
 #include "engine/event_finder.h"
 #include "engine/integrator.h"
@@ -47,10 +48,33 @@ class Simulation {
   /// the integrator does.
   void run(State& state, double end, Multipliers multipliers = Multipliers::found);
 
+  /// Writes checkpoints of later runs to `path`, each in the place of the one before: at their first state, then after
+  /// the first step that ends at or beyond t₀ + k·interval. Steps are not cut: the run is the same, bit for bit, as
+  /// without, but for methods that cannot tell their history (Integrator::history), which start anew there. Throws
+  /// FileError from run() where one cannot be written; the run may then be gone on with.
+  void checkpoint(std::string path, Schedule schedule);
+  /// A checkpoint of this state, by hand. Where it is the one that the last run ended with, resuming goes on with the
+  /// same bits as this simulation; any other is one to start from. Methods that cannot tell their history are started
+  /// anew, which may move the state by round-off.
+  void save(State& state, const std::string& path);
+  void save(State& state, Archive& archive);
+  /// The state of a checkpoint, from which run() goes on with the bits of the run that wrote it: in the same scene,
+  /// with the same kind of integrator, observers and events in the same order, all of them told of before. Observers
+  /// that keep something (Recorder) have it again. Throws FileError for a file that is damaged or of another version,
+  /// SceneError where scene, integrator, observers or events are others, saying which; then nothing has been changed
+  /// but the integrator, which the next run starts anew.
+  State resume(const std::string& path);
+  State resume(Archive& archive);
+
   /// Of the integrator, since it was started from a new state; events that start it anew do not count.
   IntegratorStatistics statistics() const;
 
  private:
+  friend class LeanSimulation;
+  void begin(State& state);
+  void history(Archive& archive, State& state);
+  void check_loaded(const Archive& archive, const State& state) const;
+  void write_due_checkpoint(State& state);
   void check(const State& state, double end) const;
   double next_stop(double time, double end) const;
   void make_finder();
@@ -91,6 +115,8 @@ class Simulation {
   } approach_;
   std::vector<double> restarts_;  // times of the last ones by events, s
   double first_restart_ = 0;
+  CheckpointSchedule checkpoints_;
+  std::optional<SceneFingerprint> scene_;  // once asked for
 };
 
 }  // namespace lithe

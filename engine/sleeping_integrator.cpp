@@ -1,5 +1,6 @@
 #include "engine/sleeping_integrator.h"
 
+#include "engine/checkpoint/archive.h"
 #include "engine/projection.h"
 
 namespace lithe {
@@ -52,6 +53,20 @@ void SleepingIntegrator::doze(EquationsOfMotion& equations, State& state, double
   asleep_ = rests(equations, state, length);
   until_ = since_ + length;
   if (!asleep_) method_->start(equations, state);
+}
+
+bool SleepingIntegrator::keep(Archive& archive, EquationsOfMotion& equations, const State& state) {
+  archive("asleep", asleep_);
+  archive("since", since_);
+  archive("until", until_);
+  if (asleep_) return true;
+  if (archive.loads()) {
+    State begun = state;
+    method_->start(equations, begun);
+  }
+  bool kept = false;
+  archive.group("awake", [&] { kept = method_->history(archive, equations, state); });
+  return kept;
 }
 
 void SleepingIntegrator::interpolate(const Layout& layout, const State& from, const State& to, double time,

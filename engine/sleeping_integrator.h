@@ -30,6 +30,7 @@ class SleepingIntegrator final : public Integrator {
  protected:
   void prepare(EquationsOfMotion& equations, State& state) override;
   StepResult advance(EquationsOfMotion& equations, State& state, double t_stop) override;
+  bool keep(Archive& archive, EquationsOfMotion& equations, const State& state) override;
 
  private:
   void doze(EquationsOfMotion& equations, State& state, double length);

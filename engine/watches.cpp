@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/checkpoint/archive.h"
+
 namespace lithe {
 
 double time_round_off(double time) { return 8 * std::numeric_limits<double>::epsilon() * std::abs(time); }
@@ -28,6 +30,25 @@ double Watches::next_stop(double time, double end) const {
 }
 
 double Watches::Watch::next_time() const { return origin + static_cast<double>(told) * schedule.interval; }
+
+void Watches::history(Archive& archive) {
+  int count = static_cast<int>(watches_.size());
+  archive("count", count);
+  if (count < 0 || static_cast<std::size_t>(count) > watches_.size())
+    throw SceneError("the checkpoint was written with " + std::to_string(count) + " observers, there are " +
+                         std::to_string(watches_.size()) + " now",
+                     archive.source(), "observe() the same ones, in the same order, before resume()");
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i)
+    archive.group(std::to_string(i), [&] {
+      Watch& watch = watches_[i];
+      archive.same("interval", watch.schedule.interval);
+      archive("origin", watch.origin);
+      archive("told", watch.told);
+      archive("told_time", watch.told_time);
+      archive("begun", watch.begun);
+      watch.observer->history(archive);
+    });
+}
 
 /// Schedules meet, and meet the end, where times differ by round-off alone: 3 · 0.1 and 0.3.
 double Watches::Watch::slack(double time) const { return 1e-9 * schedule.interval + time_round_off(time); }

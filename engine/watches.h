@@ -7,6 +7,8 @@
 
 namespace lithe {
 
+class Archive;
+
 /// What round-off may do to a time near this one, s.
 double time_round_off(double time);
 
@@ -19,6 +21,9 @@ class Watches {
   void begin(double time, bool all);
   /// The next time after `time` that somebody waits for; `end` if there is none before it.
   double next_stop(double time, double end) const;
+  /// Where each schedule is, and what its observer has kept. Loading: observers are told apart by their order and
+  /// schedules; SceneError for others. Those beyond what was saved are new.
+  void history(Archive& archive);
 
   template <class Look>
   void tell_due(double time, Look&& look) {

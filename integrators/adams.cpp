@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "engine/checkpoint/archive.h"
 #include "engine/checks.h"
 #include "engine/error.h"
 #include "engine/projection.h"
@@ -236,6 +237,16 @@ StepResult Adams::advance(EquationsOfMotion& equations, State& state, double t_s
   state.lambda = m.lambda;
   count();
   return {};
+}
+
+/// CVODE has no way to tell its past or to take one.
+bool Adams::keep(Archive& archive, EquationsOfMotion& /*equations*/, const State& /*state*/) {
+  archive.same("first_step", parameters_.first_step);
+  archive.same("max_step", parameters_.max_step);
+  archive.same("max_order", parameters_.max_order);
+  archive.same("relative tolerance", parameters_.tolerance.relative);
+  archive.same("absolute tolerance", parameters_.tolerance.absolute);
+  return false;
 }
 
 void Adams::interpolate(const Layout& layout, const State& from, const State& to, double time, State& out) const {

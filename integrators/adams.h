@@ -37,6 +37,7 @@ class Adams final : public Integrator {
   /// Also moves the state onto the constraints.
   void prepare(EquationsOfMotion& equations, State& state) override;
   StepResult advance(EquationsOfMotion& equations, State& state, double t_stop) override;
+  bool keep(Archive& archive, EquationsOfMotion& equations, const State& state) override;
 
  private:
   struct Memory;  // all that SUNDIALS owns

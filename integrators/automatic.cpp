@@ -2,7 +2,9 @@
 
 #include <algorithm>
 
+#include "engine/checkpoint/archive.h"
 #include "engine/checks.h"
+#include "engine/error.h"
 #include "integrators/explicit_runge_kutta.h"
 #include "integrators/lie_bdf.h"
 #include "integrators/radau.h"
@@ -181,6 +183,41 @@ void Automatic::settle(EquationsOfMotion& equations, State& state) {
   }
   held_steps_ = calm_steps_ = 0;
   if (best != method_) change(best, equations, state);
+}
+
+bool Automatic::keep(Archive& archive, EquationsOfMotion& equations, const State& state) {
+  archive.same("relative tolerance", parameters_.tolerance.relative);
+  archive.same("absolute tolerance", parameters_.tolerance.absolute);
+  archive.same("first_step", parameters_.first_step);
+  archive.same("max_step", parameters_.max_step);
+  Method method = method_;
+  archive("method", method);
+  archive("step", step_);
+  if (place(method) < 0 || place(method) >= kMethods)
+    throw FileError("the checkpoint's method is none", archive.source(), "resume from an older one");
+  if (archive.loads()) {
+    State begun = state;
+    change(method, equations, begun);
+  }
+  archive("statistics", statistics_);
+  archive("before", before_);
+  archive("incumbent", incumbent_);
+  archive("switches", switches_);
+  archive("fresh", fresh_);
+  archive("steps", steps_);
+  archive("held_steps", held_steps_);
+  archive("calm_steps", calm_steps_);
+  std::vector<int> to_try;
+  for (Method m : to_try_) to_try.push_back(place(m));
+  archive("to_try", to_try);
+  to_try_.clear();
+  for (int m : to_try) to_try_.push_back(static_cast<Method>(std::clamp(m, 0, kMethods - 1)));
+  archive("pace", pace_);
+  archive("wait", wait_);
+  archive("block_time", block_time_);
+  archive("block_work", block_work_);
+  archive.group("at work", [&] { at_work().history(archive, equations, state); });
+  return true;
 }
 
 void Automatic::interpolate(const Layout& layout, const State& from, const State& to, double time, State& out) const {

@@ -49,6 +49,7 @@ class Automatic final : public Integrator {
  protected:
   void prepare(EquationsOfMotion& equations, State& state) override;
   StepResult advance(EquationsOfMotion& equations, State& state, double t_stop) override;
+  bool keep(Archive& archive, EquationsOfMotion& equations, const State& state) override;
 
  private:
   static constexpr int kMethods = 3;

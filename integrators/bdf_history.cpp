@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <numeric>
 
+#include "engine/checkpoint/archive.h"
+#include "engine/error.h"
+
 namespace lithe {
 
 void BdfHistory::reset(const Layout& layout, const VectorX& q) {
@@ -34,6 +37,22 @@ void BdfHistory::drop(int point) {
 void BdfHistory::recentre(const Layout& layout) {
   base_ = q_.col(columns_[0]);
   for (int i = 0; i < size_; ++i) layout.difference(base_, q_.col(columns_[i]), d_.col(columns_[i]));
+}
+
+void BdfHistory::history(Archive& archive) {
+  archive("points", size_);
+  archive("columns", columns_);
+  archive("times", times_);
+  archive("base", base_);
+  archive("q", q_);
+  archive("d", d_);
+  archive("v", v_);
+  archive("lambda", lambda_);
+  const bool sound = size_ >= 0 && size_ <= kCapacity &&
+                     std::all_of(columns_.begin(), columns_.end(), [](int c) { return c >= 0 && c < kCapacity; });
+  if (!sound)
+    throw FileError("the checkpoint's past of a multistep method is none", archive.source(),
+                    "resume from an older one");
 }
 
 void BdfHistory::derivative_weights(double t, int order, Weights& w) const {

@@ -6,6 +6,8 @@
 
 namespace lithe {
 
+class Archive;
+
 /// The past of a multistep method: points (t, q, v, λ), newest first, all in one chart, q = base ⊕ d; and weights of
 /// the polynomials through them, for steps of any lengths.
 class BdfHistory {
@@ -19,6 +21,7 @@ class BdfHistory {
   void drop(int point);
   /// Takes the newest point as base.
   void recentre(const Layout& layout);
+  void history(Archive& archive);
 
   int size() const { return size_; }
   double time(int point) const { return times_[columns_[point]]; }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "engine/checkpoint/archive.h"
 #include "engine/contact/gauss_seidel.h"
 #include "engine/log.h"
 
@@ -205,6 +206,17 @@ void ContactImpulses::displace(RigidContacts& contacts, VectorX& d) {
   dv_.setZero();
   contacts.add_response(impulse_, nullptr, dv_);
   d += dv_;
+}
+
+/// Solvers begin with the impulses of the last step, which the state has.
+void ContactImpulses::history(Archive& archive) {
+  archive.group("impulses", [&] {
+    archive.same("solver", solver_->name());
+    archive.same("impacts", static_cast<double>(parameters_.impacts));
+    archive.same("tolerance", parameters_.tolerance);
+    archive.same("position_tolerance", parameters_.position_tolerance);
+    archive("unconverged", unconverged_);
+  });
 }
 
 void ContactImpulses::remember(EquationsOfMotion& equations, double h, ContactMemory& memory) const {

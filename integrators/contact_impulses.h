@@ -9,6 +9,8 @@
 
 namespace lithe {
 
+class Archive;
+
 /// How rigid surfaces that meet at one time share an impact.
 enum class Impacts {
   simultaneous,  // one problem for all, Newton's restitution at each: three equal balls in touch leave with -1/3, 2/3,
@@ -42,6 +44,7 @@ class ContactImpulses {
   int iterations() const { return iterations_; }
   /// Steps whose impulses the solver left above the tolerance; the first one is warned of.
   long unconverged() const { return unconverged_; }
+  void history(Archive& archive);
 
  private:
   /// Of one point: what its impulse aims at, and how long it works.

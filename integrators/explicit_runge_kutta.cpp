@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "engine/checkpoint/archive.h"
 #include "engine/checks.h"
 
 namespace lithe {
@@ -94,6 +95,21 @@ StepResult ExplicitRungeKutta::advance(EquationsOfMotion& equations, State& stat
       return {StepResult::Outcome::failed, describe(equations.layout(), outcome, h)};
     h *= taken && std::isfinite(ratio) ? std::clamp(0.9 * std::pow(ratio, -1.0 / tableau_->order), 0.1, 0.9) : 0.5;
   }
+}
+
+bool ExplicitRungeKutta::keep(Archive& archive, EquationsOfMotion& equations, const State& /*state*/) {
+  archive.same("step", parameters_.step);
+  archive.same("first_step", parameters_.first_step);
+  archive.same("max_step", parameters_.max_step);
+  archive.same("relative tolerance", parameters_.tolerance.relative);
+  archive.same("absolute tolerance", parameters_.tolerance.absolute);
+  archive("statistics", statistics_);
+  archive("h", h_);
+  archive("ratio_last", ratio_last_);
+  archive("stiffness", stiffness_);
+  if (!step_ || &step_->equations() != &equations) step_ = std::make_unique<RungeKuttaStep>(*tableau_, equations);
+  step_->history(archive);
+  return true;
 }
 
 void ExplicitRungeKutta::interpolate(const Layout& layout, const State& from, const State& to, double time,

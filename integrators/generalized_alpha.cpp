@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine/checkpoint/archive.h"
 #include "engine/checks.h"
 #include "engine/error.h"
 
@@ -259,6 +260,26 @@ double GeneralizedAlpha::error(const Layout& layout, const State& state, double 
     ratio = std::max(ratio, error_ratio(change_, magnitudes_, parameters_.tolerance));
   }
   return ratio;
+}
+
+bool GeneralizedAlpha::keep(Archive& archive, EquationsOfMotion& /*equations*/, const State& /*state*/) {
+  archive.same("step", parameters_.step);
+  archive.same("first_step", parameters_.first_step);
+  archive.same("max_step", parameters_.max_step);
+  archive.same("newton_tolerance", parameters_.newton_tolerance);
+  archive.same("relative tolerance", parameters_.tolerance.relative);
+  archive.same("absolute tolerance", parameters_.tolerance.absolute);
+  archive.same("am", am_);
+  archive.same("af", af_);
+  archive.same("correct_start", parameters_.correct_start);
+  archive("statistics", statistics_);
+  archive("h", h_);
+  archive("h_offset", h_offset_);
+  archive("h_last", h_last_);
+  archive("has_last", has_last_);
+  archive("a", a_);
+  archive("v_dot_last", v_dot_last_);
+  return true;
 }
 
 StepResult GeneralizedAlpha::advance(EquationsOfMotion& equations, State& state, double t_stop) {

@@ -42,6 +42,7 @@ class GeneralizedAlpha : public Integrator {
  protected:
   void prepare(EquationsOfMotion& equations, State& state) override;
   StepResult advance(EquationsOfMotion& equations, State& state, double t_stop) override;
+  bool keep(Archive& archive, EquationsOfMotion& equations, const State& state) override;
   /// Consistent accelerations and a history that begins here, as prepare() but for the statistics.
   void restart(EquationsOfMotion& equations, State& state);
   const Parameters& parameters() const { return parameters_; }

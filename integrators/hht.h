@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/checkpoint/archive.h"
 #include "integrators/generalized_alpha.h"
 
 namespace lithe {
@@ -34,6 +35,11 @@ class Hht final : public Integrator {
   void prepare(EquationsOfMotion& equations, State& state) override { method_.start(equations, state); }
   StepResult advance(EquationsOfMotion& equations, State& state, double t_stop) override {
     return method_.step(equations, state, t_stop);
+  }
+  bool keep(Archive& archive, EquationsOfMotion& equations, const State& state) override {
+    bool kept = false;
+    archive.group("alpha", [&] { kept = method_.history(archive, equations, state); });
+    return kept;
   }
 
  private:

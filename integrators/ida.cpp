@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <string>
 
+#include "engine/checkpoint/archive.h"
 #include "engine/checks.h"
 #include "engine/error.h"
 #include "engine/projection.h"
@@ -145,6 +146,16 @@ StepResult Ida::advance(EquationsOfMotion& equations, State& state, double t_sto
   state.time = flag == IDA_TSTOP_RETURN ? t_stop : reached;
   m.form.unpack(Memory::map(m.y), Memory::map(m.y_dot), state);
   return {};
+}
+
+/// IDA has no way to tell its past or to take one.
+bool Ida::keep(Archive& archive, EquationsOfMotion& /*equations*/, const State& /*state*/) {
+  archive.same("first_step", parameters_.first_step);
+  archive.same("max_step", parameters_.max_step);
+  archive.same("max_order", parameters_.max_order);
+  archive.same("relative tolerance", parameters_.tolerance.relative);
+  archive.same("absolute tolerance", parameters_.tolerance.absolute);
+  return false;
 }
 
 void Ida::count() {

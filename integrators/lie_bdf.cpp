@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "engine/checkpoint/archive.h"
 #include "engine/checks.h"
 #include "engine/error.h"
 #include "engine/projection.h"
@@ -153,13 +154,13 @@ LieBdf::Newton LieBdf::solve(EquationsOfMotion& equations, const State& start, d
   layout.magnitudes(q_, d_size_);
   v_size_ = v_.cwiseAbs().cwiseMax(start.v.cwiseAbs());
   const bool fresh = factor_weight_ == 0 || std::abs(weights_[0] / factor_weight_ - 1) > kFactorReach;
-  const Newton result = iterate(equations, time, fresh);
+  const Newton result = iterate(equations, start, time, fresh);
   if (result == Newton::converged || fresh) return result;
   predict(layout, time);
-  return iterate(equations, time, true);
+  return iterate(equations, start, time, true);
 }
 
-LieBdf::Newton LieBdf::iterate(EquationsOfMotion& equations, double time, bool fresh) {
+LieBdf::Newton LieBdf::iterate(EquationsOfMotion& equations, const State& start, double time, bool fresh) {
   const Layout& layout = equations.layout();
   const double w = weights_[0];
   bool renew = fresh;  // the factor is to be made anew: at the start, and where corrections shrink too slowly
@@ -171,7 +172,7 @@ LieBdf::Newton LieBdf::iterate(EquationsOfMotion& equations, double time, bool f
     if (renew) {
       // v turns with x by w (x + ω × x / (2 w)): what an increment of ω/w tells the engine.
       increment_ = v_ / w;
-      equations.factorize({1, w, w * w}, v_dot_, lambda_, &increment_);
+      factor_.make(equations, {1, w, w * w}, time, start, q_, v_, v_dot_, lambda_, &increment_);
       ++statistics_.factorizations;
       factor_weight_ = w;
       convergence_rate_ = kRateOfFreshFactor;
@@ -257,6 +258,29 @@ StepResult LieBdf::advance(EquationsOfMotion& equations, State& state, double t_
     }
     if (automatic()) h_ = h;
   }
+}
+
+bool LieBdf::keep(Archive& archive, EquationsOfMotion& equations, const State& state) {
+  archive.same("step", parameters_.step);
+  archive.same("first_step", parameters_.first_step);
+  archive.same("max_step", parameters_.max_step);
+  archive.same("max_order", parameters_.max_order);
+  archive.same("newton_tolerance", parameters_.newton_tolerance);
+  archive.same("relative tolerance", parameters_.tolerance.relative);
+  archive.same("absolute tolerance", parameters_.tolerance.absolute);
+  archive("statistics", statistics_);
+  archive("h", h_);
+  archive("order", order_);
+  archive("steps_at_order", steps_at_order_);
+  archive("raising", raising_);
+  archive("failed", failed_);
+  archive("factor_weight", factor_weight_);
+  archive("convergence_rate", convergence_rate_);
+  archive.group("past", [&] { history_.history(archive); });
+  if (starter_) archive.group("starter", [&] { starter_->history(archive, equations, state); });
+  if (!archive.loads() && factor_weight_ == 0) factor_.forget();
+  factor_.history(archive, equations);
+  return true;
 }
 
 void LieBdf::accept(const Layout& layout, State& state, double time) {

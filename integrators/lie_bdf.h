@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "engine/checkpoint/kept_factor.h"
 #include "engine/integrator.h"
 #include "integrators/bdf_history.h"
 
@@ -38,6 +39,7 @@ class LieBdf final : public Integrator {
  protected:
   void prepare(EquationsOfMotion& equations, State& state) override;
   StepResult advance(EquationsOfMotion& equations, State& state, double t_stop) override;
+  bool keep(Archive& archive, EquationsOfMotion& equations, const State& state) override;
 
  private:
   enum class Newton { converged, slow, no_number };
@@ -54,7 +56,7 @@ class LieBdf final : public Integrator {
   void predict(const Layout& layout, double time);
   void derive_velocities(const Layout& layout);
   Newton solve(EquationsOfMotion& equations, const State& start, double time);
-  Newton iterate(EquationsOfMotion& equations, double time, bool fresh);
+  Newton iterate(EquationsOfMotion& equations, const State& start, double time, bool fresh);
   double error(double time, int order);
   void accept(const Layout& layout, State& state, double time);
   void plan(const Layout& layout, double time, double h, double ratio);
@@ -65,12 +67,13 @@ class LieBdf final : public Integrator {
   IntegratorStatistics statistics_;
   std::unique_ptr<LieBdf> starter_;  // of fixed steps
 
-  double h_ = 0;                   // the step wished for
-  int order_ = 1;                  // of the next step
-  int steps_at_order_ = 0;         // since it changed
-  bool raising_ = true;            // at the start, order and step grow from step to step
-  bool failed_ = false;            // a step, since order and length were last weighed
-  double factor_weight_ = 0;       // w_0 of the factor at hand; 0: none
+  double h_ = 0;              // the step wished for
+  int order_ = 1;             // of the next step
+  int steps_at_order_ = 0;    // since it changed
+  bool raising_ = true;       // at the start, order and step grow from step to step
+  bool failed_ = false;       // a step, since order and length were last weighed
+  double factor_weight_ = 0;  // w_0 of the factor at hand; 0: none
+  KeptFactor factor_;
   double convergence_rate_ = 0.5;  // of Newton with it
 
   BdfHistory history_;

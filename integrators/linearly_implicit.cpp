@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine/checkpoint/archive.h"
 #include "engine/checks.h"
 #include "engine/error.h"
 #include "engine/projection.h"
@@ -79,6 +80,13 @@ void LinearlyImplicit::project(EquationsOfMotion& equations, double time, Point&
   rv_.setZero();
   equations.solve(rv_, rl_);
   equations.layout().retract(at.q, rv_, at.q);
+}
+
+bool LinearlyImplicit::keep(Archive& archive, EquationsOfMotion& /*equations*/, const State& /*state*/) {
+  archive.same("step", parameters_.step);
+  archive.same("order", parameters_.order);
+  archive("statistics", statistics_);
+  return true;
 }
 
 StepResult LinearlyImplicit::advance(EquationsOfMotion& equations, State& state, double t_stop) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine/checkpoint/archive.h"
 #include "engine/checks.h"
 
 namespace lithe {
@@ -119,6 +120,13 @@ void MomentumBalance::Corrections::add(double size) {
   wants_factor = count > 0 && rate > kSlow;
   last = size;
   ++count;
+}
+
+bool MomentumBalance::keep(Archive& archive, EquationsOfMotion& /*equations*/, const State& /*state*/) {
+  archive.same("step", step_);
+  archive.same("newton_tolerance", newton_tolerance_);
+  archive("statistics", statistics_);
+  return true;
 }
 
 StepResult MomentumBalance::advance(EquationsOfMotion& equations, State& state, double t_stop) {

@@ -23,6 +23,7 @@ class MomentumBalance : public Integrator {
 
   void prepare(EquationsOfMotion& equations, State& state) override;
   StepResult advance(EquationsOfMotion& equations, State& state, double t_stop) final;
+  bool keep(Archive& archive, EquationsOfMotion& equations, const State& state) override;
   /// One step from `start` by h to `time`: fills q_, v_, v_dot_, lambda_.
   virtual Attempt attempt(EquationsOfMotion& equations, const State& start, double h, double time) = 0;
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/checkpoint/archive.h"
 #include "engine/checks.h"
 #include "engine/contact/direct_cone_solver.h"
 #include "engine/error.h"
@@ -80,6 +81,14 @@ StepResult MoreauJean::advance(EquationsOfMotion& equations, State& state, doubl
   state.lambda.resize(0);  // who wants the multipliers asks Snapshot
   ++statistics_.steps;
   return {};
+}
+
+bool MoreauJean::keep(Archive& archive, EquationsOfMotion& /*equations*/, const State& /*state*/) {
+  archive.same("step", parameters_.step);
+  archive("statistics", statistics_);
+  archive("lambda", lambda_);
+  impulses_.history(archive);
+  return true;
 }
 
 /// Moves positions, then velocities, onto the constraints along the last factor.

@@ -1,5 +1,6 @@
 #include "integrators/nonsmooth_generalized_alpha.h"
 
+#include "engine/checkpoint/archive.h"
 #include "engine/checks.h"
 #include "engine/contact/direct_cone_solver.h"
 
@@ -16,6 +17,15 @@ void NonsmoothGeneralizedAlpha::prepare(EquationsOfMotion& equations, State& sta
   equations.recall(ContactMemory{});
   jumped_ = false;
   GeneralizedAlpha::prepare(equations, state);
+}
+
+bool NonsmoothGeneralizedAlpha::keep(Archive& archive, EquationsOfMotion& equations, const State& state) {
+  GeneralizedAlpha::keep(archive, equations, state);
+  impulses_.history(archive);
+  archive("jumped", jumped_);
+  archive("smooth_v_dot", smooth_v_dot_);
+  archive("smooth_lambda", smooth_lambda_);
+  return true;
 }
 
 StepResult NonsmoothGeneralizedAlpha::advance(EquationsOfMotion& equations, State& state, double t_stop) {

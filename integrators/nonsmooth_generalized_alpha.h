@@ -28,6 +28,7 @@ class NonsmoothGeneralizedAlpha final : public GeneralizedAlpha {
  protected:
   void prepare(EquationsOfMotion& equations, State& state) override;
   StepResult advance(EquationsOfMotion& equations, State& state, double t_stop) override;
+  bool keep(Archive& archive, EquationsOfMotion& equations, const State& state) override;
 
  private:
   ContactImpulses impulses_;

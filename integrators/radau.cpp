@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "engine/checkpoint/archive.h"
 #include "engine/checks.h"
 
 namespace lithe {
@@ -164,6 +165,21 @@ StepResult Radau::advance(EquationsOfMotion& equations, State& state, double t_s
     else
       h *= first ? 0.1 : std::clamp(kSafety * std::pow(ratio, -0.25), kSmallestGrowth, kSafety);
   }
+}
+
+bool Radau::keep(Archive& archive, EquationsOfMotion& equations, const State& /*state*/) {
+  archive.same("step", parameters_.step);
+  archive.same("first_step", parameters_.first_step);
+  archive.same("max_step", parameters_.max_step);
+  archive.same("newton_tolerance", parameters_.newton_tolerance);
+  archive.same("relative tolerance", parameters_.tolerance.relative);
+  archive.same("absolute tolerance", parameters_.tolerance.absolute);
+  archive("statistics", statistics_);
+  archive("h", h_);
+  archive("h_accepted", h_accepted_);
+  archive("ratio_accepted", ratio_accepted_);
+  archive.group("stages", [&] { stages_.history(archive, equations); });
+  return true;
 }
 
 /// Why no step of size h was taken, with the coordinate that is to blame.

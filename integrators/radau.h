@@ -38,6 +38,7 @@ class Radau final : public Integrator {
  protected:
   void prepare(EquationsOfMotion& equations, State& state) override;
   StepResult advance(EquationsOfMotion& equations, State& state, double t_stop) override;
+  bool keep(Archive& archive, EquationsOfMotion& equations, const State& state) override;
 
  private:
   double first_step(const Layout& layout, const State& state);

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "engine/checkpoint/archive.h"
+
 namespace lithe {
 namespace {
 
@@ -110,13 +112,26 @@ void RadauStages::evaluate(EquationsOfMotion& equations, const State& start, dou
   }
 }
 
-void RadauStages::factorize(EquationsOfMotion& equations, double h, bool with_complex) {
+/// At the middle stage, evaluated last.
+void RadauStages::factorize(EquationsOfMotion& equations, const State& start, double h, bool with_complex) {
   const double s = gamma_ / h;
-  equations.factorize({1, s, s * s}, v_dot_.col(1), lambda_.col(1), nullptr);
-  if (!with_complex) return;
+  const TangentWeights real{1, s, s * s};
+  if (!with_complex) return equations.factorize(real, v_dot_.col(1), lambda_.col(1), nullptr);
   const std::complex<double> z = alpha_ / h;
-  equations.factorize_complex({1.0, z, z * z}, v_dot_.col(1), lambda_.col(1), nullptr);
+  complex_factor_.make_complex(equations, real, {1.0, z, z * z}, start.time + c_[1] * h, start, q_, v_.col(1),
+                               v_dot_.col(1), lambda_.col(1));
   complex_h_ = h;
+}
+
+void RadauStages::history(Archive& archive, EquationsOfMotion& equations) {
+  archive("last_v", last_v_);
+  archive("last_lambda", last_lambda_);
+  archive("last_h", last_h_);
+  archive("complex_h", complex_h_);
+  archive("rate", rate_);
+  archive("allowance", allowance_);
+  if (!archive.loads() && complex_h_ == 0) complex_factor_.forget();
+  complex_factor_.history(archive, equations);
 }
 
 void RadauStages::correct(EquationsOfMotion& equations, double h) {
@@ -191,7 +206,7 @@ bool RadauStages::solve(EquationsOfMotion& equations, const State& start, double
     evaluate(equations, start, time, h);
     statistics.evaluations += 3;
     if (factors) {
-      factorize(equations, h, fresh);
+      factorize(equations, start, h, fresh);
       ++statistics.factorizations;
       factors = false;
     }

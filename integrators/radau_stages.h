@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/checkpoint/kept_factor.h"
 #include "engine/integrator.h"
 
 namespace lithe {
@@ -33,6 +34,7 @@ class RadauStages {
              IntegratorStatistics& statistics);
   /// The step is taken: its polynomial starts the next, its complex factor may serve again.
   void accept(const State& start, double h);
+  void history(Archive& archive, EquationsOfMotion& equations);
 
   /// Error of an embedded formula of order 3 at the step's end, in the chart and of v, damped by the real factor (IV.8,
   /// equation 8.20; 8.21 if `again`, with the result of the call before).
@@ -58,7 +60,7 @@ class RadauStages {
   using Stages = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 
   void evaluate(EquationsOfMotion& equations, const State& start, double time, double h);
-  void factorize(EquationsOfMotion& equations, double h, bool with_complex);
+  void factorize(EquationsOfMotion& equations, const State& start, double h, bool with_complex);
   void correct(EquationsOfMotion& equations, double h);
   void advance_kinematics(const Layout& layout, double h);
   double size(double h, const Target& target) const;
@@ -75,8 +77,9 @@ class RadauStages {
   Stages last_v_, last_lambda_;                   // of the step before, v_i - v_n
   VectorX q_, x_, y_, d_size_, v_size_, pull_;
   ComplexVectorX xc_, yc_;
-  double last_h_ = 0;                 // length of the step before; 0: none
-  double complex_h_ = 0;              // step that the complex factor was made for; 0: none worth keeping
+  double last_h_ = 0;     // length of the step before; 0: none
+  double complex_h_ = 0;  // step that the complex factor was made for; 0: none worth keeping
+  KeptFactor complex_factor_;
   double rate_ = 1, worst_rate_ = 0;  // of Newton, in the last step solved: last ratio of corrections, largest
   double allowance_ = 1e-3;           // rate / (1 - rate) as it is taken for the first iteration
   int iterations_ = 0;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "engine/checkpoint/archive.h"
+
 namespace lithe {
 namespace {
 
@@ -174,6 +176,16 @@ void RungeKuttaStep::finish(State& state, Multipliers multipliers) {
   }
   if (forward_) projector_.accelerations(end_, q_, v_, d_rate_, lambda_);
   state.lambda = lambda_;
+}
+
+void RungeKuttaStep::history(Archive& archive) {
+  archive("refusals", refusals_);
+  bool forward = forward_ != nullptr;
+  archive("forward", forward);
+  if (!forward) forward_ = nullptr;  // it has refused too often
+  archive("lambda", lambda_);        // where the next search for reactions begins
+  archive("all_evaluations", evaluations);
+  archive("all_factorizations", factorizations);
 }
 
 void RungeKuttaStep::estimate_stiffness() {

@@ -41,6 +41,8 @@ class RungeKuttaStep {
   /// hold to its error. The first call of a step evaluates three more stages.
   bool interpolate(const State& from, const State& to, double time, State& out);
 
+  void history(Archive& archive);
+
   long evaluations = 0, factorizations = 0;
 
  private:

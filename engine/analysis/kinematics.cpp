@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/analysis/free_motions.h"
+#include "engine/checkpoint/archive.h"
 #include "engine/checks.h"
 #include "engine/error.h"
 
@@ -123,6 +124,13 @@ StepResult Kinematics::advance(EquationsOfMotion& equations, State& state, doubl
   }
   return {StepResult::Outcome::failed, "the mechanism cannot follow its drives (lock-up or dead centre): " +
                                            worst(equations, state.time + 2 * smallest)};
+}
+
+bool Kinematics::keep(Archive& archive, EquationsOfMotion& /*equations*/, const State& /*state*/) {
+  archive.same("step", parameters_.step);
+  archive.same("tolerance", parameters_.tolerance);
+  archive("statistics", statistics_);
+  return true;
 }
 
 /// The row that the last trial violates most.

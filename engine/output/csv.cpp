@@ -78,8 +78,12 @@ void write_csv(const Table& table, const std::string& path) {
 
 Table read_csv(const std::string& path) {
   std::ifstream file(path);
-  std::string line;
   if (!file) throw FileError("cannot open the CSV file.", path, "check the path and the right to read it.");
+  return read_csv(file, path);
+}
+
+Table read_csv(std::istream& file, const std::string& path) {
+  std::string line;
   if (!std::getline(file, line) || trimmed(line).empty())
     throw FileError("the CSV file has no header line.", path + ":1", "its first line must name the columns.");
   Table table;

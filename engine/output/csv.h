@@ -1,5 +1,6 @@
 #pragma once
 
+#include <istream>
 #include <string>
 
 #include "engine/output/table.h"
@@ -15,5 +16,7 @@ void write_csv(const Table& table, const std::string& path);
 /// Reads what write_csv() writes, and kindred files: blanks around names and numbers, Windows line ends and empty lines
 /// are borne. Throws FileError with file:line for a row of the wrong length or a text that is no number.
 Table read_csv(const std::string& path);
+/// The same from text; `path` is for messages.
+Table read_csv(std::istream& text, const std::string& path);
 
 }  // namespace lithe

@@ -72,6 +72,12 @@ void Hdf5Series::write(const std::string& name, const std::vector<int>& integers
   write(name, H5T_NATIVE_INT, {integers.size()}, integers.data());
 }
 
+void Hdf5Series::write(const std::string& name, const std::vector<std::string>& texts) {
+  std::string bytes;
+  for (const std::string& text : texts) bytes += text + '\0';
+  write(name, H5T_NATIVE_CHAR, {bytes.size()}, bytes.data());
+}
+
 void Hdf5Series::attribute(const std::string& of, const std::string& name, const std::string& text) {
   const auto growing = handles_->sets.find(of);
   const Hdf5Handle opened(
@@ -105,9 +111,9 @@ void Hdf5Series::begin() {
 
 void Hdf5Series::append(const std::string& name, ConstVectorRef row) {
   const auto found = handles_->sets.find(name);
-  if (!handles_->begun || found == handles_->sets.end() || found->second.width != static_cast<hsize_t>(row.size()))
+  if (found == handles_->sets.end() || found->second.width != static_cast<hsize_t>(row.size()))
     throw SceneError("a row of " + std::to_string(row.size()) + " numbers for '" + name + "'", path_,
-                     "add() the data set with that width, and begin(), before rows are appended");
+                     "add() the data set with that width before rows are appended");
   GrowingSet& grown = found->second;
   const hsize_t from[] = {grown.rows, 0}, one[] = {1, grown.width}, size[] = {grown.rows + 1, grown.width};
   if (H5Dset_extent(grown.set, size) < 0) fail(name);

@@ -10,10 +10,10 @@
 namespace lithe {
 
 /// An HDF5 file that grows row by row while a simulation runs. First what stays the same, and the names and widths of
-/// the growing data sets (times x width); then begin(), which gives the file its name; then rows.
-/// After flush() the rows appended so far are in the file, and it can be opened at any moment since begin(): by readers
-/// beside the run, and after a run that was killed, even in the middle of a row (HDF5's protocol for one writer and
-/// many readers, SWMR). A file whose run was killed opens with Hdf5Reader and other readers in SWMR mode, with all
+/// the growing data sets (times x width) and their first rows; then begin(), which gives the file its name; then more
+/// rows. After flush() the rows appended so far are in the file, and it can be opened at any moment since begin(): by
+/// readers beside the run, and after a run that was killed, even in the middle of a row (HDF5's protocol for one writer
+/// and many readers, SWMR). A file whose run was killed opens with Hdf5Reader and other readers in SWMR mode, with all
 /// programs after `h5clear -s FILE`. Data sets may then differ by the row that was being written: append last, after a
 /// flush(), the one that counts. Rows have no checksum: a chunk that a kill cuts would lose its older rows to it. Not
 /// promised: what the operating system had in memory when the power failed.
@@ -28,12 +28,13 @@ class Hdf5Series {
 
   void write(const std::string& name, const MatrixX& matrix);  // column by column, as Hdf5Writer
   void write(const std::string& name, const std::vector<int>& integers);
+  void write(const std::string& name, const std::vector<std::string>& texts);  // as bytes, each closed by a zero
   /// A small fact about a data set or the file ("/"): a unit, axes.
   void attribute(const std::string& of, const std::string& name, const std::string& text);
   /// A data set of rows, `width` numbers each.
   void add(const std::string& name, int width);
   void begin();
-  /// Appends a row; SceneError for another width, or a name that was not added.
+  /// Appends a row, before begin() too; SceneError for another width, or a name that was not added.
   void append(const std::string& name, ConstVectorRef row);
   /// Hands all rows to the operating system.
   void flush();

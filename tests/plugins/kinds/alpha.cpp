@@ -17,6 +17,11 @@ class Alpha final : public Integrator {
   StepResult advance(EquationsOfMotion& equations, State& state, double t_stop) override {
     return method_.step(equations, state, t_stop);
   }
+  bool keep(Archive& archive, EquationsOfMotion& equations, const State& state) override {
+    bool kept = false;
+    archive.group("method", [&] { kept = method_.history(archive, equations, state); });
+    return kept;
+  }
   const IntegratorStatistics& statistics() const override { return method_.statistics(); }
 
  private:

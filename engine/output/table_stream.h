@@ -1,0 +1,44 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/output/table.h"
+
+namespace lithe {
+
+class Hdf5Series;
+
+/// A table that is written row by row while it comes to be: what a run that is killed leaves on disk. As .csv each row
+/// is one write() of its line; as .h5 the rows are flushed one by one (hdf5_series.h), and the file is that of
+/// write_hdf5(). Throws FileError whatever goes wrong with the file.
+class TableStream {
+ public:
+  /// Throws SceneError for another ending. Nothing is written yet.
+  explicit TableStream(std::string path);
+  ~TableStream();
+  TableStream(const TableStream&) = delete;
+  TableStream& operator=(const TableStream&) = delete;
+
+  const std::string& path() const { return path_; }
+  /// The first row begins the file, in the place of one of that name.
+  void append(const std::vector<std::string>& columns, std::span<const double> row);
+  /// Begins the file with these rows, in the place of one of that name.
+  void begin(const Table& rows);
+  /// Cuts a file of these columns back to its first rows, to go on behind them; returns them. Throws FileError for one
+  /// that has fewer.
+  Table go_on(const std::vector<std::string>& columns, int rows);
+
+ private:
+  [[noreturn]] void fail() const;
+  void write(const std::string& text);
+
+  std::string path_;
+  int file_ = -1;  // .csv
+  bool is_text_, begun_ = false;
+  std::unique_ptr<Hdf5Series> series_;  // .h5
+};
+
+}  // namespace lithe
