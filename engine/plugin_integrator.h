@@ -170,11 +170,11 @@ int64_t save(void* integrator, unsigned char* bytes, int64_t capacity) noexcept 
 template <class T>
 int32_t load(void* integrator, const lithe_state* state, const unsigned char* bytes, int64_t count, char* error,
              size_t size) noexcept {
-  return guarded(error, size, [&] {
+  return guarded(error, size, [&]() -> int32_t {
     auto& self = *static_cast<IntegratorInstance<T>*>(integrator);
-    lithe_state at = *state;
-    Archive archive = Archive::of_bytes("plug-in", bytes, static_cast<std::size_t>(count));
     if (!self.equations) return kFatal;
+    Archive archive = Archive::of_bytes("plug-in", bytes, static_cast<std::size_t>(count));
+    lithe_state at = *state;
     return self.on_state(
         &at, [&] { return self.integrator->history(archive, *self.equations, self.state) ? kFine : kFatal; });
   });
