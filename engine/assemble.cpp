@@ -486,7 +486,7 @@ class SystemBuilder {
       assembler.evaluate(0, q_, v_, Level::velocity);
       assembler.constraint(Level::position, g);
       int row = 0;
-      g.cwiseAbs().maxCoeff(&row);
+      g.cwiseAbs().maxCoeff<Eigen::PropagateNaN>(&row);
       return row;
     };
     if (layout.row_count() > 0) {
@@ -564,6 +564,11 @@ class SystemBuilder {
   std::vector<int> batch_sizes_;
 };
 
-System assemble(SystemGraph& graph, const AssembleOptions& options) { return SystemBuilder(graph, options).build(); }
+System assemble(SystemGraph& graph, const AssembleOptions& options) try {
+  return SystemBuilder(graph, options).build();
+} catch (...) {
+  rethrow_as_error("assemble", "the scene of " + std::to_string(graph.bodies().size() - 1) + " bodies",
+                   "see what it says; the graph can be assembled again");
+}
 
 }  // namespace lithe

@@ -4,6 +4,7 @@
 
 #include "engine/batch.h"
 #include "engine/connector_blocks.h"
+#include "engine/element_error.h"
 
 /// The loops over all elements of one type. Include this where a new type is first added to a graph.
 namespace lithe {
@@ -26,35 +27,36 @@ class BodyBatchOf final : public BodyBatch {
   }
 
   void evaluate(Workspace& work, Caches& caches, Level level, Level markers) const override {
-    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    for_each_named(bodies_, work.time, [&](std::size_t i) {
       const BodyRecord& record = records_[i];
       const BodyState state = state_of(work, caches, i);
       bodies_[i]->T::evaluate(state, level);
       for (const auto& [marker, place] : record.markers)
         bodies_[i]->T::marker_kinematics(state, marker, markers, work.markers[place]);
-    }
+    });
   }
 
   void evaluate_loaded(Workspace& work, Caches& caches, Level level) const override {
-    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    for_each_named(bodies_, work.time, [&](std::size_t i) {
       const BodyRecord& record = records_[i];
-      if (record.loaded.empty()) continue;
+      if (record.loaded.empty()) return;
       const BodyState state = state_of(work, caches, i);
       bodies_[i]->T::evaluate(state, level);
       for (const auto& [marker, place] : record.loaded)
         bodies_[i]->T::marker_kinematics(state, marker, level, work.markers[place]);
-    }
+    });
   }
 
   void add_residual(Workspace& work, Caches& caches, const double* v_dot, double* r) const override {
-    for (std::size_t i = 0; i < bodies_.size(); ++i)
+    for_each_named(bodies_, work.time, [&](std::size_t i) {
       bodies_[i]->T::add_residual(state_of(work, caches, i), v_dot + records_[i].v, work.gravity, r + records_[i].v);
+    });
   }
 
   void write_tangent(Workspace& work, Caches& caches, const BlockStructure& blocks, const double* v_dot,
                      const TangentWeights& weights, const double* increment) const override {
     double* values = work.values.data();
-    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    for_each_named(bodies_, work.time, [&](std::size_t i) {
       const BodyRecord& record = records_[i];
       double *frame = nullptr, *frame_linear = nullptr, *linear_frame = nullptr, *linear = nullptr;
       int size = 0, entries = 0;
@@ -73,14 +75,14 @@ class BodyBatchOf final : public BodyBatch {
                                       std::pair(linear_frame, coupled), std::pair(linear, entries)})
         if (at) std::fill_n(at, count, 0.0);
       bodies_[i]->T::add_tangent(state_of(work, caches, i), v_dot + record.v, work.gravity, weights, S);
-      if (!increment || record.frame < 0) continue;
+      if (!increment || record.frame < 0) return;
       // d_dot = Jr⁻¹ omega: corrections of the increment turn the state by Jr(psi)
       const Matrix3 chart = right_jacobian_inverse(Eigen::Map<const Vector3>(increment + record.v + 3));
       auto turning = S.frame.template rightCols<3>();
       turning = turning.lazyProduct(chart).eval();
       auto columns = S.linear_frame.template rightCols<3>();
       for (int k = 0; k < size; ++k) columns.row(k) = (columns.row(k) * chart).eval();
-    }
+    });
   }
 
  private:
@@ -138,7 +140,7 @@ class ConstraintBatchOf final : public ConstraintBatch {
 
   void evaluate(Workspace& work, const BlockStructure& blocks, Level level) const override {
     constexpr int kRows = connector::kRowsOf<T>;
-    for (std::size_t i = 0; i < constraints_.size(); ++i) {
+    for_each_named(constraints_, work.time, [&](std::size_t i) {
       const ConnectorRecord& record = records_[i];
       ConstraintRows rows(record.slot_count);
       rows.recall(work.quadrants.data() + record.first_angle);
@@ -161,12 +163,12 @@ class ConstraintBatchOf final : public ConstraintBatch {
       for (int m = 0; m < record.slot_count; ++m)
         connector::write_jacobian<kRows>(work, blocks, record.slots[m], count,
                                          [&](int r) -> const Wrench& { return rows.wrench(r, m); });
-    }
+    });
   }
 
   void add_stiffness(Workspace& work, const BlockStructure& blocks, double weight,
                      const double* lambda) const override {
-    for (std::size_t i = 0; i < constraints_.size(); ++i) {
+    for_each_named(constraints_, work.time, [&](std::size_t i) {
       const ConnectorRecord& record = records_[i];
       const double* multipliers = lambda + record.first_row;
       ConstraintRows::Stiffness K;  // rows that have any set it to zero first
@@ -198,7 +200,7 @@ class ConstraintBatchOf final : public ConstraintBatch {
       for (int m = 0; m < record.slot_count; ++m)
         connector::add_load_stiffness(work, blocks, record.slots[m], load[m], weight);
       if (rows.written() || rows.stiff()) connector::add_marker_stiffness(work, blocks, record, K, weight);
-    }
+    });
   }
 
  private:
@@ -220,7 +222,7 @@ class ForceBatchOf final : public ForceBatch {
   void evaluate(Workspace& work, const BlockStructure& blocks) const override {
     constexpr int kRows = connector::kRowsOf<T>;
     const int constraints = static_cast<int>(work.residual.size());
-    for (std::size_t i = 0; i < forces_.size(); ++i) {
+    for_each_named(forces_, work.time, [&](std::size_t i) {
       const ConnectorRecord& record = records_[i];
       ForceRows rows(record.slot_count);
       if (!reactions_.empty()) rows.set_reaction({Vector3::Zero(), Vector3::Zero()});  // until react()
@@ -238,12 +240,12 @@ class ForceBatchOf final : public ForceBatch {
           connector::write_jacobian<kRows>(work, blocks, record.slots[m], rows.count(),
                                            [&](int r) -> const Wrench& { return rows.wrench(r, m); });
       }
-    }
+    });
   }
 
   void add_tangent(Workspace& work, const BlockStructure& blocks, const TangentWeights& weights) const override {
     const int constraints = static_cast<int>(work.residual.size());
-    for (std::size_t i = 0; i < forces_.size(); ++i) {
+    for_each_named(forces_, work.time, [&](std::size_t i) {
       const ConnectorRecord& record = records_[i];
       const int n = record.slot_count, first = record.first_row - constraints;
       // Wrench on the left-hand side: tensions as they are now, loads with the opposite sign.
@@ -279,7 +281,7 @@ class ForceBatchOf final : public ForceBatch {
         connector::difference(work, record, Level::velocity, wrenches, K);
         connector::add_marker_stiffness(work, blocks, record, K, weights.velocity);
       }
-    }
+    });
   }
 
   void react(Workspace& work, const BlockStructure&, const double* lambda) const override {

@@ -1,5 +1,7 @@
 #include "engine/crew.h"
 
+#include <system_error>
+
 namespace lithe {
 namespace {
 
@@ -8,10 +10,18 @@ constexpr int kAwake = 4000;  // looks before a thread sleeps: some 20 microseco
 }  // namespace
 
 Crew::Crew(int threads) {
-  for (int i = 1; i < threads; ++i) threads_.emplace_back([this] { wait_for_work(); });
+  try {
+    for (int i = 1; i < threads; ++i) threads_.emplace_back([this] { wait_for_work(); });
+  } catch (const std::system_error&) {  // the system gives no more: fewer do the same work
+  } catch (...) {
+    close();
+    throw;
+  }
 }
 
-Crew::~Crew() {
+Crew::~Crew() { close(); }
+
+void Crew::close() {
   over_ = true;
   ++round_;
   round_.notify_all();

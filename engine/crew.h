@@ -26,6 +26,7 @@ class Crew {
   void run(int count, Call call, const void* data);
   void work();
   void wait_for_work();
+  void close();
 
   Call call_ = nullptr;
   const void* data_ = nullptr;

@@ -46,6 +46,11 @@ class SimulationError : public Error {
   using Error::Error;
 };
 
+/// Within a handler: throws what is being handled as an Error. One of Lithe's own passes as it is; lack of memory and
+/// what other code throws become a SimulationError: "`who` threw: ...", with the original nested in it
+/// (std::rethrow_if_nested). Where memory does not even suffice for that, std::bad_alloc passes.
+[[noreturn]] void rethrow_as_error(const std::string& who, const std::string& where, const std::string& mend);
+
 /// "file.cpp:12", the last path component only, as errors print it.
 std::string to_string(const std::source_location& where);
 

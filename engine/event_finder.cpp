@@ -32,7 +32,13 @@ void EventFinder::add(std::string name, EventFunction function, double level, Ev
 }
 
 double EventFinder::value(Watched& w) {
-  const double value = w.function(snapshot_) - w.level;
+  double value = 0;
+  try {
+    value = w.function(snapshot_) - w.level;
+  } catch (...) {
+    rethrow_as_error("the function of the event '" + w.name + "'", time_text(snapshot_.time()),
+                     "see what it reads there; the state reached before is kept");
+  }
   if (!std::isfinite(value))
     throw SimulationError("the event '" + w.name + "' watches what is no finite number", time_text(snapshot_.time()),
                           "give a function that is a number at every state");

@@ -19,7 +19,7 @@ Projector::Result Projector::position(double time, VectorRef q, double tolerance
     equations_.evaluate(time, q, zero_v_, Level::position);
     equations_.constraint(Level::position, dl_);
     const double before = result.residual;
-    result.residual = dl_.cwiseAbs().maxCoeff();
+    result.residual = dl_.cwiseAbs().maxCoeff<Eigen::PropagateNaN>();
     // Done at the tolerance, or where round-off ends progress.
     result.converged =
         result.residual <= tolerance ||

@@ -12,7 +12,7 @@
 #include "engine/output/table_stream.h"
 
 namespace lithe {
-Recorder::Recorder(std::vector<Sensor> sensors, std::source_location where) : sensors_(std::move(sensors)) {
+Recorder::Recorder(std::vector<Sensor> sensors, std::source_location where) try : sensors_(std::move(sensors)) {
   std::map<std::string, std::string> taken{{"t", "the time"}};
   table_.columns.push_back("t");
   for (const Sensor& sensor : sensors_)
@@ -25,6 +25,8 @@ Recorder::Recorder(std::vector<Sensor> sensors, std::source_location where) : se
       table_.columns.push_back(column);
     }
   row_.resize(table_.columns.size());
+} catch (...) {
+  rethrow_as_error("the recorder", to_string(where), "see what it says");
 }
 
 void Recorder::observe(Snapshot& snapshot) {
@@ -33,7 +35,12 @@ void Recorder::observe(Snapshot& snapshot) {
   std::span<double> rest = std::span(row_).subspan(1);
   for (const Sensor& sensor : sensors_) {
     const auto values = rest.first(sensor.columns().size());
-    sensor.evaluate(snapshot, values);
+    try {
+      sensor.evaluate(snapshot, values);
+    } catch (...) {
+      rethrow_as_error("sensor '" + sensor.name() + "'", sensor.where() + ", " + time_text(snapshot.time()),
+                       "see what it reads; rows up to then are kept");
+    }
     for (std::size_t i = 0; i < values.size(); ++i)
       if (!std::isfinite(values[i]))
         throw SimulationError("sensor '" + sensor.columns()[i] + "' reads " + std::to_string(values[i]) + " at " +

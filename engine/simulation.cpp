@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
+#include "engine/culprit.h"
 #include "engine/error.h"
+#include "engine/interrupt.h"
 
 namespace lithe {
 namespace {
@@ -35,15 +38,28 @@ std::string find_not_finite(const State& state, const Layout& layout) {
 
 }  // namespace
 
-Simulation::Simulation(const System& system, Integrator& integrator)
+Simulation::Simulation(const System& system, Integrator& integrator) try
     : system_(system), integrator_(integrator), equations_(system), snapshot_(system), projector_(equations_) {
   make_finder();
+} catch (...) {
+  rethrow_as_error("the simulation", "Simulation", "see what it says");
 }
 
-void Simulation::observe(Observer& observer, Schedule schedule) { watches_.add(observer, schedule); }
+void Simulation::observe(Observer& observer, Schedule schedule) try { watches_.add(observer, schedule); } catch (...) {
+  rethrow_as_error("the simulation", "Simulation::observe", "see what it says");
+}
 
 void Simulation::run(State& state, double end, Multipliers multipliers) {
   check(state, end);
+  try {
+    go(state, end, multipliers);
+  } catch (...) {
+    rethrow_as_error("the run with " + integrator_.name(), time_text(state.time),
+                     "see what it says; the state reached before is kept");
+  }
+}
+
+void Simulation::go(State& state, double end, Multipliers multipliers) {
   begin(state);
   started_ = false;  // until the run has ended well
   stopped_by_.clear();
@@ -56,6 +72,9 @@ void Simulation::run(State& state, double end, Multipliers multipliers) {
   while (end - state.time > time_round_off(end) && stopped_by_.empty()) {
     advance(state, next_stop(state.time, end));
     tell_due();
+    if (const int signal = InterruptGuard::asked(); signal != 0)
+      fail(state, "the run was interrupted by signal " + std::to_string(signal) + " (" + strsignal(signal) + ")",
+           "run on from the state: it is the last good one, and what was recorded is kept");
   }
   if (multipliers == Multipliers::found) find_multipliers(state);
   started_ = true;
@@ -69,8 +88,14 @@ void Simulation::begin(State& state) {
   if (!resumed || !started_ || integrator_.statistics().steps != steps_) {
     started_ = false;
     if (!resumed) events_.clear(), restarts_.clear();
-    integrator_.start(equations_, state);
-    if (finder_) finder_->start(state);
+    const State given = state;
+    try {
+      integrator_.start(equations_, state);
+      if (finder_) finder_->start(state);
+    } catch (...) {
+      state = given;
+      throw;
+    }
     earlier_ = {};
     approach_ = {};
     last_ = state;
@@ -117,15 +142,19 @@ void Simulation::advance(State& state, double stop) {
     throw;
   }
   const auto step = [&] { return "the step from " + time_text(last_.time); };
+  const auto culprit = [&](double until) {
+    const std::string found = find_culprit(equations_, last_, until > last_.time && until < stop ? until : stop);
+    return found.empty() ? "" : "; " + found;
+  };
   if (!result.ok())
-    fail(state, step() + " failed: " + result.why,
+    fail(state, step() + " failed: " + result.why + culprit(stop),
          "give a smaller step or another tolerance; if neither helps, look for what happens there: a locked mechanism, "
          "an impact, a force that grows without bound");
   if (const std::string name = find_not_finite(state, system_.layout()); !name.empty())
-    fail(state, step() + " left what is no finite number: " + name,
+    fail(state, step() + " left what is no finite number: " + name + culprit(state.time),
          "look for a force that divides by zero or overflows near there, or give a smaller step");
   if (!(state.time > last_.time && state.time <= stop))
-    fail(state, step() + " to " + time_text(stop) + " ended at " + time_text(state.time),
+    fail(state, step() + " to " + time_text(stop) + " ended at " + time_text(state.time) + culprit(stop),
          "give a looser tolerance if steps became smaller than time can tell; else mend the integrator: a step moves "
          "time, never past its stop");
   if (finder_) {
@@ -136,7 +165,13 @@ void Simulation::advance(State& state, double stop) {
       throw;
     }
   }
-  last_ = state;
+  try {
+    last_ = state;
+  } catch (...) {  // no memory: both go on without the multipliers, which are found anew
+    state.lambda.resize(0), last_.lambda.resize(0);
+    last_.quadrants = state.quadrants;
+    throw;
+  }
   evaluated_ = false;
 }
 
@@ -149,7 +184,10 @@ Snapshot& Simulation::look(const State& state) {
 void Simulation::fail(State& state, const std::string& what, const std::string& mend) {
   state = last_;
   watches_.tell_all(state.time, [&]() -> Snapshot& { return look(state); });
-  find_multipliers(state);
+  try {
+    find_multipliers(state);
+  } catch (const Error&) {  // NOLINT: the failure itself matters more
+  }
   throw SimulationError(what, time_text(last_.time) + ", " + integrator_.name(), mend);
 }
 

@@ -43,9 +43,10 @@ class Simulation {
   /// goes on from there: run(state, 1), run(state, 2) is run(state, 2) where a step ends at 1. Any other starts the
   /// integrator, and the schedules, anew. Throws SceneError for an end before the state's time or a state that does not
   /// fit the system; SimulationError where the integrator fails or leaves a coordinate that is no number, or where
-  /// events accumulate: ever more of them in ever shorter times. Then the state is the last good one, observers have
-  /// been told of it, and the next run starts from it. Multipliers::later leaves State::lambda empty at the end where
-  /// the integrator does.
+  /// events accumulate: ever more of them in ever shorter times; where an element, observer or event throws, memory
+  /// runs out, or a signal asks to end (engine/interrupt.h). It names the element and the time. Then the state is the
+  /// last good one, observers have been told of it (but after lack of memory or an exception), and the next run starts
+  /// from it. Multipliers::later leaves State::lambda empty at the end where the integrator does.
   void run(State& state, double end, Multipliers multipliers = Multipliers::found);
 
   /// Writes checkpoints of later runs to `path`, each in the place of the one before: at their first state, then after
@@ -75,6 +76,7 @@ class Simulation {
   void history(Archive& archive, State& state);
   void check_loaded(const Archive& archive, const State& state) const;
   void write_due_checkpoint(State& state);
+  void go(State& state, double end, Multipliers multipliers);
   void check(const State& state, double end) const;
   double next_stop(double time, double end) const;
   void make_finder();

@@ -143,7 +143,12 @@ void Simulation::meet(State& state) {
     if (event.action == Event::Action::stop && stopped_by_.empty()) stopped_by_ = event.name;
     restarted |= event.action == Event::Action::restart;
     if (!event.change) continue;
-    event.change(state);
+    try {
+      event.change(state);
+    } catch (...) {
+      rethrow_as_error("the change of the event '" + event.name + "'", time_text(time),
+                       "see what it does to the state");
+    }
     state.time = time;
     check(state, time);
     move_onto_constraints();

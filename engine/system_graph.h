@@ -140,6 +140,8 @@ class SystemGraph {
       return reference;
     } catch (const SceneError& error) {
       throw SceneError("'" + name.text + "': " + error.problem(), to_string(name.where), error.mend());
+    } catch (...) {
+      rethrow_as_error("'" + name.text + "'", to_string(name.where), "see what its constructor says");
     }
   }
   template <class T>

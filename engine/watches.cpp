@@ -1,8 +1,13 @@
 #include "engine/watches.h"
 
+#include <cxxabi.h>
+
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
+#include <memory>
+#include <typeinfo>
 
 #include "engine/checkpoint/archive.h"
 
@@ -27,6 +32,13 @@ double Watches::next_stop(double time, double end) const {
       stop = std::min(stop, next);
   }
   return stop;
+}
+
+void Watches::rethrow_of(const Observer& observer, double time) {
+  const char* mangled = typeid(observer).name();
+  const std::unique_ptr<char, void (*)(void*)> type(abi::__cxa_demangle(mangled, nullptr, nullptr, nullptr), std::free);
+  rethrow_as_error(std::string("the observer ") + (type ? type.get() : mangled), time_text(time),
+                   "see what it does there; the state is kept, and so is what others observed");
 }
 
 double Watches::Watch::next_time() const { return origin + static_cast<double>(told) * schedule.interval; }

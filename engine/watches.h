@@ -29,8 +29,8 @@ class Watches {
   void tell_due(double time, Look&& look) {
     for (Watch& watch : watches_)
       if (watch.is_due(time)) {
+        tell(watch, time, look);  // if it throws, a run that goes on tells it again
         ++watch.told;
-        tell(watch, time, look);
       }
   }
   /// Those whose schedule would skip `time` too, after a failure: it shows how that came.
@@ -58,11 +58,17 @@ class Watches {
     double slack(double time) const;
     bool is_due(double time) const;
   };
+  /// What an observer throws, by its type: it has no name.
+  [[noreturn]] static void rethrow_of(const Observer& observer, double time);
   template <class Look>
   static void tell(Watch& watch, double time, Look&& look) {
     Snapshot& snapshot = look();
+    try {
+      watch.observer->observe(snapshot);
+    } catch (...) {
+      rethrow_of(*watch.observer, time);
+    }
     watch.told_time = time;
-    watch.observer->observe(snapshot);
   }
 
   std::vector<Watch> watches_;

@@ -159,7 +159,7 @@ void require_indices(const Hdf5Reader& file, const std::string& name, const std:
 
 }  // namespace
 
-void write_modal_basis(const ModalBasis& basis, const std::string& path) {
+void write_modal_basis(const ModalBasis& basis, const std::string& path) try {
   Hdf5Writer file(path);
   file.attribute("/", "kind", kKind);
   file.attribute("/", "version", kVersion);
@@ -197,9 +197,11 @@ void write_modal_basis(const ModalBasis& basis, const std::string& path) {
   file.attribute("/nodes", "unit", "m");
   file.attribute("/frequencies", "unit", "Hz");
   file.commit();
+} catch (...) {
+  rethrow_as_error("writing the file", path, "see what it says; an older file of that name is unharmed");
 }
 
-std::shared_ptr<const ModalBasis> read_modal_basis(const std::string& path) {
+std::shared_ptr<const ModalBasis> read_modal_basis(const std::string& path) try {
   const Hdf5Reader file(path);
   if (const std::string kind = file.text_attribute("/", "kind"); kind != kKind)
     file.refuse("/", "is a '" + kind + "' and no '" + kKind + "'");
@@ -246,6 +248,8 @@ std::shared_ptr<const ModalBasis> read_modal_basis(const std::string& path) {
   if (basis->frequencies.size() != (basis->nodal ? 0 : nm)) file.refuse("/frequencies", "do not fit the modes");
   if (file.has("/deflection")) basis->deflection = read_deflection(file, "/deflection", dofs, nm);
   return basis;
+} catch (...) {
+  rethrow_as_error("reading the file", path, "see what it says");
 }
 
 }  // namespace lithe

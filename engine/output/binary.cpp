@@ -60,7 +60,7 @@ class Cursor {
 
 }  // namespace
 
-void write_binary(const Table& table, const std::string& path) {
+void write_binary(const Table& table, const std::string& path) try {
   std::string bytes(kMagic);
   append(bytes, kVersion);
   append(bytes, static_cast<std::uint32_t>(table.columns.size()));
@@ -75,9 +75,11 @@ void write_binary(const Table& table, const std::string& path) {
   PartialFile file(path);
   file.stream().write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   file.commit();
+} catch (...) {
+  rethrow_as_error("writing the file", path, "see what it says; an older file of that name is unharmed");
 }
 
-Table read_binary(const std::string& path) {
+Table read_binary(const std::string& path) try {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw FileError("cannot open the binary table.", path, "check the path and the right to read it.");
   const std::string bytes = (std::ostringstream() << file.rdbuf()).str();
@@ -104,6 +106,8 @@ Table read_binary(const std::string& path) {
   if (cursor.number<std::uint64_t>() != fnv1a(std::string_view(bytes).substr(0, bytes.size() - sizeof(std::uint64_t))))
     cursor.fail("is damaged: its checksum does not fit");
   return table;
+} catch (...) {
+  rethrow_as_error("reading the file", path, "see what it says");
 }
 
 }  // namespace lithe

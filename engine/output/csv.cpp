@@ -51,7 +51,7 @@ double parse_number(std::string_view text, const std::string& where, const std::
 
 }  // namespace
 
-void write_csv(const Table& table, const std::string& path) {
+void write_csv(const Table& table, const std::string& path) try {
   if (table.columns.empty())
     throw SceneError("a table without columns cannot be written.", path, "name its columns before adding rows.");
   std::string line;
@@ -74,9 +74,11 @@ void write_csv(const Table& table, const std::string& path) {
     file.stream() << line << '\n';
   }
   file.commit();
+} catch (...) {
+  rethrow_as_error("writing the file", path, "see what it says; an older file of that name is unharmed");
 }
 
-Table read_csv(const std::string& path) {
+Table read_csv(const std::string& path) try {
   std::ifstream file(path);
   if (!file) throw FileError("cannot open the CSV file.", path, "check the path and the right to read it.");
   return read_csv(file, path);
@@ -101,6 +103,8 @@ Table read_csv(std::istream& file, const std::string& path) {
       table.values.push_back(parse_number(cells[i], where, table.columns[i]));
   }
   return table;
+} catch (...) {
+  rethrow_as_error("reading the file", path, "see what it says");
 }
 
 }  // namespace lithe

@@ -103,8 +103,7 @@ Hdf5Writer::Hdf5Writer(std::string path) : path_(std::move(path)), handles_(std:
 
 Hdf5Writer::~Hdf5Writer() {
   handles_->file.reset();
-  std::error_code ignored;
-  std::filesystem::remove(handles_->temporary, ignored);  // gone already after commit()
+  ::unlink(handles_->temporary.c_str());  // gone already after commit()
 }
 
 void Hdf5Writer::write(const std::string& name, const Eigen::Ref<const MatrixX>& matrix) {

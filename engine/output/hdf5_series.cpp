@@ -49,8 +49,7 @@ Hdf5Series::Hdf5Series(std::string path) : path_(std::move(path)), handles_(std:
 Hdf5Series::~Hdf5Series() {
   handles_->sets.clear();
   handles_->file.reset();
-  std::error_code ignored;
-  std::filesystem::remove(handles_->temporary, ignored);  // gone already after begin()
+  ::unlink(handles_->temporary.c_str());  // gone already after begin()
 }
 
 void Hdf5Series::write(const std::string& name, std::int64_t type, const std::vector<std::uint64_t>& extent,

@@ -5,7 +5,7 @@
 
 namespace lithe {
 
-void write_hdf5(const Table& table, const std::string& path) {
+void write_hdf5(const Table& table, const std::string& path) try {
   if (table.columns.empty()) throw SceneError("the table has no columns.", path, "give it columns before writing it.");
   Hdf5Writer file(path);
   // Row-major values are the columns of the transposed matrix: HDF5 sees rows x columns.
@@ -14,14 +14,18 @@ void write_hdf5(const Table& table, const std::string& path) {
   file.write("/columns", table.columns);
   file.attribute("/", "kind", "lithe table");
   file.commit();
+} catch (...) {
+  rethrow_as_error("writing the file", path, "see what it says; an older file of that name is unharmed");
 }
 
-Table read_hdf5_table(const std::string& path) {
+Table read_hdf5_table(const std::string& path) try {
   const Hdf5Reader file(path);
   Table table{.columns = file.texts("/columns")};
   const MatrixX values = file.matrix("/values", static_cast<std::int64_t>(table.columns.size()));
   table.values.assign(values.data(), values.data() + values.size());
   return table;
+} catch (...) {
+  rethrow_as_error("reading the file", path, "see what it says");
 }
 
 }  // namespace lithe

@@ -23,6 +23,11 @@ namespace {
 PartialFile::PartialFile(std::string path)
     : path_(std::move(path)), temporary_path_(path_ + ".partial-" + std::to_string(::getpid())) {
   std::error_code why;
+  const auto kind = std::filesystem::status(path_, why).type();
+  using enum std::filesystem::file_type;
+  // A terminal, a pipe, /dev/null: nothing to rename.
+  if (kind == character || kind == fifo || kind == socket || kind == block) temporary_path_ = path_;
+  why.clear();
   const auto folder = std::filesystem::path(path_).parent_path();
   if (!folder.empty()) std::filesystem::create_directories(folder, why);
   if (why) throw_unwritable(path_, why);
@@ -35,8 +40,7 @@ PartialFile::PartialFile(std::string path)
 PartialFile::~PartialFile() {
   // After commit() the temporary name is gone and this does nothing.
   stream_.close();
-  std::error_code ignored;
-  std::filesystem::remove(temporary_path_, ignored);
+  if (temporary_path_ != path_) ::unlink(temporary_path_.c_str());  // allocates nothing: memory may have run out
 }
 
 void PartialFile::commit() {
@@ -44,7 +48,7 @@ void PartialFile::commit() {
   stream_.close();
   if (!stream_) throw_unwritable(path_, {errno ? errno : EIO, std::generic_category()});
   std::error_code why;
-  std::filesystem::rename(temporary_path_, path_, why);
+  if (temporary_path_ != path_) std::filesystem::rename(temporary_path_, path_, why);
   if (why) throw_unwritable(path_, why);
 }
 

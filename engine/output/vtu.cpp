@@ -135,7 +135,7 @@ void write_array(std::ostream& out, const std::string& name, Eigen::Index compon
 }  // namespace
 
 void write_vtu(const std::string& path, const Matrix3X& points, const std::vector<VtuCells>& cells,
-               const std::vector<VtuField>& fields) {
+               const std::vector<VtuField>& fields) try {
   for (const auto& field : fields)
     if (field.values.cols() != points.cols() || field.values.rows() == 0)
       throw SceneError("field '" + field.name + "' is " + std::to_string(field.values.rows()) + " x " +
@@ -160,6 +160,8 @@ void write_vtu(const std::string& path, const Matrix3X& points, const std::vecto
                 static_cast<std::size_t>(field.values.size()));
   out << "</PointData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
   file.commit();
+} catch (...) {
+  rethrow_as_error("writing the file", path, "see what it says; an older file of that name is unharmed");
 }
 
 void PvdSeries::add(double time, const Matrix3X& points, const std::vector<VtuCells>& cells,

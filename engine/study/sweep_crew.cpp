@@ -22,10 +22,15 @@ SweepCrew::SweepCrew(int threads, Compute compute) : compute_(std::move(compute)
     for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { work(); });
   } catch (const std::system_error&) {  // the system gives no more: fewer do the same work
     if (threads_.empty()) throw;
+  } catch (...) {
+    close();
+    throw;
   }
 }
 
-SweepCrew::~SweepCrew() {
+SweepCrew::~SweepCrew() { close(); }
+
+void SweepCrew::close() {
   {
     const std::lock_guard lock(mutex_);
     closing_ = true;

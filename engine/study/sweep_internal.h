@@ -39,6 +39,7 @@ class SweepCrew {
 
  private:
   void work();
+  void close();
 
   Compute compute_;
   std::mutex mutex_;

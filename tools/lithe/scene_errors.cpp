@@ -1,10 +1,12 @@
 // Linked into lithe::scene: an error that a scene does not catch is told like every other, and the program ends with
-// exit code 1 instead of a core dump.
+// exit code 1 instead of a core dump. A signal to end (SIGINT, SIGTERM) ends the run that is under way with an error,
+// its state kept; where the scene does not catch that one, the exit code is that of shells, 128 + signal.
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 
 #include "engine/error.h"
+#include "engine/interrupt.h"
 
 namespace lithe {
 namespace {
@@ -16,7 +18,8 @@ std::terminate_handler previous;
     std::fflush(stdout);
     std::fprintf(stderr, "%s%s\n", message, more);
     std::fflush(nullptr);
-    std::_Exit(1);
+    const int signal = InterruptGuard::asked();
+    std::_Exit(signal != 0 ? 128 + signal : 1);
   };
   if (const std::exception_ptr thrown = std::current_exception()) {
     try {
@@ -33,6 +36,7 @@ std::terminate_handler previous;
 }
 
 const bool installed = (previous = std::set_terminate(tell_and_end), true);
+const InterruptGuard guard;
 
 }  // namespace
 }  // namespace lithe
