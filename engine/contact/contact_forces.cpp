@@ -135,7 +135,8 @@ ContactMotion ContactForces::motion_of(const ContactRows& rows, const ContactRow
 
 void ContactForces::track(ContactMemory& memory) {
   // 1. Rigid contacts' traces stay; compliant ones are made anew.
-  ContactMemory now;
+  ContactMemory& now = next_;
+  now.clear();
   for (const ContactTrace& trace : memory)
     if (records_[trace.element].element->law() == ContactElement::Law::rigid) now.push_back(trace);
   for (const ContactRecord& record : records_) {
@@ -145,7 +146,8 @@ void ContactForces::track(ContactMemory& memory) {
     std::fill(no_reach_.begin(), no_reach_.end(), kTouching / 2);
     detectors_[record.number]->find(places_[record.number], {no_reach_.data(), record.markers.size()}, points_);
     std::fill(no_reach_.begin(), no_reach_.end(), 0.0);
-    ContactRows rows;
+    ContactRows& rows = tracked_;
+    rows.clear();
     for (const ContactPoint& point : points_) {
       rows.add(places_[record.number], point, element.has_moments() ? 6 : 3);
       const ContactRows::Row& row = rows.points().back();
@@ -153,14 +155,14 @@ void ContactForces::track(ContactMemory& memory) {
       rows.velocity(row, velocity_.data(), u);
       ContactTrace trace;
       trace.element = record.number;
-      trace.point = point;
+      trace.point = row.point;
       trace.impact_speed = speed_of_meeting(record.number, point, std::max(0.0, -u[0]));
       const ContactLoad load = element.load(motion_of(rows, row));
       trace.force = row.frame * load.force;
       trace.moment = row.frame * load.moment;
       trace.bristle = row.frame * load.bristle;
-      trace.on_A = on_side(record.number, point.A, point.position);
-      trace.on_B = on_side(record.number, point.B, point.position);
+      trace.on_A = on_side(record.number, point.A, row.point.position);
+      trace.on_B = on_side(record.number, point.B, row.point.position);
       now.push_back(trace);
     }
   }

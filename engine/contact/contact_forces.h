@@ -75,6 +75,8 @@ class ContactForces {
   ContactRows rows_;  // of compliant points, and of rigid ones that have acted
   std::vector<Acting> acting_;
   ContactMemory memory_;
+  ContactRows tracked_;  // of track(), as the next
+  ContactMemory next_;
   bool remembers_ = false, any_compliant_ = false, any_rigid_ = false;
   std::vector<double> right_, by_position_, by_velocity_;
 };

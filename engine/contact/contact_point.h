@@ -23,7 +23,7 @@ struct ContactSide {
 /// Two surfaces near each other at one state; world axes.
 struct ContactPoint {
   ContactSide A, B;
-  Vector3 position;           // midway between the surfaces, m
+  Vector3 position;           // midway between the surfaces, m; loads on deforming ones act at the node instead
   Vector3 normal;             // unit, out of A, towards B
   double gap = 0;             // along the normal, m; negative: how deep they overlap
   double curvature = 0;       // mean relative curvature, 1/m: 1/R_A + 1/R_B of spheres; 0: flat on flat

@@ -1,29 +1,46 @@
 #include "engine/contact/contact_rows.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 namespace lithe {
 namespace {
 
-/// Adds a marker's rows for a wrench in each of the frame's axes, at its point moved by `arm` (world axes).
-void add_marker(const MarkerKinematics& k, const Matrix3& frame, const Vector3& arm, double weight, int first_axis,
-                int axes, bool has_frame, int linear, int rows, double* H) {
+Vector3 mean(const ContactSide& side, const MarkerKinematics* nodes) {
+  Vector3 p = Vector3::Zero();
+  for (int i = 0; i < side.node_count; ++i) p += side.weights[i] * nodes[i].p;
+  return p;
+}
+
+/// Forces on three nodes with no sum and the moments in the columns of `moments`: θ × d_i, as a rigid triangle has
+/// them.
+void add_couple(const MarkerKinematics* nodes, const Matrix3& moments, Matrix3* forces) {
+  const Vector3 centre = (nodes[0].p + nodes[1].p + nodes[2].p) / 3;
+  Matrix3 spread = Matrix3::Zero();
+  for (int i = 0; i < 3; ++i) spread -= skew(nodes[i].p - centre) * skew(nodes[i].p - centre);
+  const Matrix3 turn = spread.inverse() * moments;
+  for (int i = 0; i < 3; ++i) forces[i] -= skew(nodes[i].p - centre) * turn;
+}
+
+/// Adds a marker's rows for a wrench along each column of `axes`, at its point moved by `arm` (world axes).
+void add_marker(const MarkerKinematics& k, const Matrix3& axes, const Vector3& arm, int first_row, bool has_frame,
+                int linear, int rows, double* H) {
   const Vector3 arm_b = k.A->transpose() * arm;
-  for (int axis = 0; axis < axes; ++axis) {
-    const int row = first_axis + axis;
-    const bool turns = row >= 3;
-    const Vector3 world = weight * frame.col(turns ? (row - 2) % 3 : row), f = k.A->transpose() * world;
+  const bool turns = first_row >= 3;
+  for (int i = 0; i < 3; ++i) {
+    const int row = first_row + i;
+    const Vector3 world = axes.col(turns ? (i + 1) % 3 : i), f = k.A->transpose() * world;
     const Vector3 moment = turns ? f : arm_b.cross(f);  // about the marker's point, body axes
     double* to = H + row;
     if (has_frame) {
       const Vector3 turn = turns ? f : Vector3(moment + k.r.cross(f));
-      for (int i = 0; i < 3; ++i, to += rows) *to += turns ? 0 : world[i];
-      for (int i = 0; i < 3; ++i, to += rows) *to += turn[i];
+      for (int c = 0; c < 3; ++c, to += rows) *to += turns ? 0 : world[c];
+      for (int c = 0; c < 3; ++c, to += rows) *to += turn[c];
     }
     if (!k.elastic) continue;  // `linear` is of another of the point's markers
     const double* E = k.elastic;
-    for (int i = 0; i < linear; ++i, E += 6, to += rows) {
+    for (int c = 0; c < linear; ++c, E += 6, to += rows) {
       if (!turns) *to += E[0] * f[0] + E[1] * f[1] + E[2] * f[2];
       *to += E[3] * moment[0] + E[4] * moment[1] + E[5] * moment[2];
     }
@@ -51,22 +68,28 @@ void ContactRows::clear() {
 void ContactRows::add(const ContactPlaces& places, const ContactPoint& point, int rows) {
   Row& row = points_.emplace_back(Row{places.record().number, point, contact_frame(point.normal), count_, rows, {}});
   count_ += rows;
-  add_side(places, point.A, -1, row, row.sides[0]);
-  add_side(places, point.B, 1, row, row.sides[1]);
+  const ContactSide* const sides[2] = {&point.A, &point.B};
+  for (int s = 0; s < 2; ++s)
+    for (int i = 0; i < sides[s]->node_count; ++i) places.node(sides[s]->collider, sides[s]->nodes[i], nodes_[s][i]);
+  // Both sides' loads act at one point, so that their moments balance: at a node where one touches.
+  const int a = point.A.node_count, b = point.B.node_count;
+  if (a > 0 && (b == 0 || a <= b))
+    row.point.position = mean(point.A, nodes_[0]);
+  else if (b > 0)
+    row.point.position = mean(point.B, nodes_[1]);
+  add_side(places, point.A, nodes_[0], -1, row, row.sides[0]);
+  add_side(places, point.B, nodes_[1], 1, row, row.sides[1]);
 }
 
-void ContactRows::add_side(const ContactPlaces& places, const ContactSide& at, double sign, Row& row, Side& side) {
+void ContactRows::add_side(const ContactPlaces& places, const ContactSide& at, const MarkerKinematics* nodes,
+                           double sign, Row& row, Side& side) {
   const Layout::BodySlice* slice = places.slice(at.collider);
   side.collider = at.collider;
   side.body = places.record().bodies[at.collider];
   if (!slice) return;
   const MarkerKinematics& base = places.collider(at.collider);
-  MarkerKinematics nodes[3];
   bool elastic = base.elastic && (at.node_count == 0 || row.rows > 3);
-  for (int i = 0; i < at.node_count; ++i) {
-    places.node(at.collider, at.nodes[i], nodes[i]);
-    elastic |= nodes[i].elastic != nullptr;
-  }
+  for (int i = 0; i < at.node_count; ++i) elastic |= nodes[i].elastic != nullptr;
   const bool frame = slice->frame;
   const int linear = elastic ? slice->linear : 0;
   side.velocity = slice->v;
@@ -74,12 +97,18 @@ void ContactRows::add_side(const ContactPlaces& places, const ContactSide& at, d
   side.H = static_cast<int>(values_.size());
   values_.resize(values_.size() + static_cast<std::size_t>(row.rows * side.count), 0.0);
   double* H = values_.data() + side.H;
-  if (at.node_count == 0)
-    add_marker(base, row.frame, row.point.position - base.p, sign, 0, 3, frame, linear, row.rows, H);
-  for (int i = 0; i < at.node_count; ++i)
-    add_marker(nodes[i], row.frame, Vector3::Zero(), sign * at.weights[i], 0, 3, frame, linear, row.rows, H);
-  if (row.rows > 3)  // turns with the collider's marker
-    add_marker(base, row.frame, Vector3::Zero(), sign, 3, 3, frame, linear, row.rows, H);
+  const Matrix3 axes = sign * row.frame;
+  if (at.node_count == 0) {
+    add_marker(base, axes, row.point.position - base.p, 0, frame, linear, row.rows, H);
+  } else {
+    Matrix3 forces[3];
+    for (int i = 0; i < at.node_count; ++i) forces[i] = at.weights[i] * axes;
+    const Vector3 arm = row.point.position - mean(at, nodes);
+    if (at.node_count == 3 && !arm.isZero(0)) add_couple(nodes, skew(arm) * axes, forces);
+    for (int i = 0; i < at.node_count; ++i)
+      add_marker(nodes[i], forces[i], Vector3::Zero(), 0, frame, linear, row.rows, H);
+  }
+  if (row.rows > 3) add_marker(base, axes, Vector3::Zero(), 3, frame, linear, row.rows, H);  // turns with the collider
 }
 
 void ContactRows::velocity(const Row& row, const double* v, double* u) const {

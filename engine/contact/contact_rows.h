@@ -27,8 +27,8 @@ class ContactRows {
     int H = 0;          // in values(): rows x count, column-major
   };
   struct Row {
-    int element;  // ContactRecord::number
-    ContactPoint point;
+    int element;         // ContactRecord::number
+    ContactPoint point;  // its position where the loads act
     Matrix3 frame;
     int first, rows;
     Side sides[2];  // A, B
@@ -49,11 +49,13 @@ class ContactRows {
   void release(const std::vector<int>& velocities);
 
  private:
-  void add_side(const ContactPlaces& places, const ContactSide& at, double sign, Row& row, Side& side);
+  void add_side(const ContactPlaces& places, const ContactSide& at, const MarkerKinematics* nodes, double sign,
+                Row& row, Side& side);
 
   std::vector<Row> points_;
   std::vector<double> values_;
   int count_ = 0;
+  MarkerKinematics nodes_[2][3];  // of the point that is added: A, B
 };
 
 }  // namespace lithe
