@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <sstream>
 
 #include "engine/checkpoint/archive.h"
@@ -24,6 +25,11 @@ double closing_time(double g, double u, double a, double h) {
   return a < 0 ? std::min(h, (u + std::sqrt(root)) / -a) : h;
 }
 
+int root(std::vector<int>& parents, int i) {
+  while (parents[i] != i) i = parents[i] = parents[parents[i]];
+  return i;
+}
+
 /// Normal velocity by a unit of the contact's own normal impulse, 1/kg.
 double diagonal(const ConeProblem& problem, const ConeProblem::Contact& c) {
   double sum = 0;
@@ -41,19 +47,24 @@ ContactImpulses::ContactImpulses(Parameters parameters, std::unique_ptr<ConeSolv
       single_(std::make_unique<GaussSeidel>(GaussSeidel::Parameters{})),
       position_(solver_->clone()) {}
 
-/// With constant acceleration a over the step: an impact at τ leaves with e times its speed; what comes to rest, or
-/// would come back within the step, stays.
-ContactImpulses::Aim ContactImpulses::aim(const RigidContacts::Point& point, double free_velocity, double gap,
-                                          double free_gap, double h) const {
-  const double before = point.before[0], a = (free_velocity - before) / h;
+/// With constant acceleration a over the step.
+ContactImpulses::Closing ContactImpulses::closing(const RigidContacts::Point& point, double gap, double velocity,
+                                                  double h) const {
+  const double before = point.before[0] - growth_[point.first], a = (velocity - before) / h,
+               time = closing_time(gap, before, a, h);
+  return {time, -(before + a * time), a};
+}
+
+/// An impact at τ leaves with e times its speed; what comes to rest, or would come back within the step, stays.
+ContactImpulses::Aim ContactImpulses::aim(const RigidContacts::Point& point, const Closing& closing,
+                                          double free_velocity, double gap, double free_gap, double h) const {
   if (free_gap > 0) return {free_velocity - 2 * free_gap / h, h / 2};  // others may push it there
-  const double time = closing_time(gap, before, a, h), speed = -(before + a * time);
-  if (speed > point.law.rest_speed && point.law.restitution > 0) {
-    const double after = point.law.restitution * speed, rest = h - time;
-    const double away = after * rest + 0.5 * a * rest * rest;
-    if (away > 0) return {after + a * rest, rest, away};
+  if (closing.speed > point.law.rest_speed && point.law.restitution > 0) {
+    const double after = point.law.restitution * closing.speed, rest = h - closing.time;
+    const double away = after * rest + 0.5 * closing.acceleration * rest * rest;
+    if (away > 0) return {after + closing.acceleration * rest, rest, away};
   }
-  if (speed <= point.law.rest_speed || !(free_velocity < 0)) return {0, h / 2};
+  if (closing.speed <= point.law.rest_speed || !(free_velocity < 0)) return {0, h / 2};
   return {0, std::clamp((free_gap - std::min(gap, 0.0)) / free_velocity, 0.0, h)};
 }
 
@@ -72,8 +83,23 @@ bool ContactImpulses::apply(EquationsOfMotion& equations, const VectorX& v, doub
 
   // 1. Gaps at both ends of the step without contact; they were found in its middle.
   gaps_.resize(n), free_gaps_.resize(n), weights_.resize(n), least_gaps_.resize(n);
-  if (parameters_.impacts == Impacts::sequential) collide(contacts, h, v_end, d);
+  last_.resize(problem.rows), growth_.resize(problem.rows);
+  contacts.recall(last, h, last_, growth_);
   contacts.velocity(v_end, u_);
+  u_ += growth_;
+  closings_.clear();
+  for (int i = 0; i < n; ++i) {
+    const RigidContacts::Point& point = contacts.points()[i];
+    gaps_[i] = point.gap - h / 2 * point.before[0];
+    closings_.push_back(closing(point, gaps_[i], u_[point.first], h));
+  }
+  held_until_.setConstant(n, -1);
+  if (parameters_.impacts == Impacts::sequential)
+    collide(contacts, h, v_end, d);
+  else
+    hold(contacts, h, v_end, d);
+  contacts.velocity(v_end, u_);
+  u_ += growth_;
   moved_.resize(problem.rows);
   contacts.velocity(d, moved_);
   for (int i = 0; i < n; ++i) {
@@ -86,37 +112,127 @@ bool ContactImpulses::apply(EquationsOfMotion& equations, const VectorX& v, doub
   problem.free = u_;
   for (int i = 0; i < n; ++i) {
     const RigidContacts::Point& point = contacts.points()[i];
-    const Aim aimed =
-        parameters_.impacts == Impacts::sequential && free_gaps_[i] <= 0
-            ? Aim{0, u_[point.first] < 0 && gaps_[i] >= 0 ? std::clamp(free_gaps_[i] / u_[point.first], 0.0, h / 2)
-                                                          : h / 2}
-            : aim(point, u_[point.first], gaps_[i], free_gaps_[i], h);
+    Aim aimed = aim(point, closings_[i], u_[point.first], gaps_[i], free_gaps_[i], h);
+    if (parameters_.impacts == Impacts::sequential && free_gaps_[i] <= 0)
+      aimed = {0,
+               u_[point.first] < 0 && gaps_[i] >= 0 ? std::clamp(free_gaps_[i] / u_[point.first], 0.0, h / 2) : h / 2};
+    if (held_until_[i] >= 0) aimed.time = h - held_until_[i];
     problem.free[point.first] -= aimed.velocity;
     weights_[i] = aimed.time;
     least_gaps_[i] = aimed.gap;
   }
-  r_.resize(problem.rows);
-  contacts.recall(last, h, r_);
-  double scale = 0;
-  for (const ConeProblem::Contact& c : problem.contacts) {
-    const double mobility = diagonal(problem, c);
-    if (mobility > 0) scale = std::max(scale, std::abs(problem.free[c.row]) / mobility);
-  }
-  const ConeResult result = solver_->solve(problem, parameters_.tolerance * scale, r_);
-  iterations_ = result.iterations;
-  if (!result.converged && unconverged_++ == 0) {
-    std::ostringstream message;
-    message << "contact impulses by " << solver_->name() << " are left with a residual of " << result.residual
-            << " N s, the tolerance is " << parameters_.tolerance * scale
-            << " (later steps are not told of)\n  mend: more sweeps, DirectConeSolver, or a looser tolerance.";
-    log::warn(message.str());
-  }
+  r_ = last_;
+  solve(problem, r_);
   total_ += r_;
   dv_.setZero();
   contacts.add_response(r_, nullptr, dv_);
   v_end += dv_;
   displace(contacts, d);
   return true;
+}
+
+/// What holds bodies up to an impact of theirs within the step pushes no longer than that: the motion up to it is that
+/// of bodies held, its impulse and what holds them afterwards are found together. Without this an impact takes place at
+/// the start of its step.
+void ContactImpulses::hold(RigidContacts& contacts, double h, VectorX& v_end, VectorX& d) {
+  const ConeProblem& problem = contacts.problem();
+  const int n = static_cast<int>(contacts.points().size());
+  const auto impacts = [&](int i) {
+    return closings_[i].time < h && closings_[i].speed > contacts.points()[i].law.rest_speed;
+  };
+  // 1. Bodies in touch, or about to be, as islands: those with an impact and something that holds.
+  holding_.assign(contacts.points().back().pair + 1, 0);  // pairs as a whole: how their points share is not unique
+  for (const RigidContacts::Point& point : contacts.points())
+    if (last_[point.first] > 0) holding_[point.pair] = 1;
+  const auto holds = [&](int i) { return holding_[contacts.points()[i].pair] && !impacts(i); };
+  island_.resize(problem.groups.size());
+  std::iota(island_.begin(), island_.end(), 0);
+  const auto island_of = [&](int i) {
+    const auto& sides = problem.contacts[i].sides;
+    return root(island_, std::max(sides[0].group, sides[1].group));
+  };
+  for (int i = 0; i < n; ++i) {
+    const auto& sides = problem.contacts[i].sides;
+    if (sides[0].group >= 0 && sides[1].group >= 0 && (impacts(i) || holds(i)))
+      island_[root(island_, sides[0].group)] = root(island_, sides[1].group);
+  }
+  first_impact_.assign(problem.groups.size(), h);
+  for (int i = 0; i < n; ++i)
+    if (impacts(i)) first_impact_[island_of(i)] = 0;
+  some_.contacts.clear();
+  some_points_.clear();
+  some_.rows = 0;
+  for (int i = 0; i < n; ++i) {
+    if (!holds(i) || first_impact_[island_of(i)] == h) continue;
+    ConeProblem::Contact& c = some_.contacts.emplace_back(problem.contacts[i]);
+    c.row = some_.rows;
+    some_.rows += c.rows;
+    some_points_.push_back(i);
+  }
+  if (some_points_.empty()) return;
+  // 2. The step as if nothing else met.
+  some_.groups = problem.groups;
+  some_.values = problem.values;
+  some_.velocities = problem.velocities;
+  some_.free.resize(some_.rows), now_.resize(some_.rows);
+  for (std::size_t k = 0; k < some_points_.size(); ++k) {
+    const ConeProblem::Contact &c = some_.contacts[k], &of = problem.contacts[some_points_[k]];
+    some_.free.segment(c.row, c.rows) = u_.segment(of.row, of.rows);
+    now_.segment(c.row, c.rows) = last_.segment(of.row, of.rows);
+  }
+  solve(some_, now_);
+  impulse_.setZero(problem.rows);
+  for (std::size_t k = 0; k < some_points_.size(); ++k) {
+    const ConeProblem::Contact &c = some_.contacts[k], &of = problem.contacts[some_points_[k]];
+    impulse_.segment(of.row, of.rows) = now_.segment(c.row, c.rows);
+  }
+  dv_.setZero();
+  contacts.add_response(impulse_, nullptr, dv_);
+  moved_.resize(problem.rows);
+  contacts.velocity(dv_, moved_);
+  // 3. When bodies so held meet, and what has held them until then.
+  std::fill(first_impact_.begin(), first_impact_.end(), h);
+  for (int i = 0; i < n; ++i) {
+    if (holds(i)) continue;
+    const RigidContacts::Point& point = contacts.points()[i];
+    const double a = closings_[i].acceleration;
+    closings_[i] = closing(point, gaps_[i], u_[point.first] + moved_[point.first], h);
+    if (!impacts(i)) continue;
+    double& first = first_impact_[island_of(i)];
+    first = std::min(first, closings_[i].time);
+    closings_[i].acceleration = a;
+  }
+  weights_.setZero();
+  for (const int i : some_points_) {
+    const double time = first_impact_[island_of(i)];
+    const RigidContacts::Point& point = contacts.points()[i];
+    impulse_.segment(point.first, point.rows) *= time < h ? time / h : 0;
+    if (time < h) held_until_[i] = time, weights_[i] = h - time / 2;
+  }
+  total_ += impulse_;
+  dv_.setZero();
+  contacts.add_response(impulse_, nullptr, dv_);
+  v_end += dv_;
+  dv_.setZero();
+  contacts.add_response(impulse_, &weights_, dv_);
+  d += dv_;
+}
+
+/// Down to the tolerance, relative to the largest impulse that would stop a contact by itself.
+void ContactImpulses::solve(const ConeProblem& problem, VectorX& r) {
+  double scale = 0;
+  for (const ConeProblem::Contact& c : problem.contacts) {
+    const double mobility = diagonal(problem, c);
+    if (mobility > 0) scale = std::max(scale, -problem.free[c.row] / mobility);
+  }
+  const ConeResult result = solver_->solve(problem, parameters_.tolerance * scale, r);
+  iterations_ += result.iterations;
+  if (result.converged || unconverged_++ > 0) return;
+  std::ostringstream message;
+  message << "contact impulses by " << solver_->name() << " are left with a residual of " << result.residual
+          << " N s, the tolerance is " << parameters_.tolerance * scale
+          << " (later steps are not told of)\n  mend: more sweeps, DirectConeSolver, or a looser tolerance.";
+  log::warn(message.str());
 }
 
 /// Impacts one after another, each by itself, as gaps close within the step.
@@ -186,10 +302,20 @@ void ContactImpulses::collide(RigidContacts& contacts, double h, VectorX& v_end,
 void ContactImpulses::displace(RigidContacts& contacts, VectorX& d) {
   ConeProblem& problem = contacts.problem();
   const int n = static_cast<int>(contacts.points().size());
-  impulse_ = r_;
-  for (const RigidContacts::Point& point : contacts.points()) impulse_[point.first] = 0;
+  // One time for a pair of colliders: its points may push against each other, which is not to move anything.
+  impulse_ = r_, times_.resize(n);
+  const auto& points = contacts.points();
+  for (int i = 0, end; i < n; i = end) {
+    double sum = 0, normal = 0;
+    for (end = i; end < n && points[end].pair == points[i].pair; ++end) {
+      const double r = r_[points[end].first];
+      sum += weights_[end] * r, normal += r;
+    }
+    for (int k = i; k < end; ++k) times_[k] = normal > 0 ? sum / normal : 0;
+  }
+  for (const RigidContacts::Point& point : points) impulse_[point.first] = 0;
   dv_.setZero();
-  contacts.add_response(impulse_, &weights_, dv_);
+  contacts.add_response(impulse_, &times_, dv_);
   d += dv_;
   contacts.velocity(d, moved_);
   problem.free.setZero();
@@ -219,9 +345,9 @@ void ContactImpulses::history(Archive& archive) {
   });
 }
 
-void ContactImpulses::remember(EquationsOfMotion& equations, double h, ContactMemory& memory) const {
+void ContactImpulses::remember(EquationsOfMotion& equations, const VectorX& v, double h, ContactMemory& memory) const {
   if (acted_)
-    equations.rigid_contacts()->remember(total_, h, memory);
+    equations.rigid_contacts()->remember(total_, v, h, memory);
   else
     memory.clear();
 }

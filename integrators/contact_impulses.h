@@ -38,8 +38,8 @@ class ContactImpulses {
   /// `d` come without contact and leave with it. False where no point was near.
   bool apply(EquationsOfMotion& equations, const VectorX& v, double h, const ContactMemory& last, VectorX& v_end,
              VectorX& d);
-  /// What the step did, for State::contacts: nothing where apply() found none.
-  void remember(EquationsOfMotion& equations, double h, ContactMemory& memory) const;
+  /// What the step did, for State::contacts: nothing where apply() found none. `v` is its last velocity.
+  void remember(EquationsOfMotion& equations, const VectorX& v, double h, ContactMemory& memory) const;
   /// Iterations of the solver in the last step: sweeps, factorisations.
   int iterations() const { return iterations_; }
   /// Steps whose impulses the solver left above the tolerance; the first one is warned of.
@@ -53,7 +53,16 @@ class ContactImpulses {
     double time;      // w, s
     double gap = 0;   // least gap there, m
   };
-  Aim aim(const RigidContacts::Point& point, double free_velocity, double gap, double free_gap, double h) const;
+  /// How a gap closes that nothing pushes open.
+  struct Closing {
+    double time, speed;  // h where it does not
+    double acceleration;
+  };
+  Closing closing(const RigidContacts::Point& point, double gap, double velocity, double h) const;
+  Aim aim(const RigidContacts::Point& point, const Closing& closing, double free_velocity, double gap, double free_gap,
+          double h) const;
+  void hold(RigidContacts& contacts, double h, VectorX& v_end, VectorX& d);
+  void solve(const ConeProblem& problem, VectorX& r);
   void collide(RigidContacts& contacts, double h, VectorX& v_end, VectorX& d);
   void displace(RigidContacts& contacts, VectorX& d);
 
@@ -62,6 +71,14 @@ class ContactImpulses {
   bool acted_ = false;
   int iterations_ = 0;
   long unconverged_ = 0;
+  std::vector<Closing> closings_;
+  VectorX held_until_;  // time of the impact that ends what holds the point; -1: none
+  ConeProblem some_;    // contacts that hold
+  std::vector<int> some_points_, island_;
+  std::vector<char> holding_;         // by pair
+  std::vector<double> first_impact_;  // by group
+  VectorX last_, growth_;             // RigidContacts::recall
+  VectorX times_;                     // of what acts across, by point
   VectorX u_, r_, total_, weights_, dv_, moved_, gaps_, free_gaps_, least_gaps_, now_, impulse_;
   ConeProblem alone_;
 };

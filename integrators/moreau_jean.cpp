@@ -66,11 +66,11 @@ StepResult MoreauJean::advance(EquationsOfMotion& equations, State& state, doubl
   // 2. With contact, then with closed joints.
   if (rigid) {
     impulses_.apply(equations, state.v, h, state.contacts, v_, d_);
-    impulses_.remember(equations, h, state.contacts);
     statistics_.newton_iterations += impulses_.iterations();
   }
   layout.retract(state.q, d_, q_);
   if (rl_.size() > 0) close_joints(equations, time);
+  if (rigid) impulses_.remember(equations, v_, h, state.contacts);
   if (!q_.allFinite() || !v_.allFinite())
     return {StepResult::Outcome::failed, "the contact problem gives no numbers at the step of " + step_text(h)};
 

@@ -47,9 +47,9 @@ StepResult NonsmoothGeneralizedAlpha::advance(EquationsOfMotion& equations, Stat
   q_ = start_.q;
   layout.retract(start_.q, h / 2 * start_.v, q_);
   equations.evaluate(start_.time + h / 2, q_, start_.v, Level::velocity);
-  equations.factorize({beta() * h * h, gamma() * h, 1}, state.v_dot, state.lambda, nullptr);
+  equations.factorize({h * h / 4, h / 2, 1}, state.v_dot, state.lambda, nullptr);
   if (!impulses_.apply(equations, start_.v, h, start_.contacts, v_, d_)) {
-    impulses_.remember(equations, h, state.contacts);
+    impulses_.remember(equations, v_, h, state.contacts);
     return result;
   }
   layout.retract(start_.q, d_, q_);
@@ -79,7 +79,7 @@ StepResult NonsmoothGeneralizedAlpha::advance(EquationsOfMotion& equations, Stat
   jumped_ = true;
   state.v_dot = (state.v - start_.v) / h;
   state.lambda.resize(0);
-  impulses_.remember(equations, h, state.contacts);
+  impulses_.remember(equations, v_, h, state.contacts);
   return result;
 }
 

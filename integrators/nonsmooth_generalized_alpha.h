@@ -8,7 +8,7 @@ namespace lithe {
 /// The generalized-alpha method with impulses of rigid contacts (Chen, Acary, Virlez & Brüls 2013, in the decoupled
 /// form of Cosimo et al. 2020): the smooth motion of each step by GeneralizedAlpha, stabilized index 2, with joints
 /// closed in position and velocity and damping of unresolved modes by the spectral radius; then contact
-/// (integrators/contact_impulses.h) along S = M + γ h D + β h² K in its middle. For stiff and flexible scenes, where
+/// (integrators/contact_impulses.h) along S = M + h/2 D + h²/4 K in its middle. For stiff and flexible scenes, where
 /// MoreauJean would ring. After a step with impulses its history begins anew.
 class NonsmoothGeneralizedAlpha final : public GeneralizedAlpha {
  public:

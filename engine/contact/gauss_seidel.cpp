@@ -131,7 +131,9 @@ ConeResult GaussSeidel::solve(const ConeProblem& problem, double tolerance, Vect
   prepare(problem, r);
   ConeResult result;
   result.residual = problem.residual(r, u_);
-  while (!(result.residual <= tolerance) && result.iterations < parameters_.sweeps) {
+  // At least one sweep: what the impulses given miss by less than the tolerance dies out, step by step, instead of
+  // letting what rests creep.
+  while (result.residual > 0 && result.iterations < parameters_.sweeps) {
     double change = 0;
     for (const Step& step : steps_) {
       double moved = 0;
@@ -153,6 +155,7 @@ ConeResult GaussSeidel::solve(const ConeProblem& problem, double tolerance, Vect
     if (change > 2 * tolerance && result.iterations < parameters_.sweeps) continue;
     problem.velocity(r, u_, v_);
     result.residual = problem.residual(r, u_);
+    if (result.residual <= tolerance) break;
   }
   result.converged = result.residual <= tolerance;
   if (!r.allFinite()) {

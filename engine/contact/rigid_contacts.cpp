@@ -1,5 +1,6 @@
 #include "engine/contact/rigid_contacts.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <numeric>
 #include <tuple>
@@ -69,7 +70,11 @@ void RigidContacts::group_bodies(const BlockStructure& blocks) {
     const auto& body = bodies[c.bodies.front()];
     const auto inertia = body.body->rigid_inertia();
     c.alone = c.bodies.size() == 1 && !tied[c.bodies.front()] && body.frame && body.linear == 0 && inertia;
-    if (c.alone) c.inertia = {1 / inertia->mass, inertia->inertia.inverse()};
+    if (!c.alone) continue;
+    const auto frame =
+        std::find_if(blocks.frames.begin(), blocks.frames.end(), [&](const auto& f) { return f.v == body.v; });
+    c.values = frame->values;
+    c.inertia.mass = 1 / inertia->mass;
   }
 }
 
@@ -78,8 +83,10 @@ void RigidContacts::find(ConstVectorRef v, double horizon) {
   points_.clear();
   ContactForces& contacts = *equations_.contacts();
   const double fall = horizon * horizon * equations_.system().gravity().norm();
+  int pair = -1;
   for (const ContactRecord& record : equations_.system().contacts()) {
     if (record.element->law() != ContactElement::Law::rigid) continue;
+    std::pair last(-1, -1);
     const ContactPlaces& places = contacts.places()[record.number];
     auto& reach = reach_[record.number];
     for (std::size_t i = 0; i < reach.size(); ++i) {
@@ -97,12 +104,22 @@ void RigidContacts::find(ConstVectorRef v, double horizon) {
       const ContactRows::Row& row = rows_.points().back();
       double u[6] = {};
       rows_.velocity(row, v.data(), u);
-      points_.push_back({law, point.gap, {u[0], u[1], u[2]}, row.first, row.rows});
+      const std::pair colliders(point.A.collider, point.B.collider);
+      if (colliders != last) last = colliders, ++pair;
+      points_.push_back({law, point.gap, {u[0], u[1], u[2]}, row.first, row.rows, pair, 0});
+      RigidContacts::Point& now = points_.back();
+      now.turning = now.before.tail<2>().squaredNorm() * point.curvature;
+      for (const ContactRows::Side& side : row.sides) {
+        if (side.body < 0) continue;
+        const MarkerKinematics& k = places.collider(side.collider);
+        const double w = k.w.norm(), arm = k.r.norm() + (row.point.position - k.p).norm();
+        now.turning += w * (w * arm + now.before.norm());
+      }
     }
   }
 }
 
-/// M⁻¹ Hᵀ of a rigid body.
+/// S⁻¹ Hᵀ of a rigid body.
 void RigidContacts::respond_alone(const ContactRows::Row& row, const ContactRows::Side& side, ConeProblem::Side& to) {
   const RigidInertia& inverse = components_[component_[side.body]].inertia;
   const double* H = rows_.values(side);
@@ -175,6 +192,10 @@ ConeProblem& RigidContacts::form() {
         used_.push_back(component_[side.body]);
         problem_.groups.push_back({problem_.velocities, size});
         problem_.velocities += size;
+        if (component.alone) {
+          const Eigen::Map<const Matrix6> S(equations_.workspace().values.data() + component.values);
+          component.inertia.inertia = S.bottomRightCorner<3, 3>().inverse();
+        }
       }
       // 2. H as it is, Y where it is to be.
       ConeProblem::Side& to = contact.sides[s];
@@ -214,8 +235,8 @@ void RigidContacts::add_response(ConstVectorRef r, const VectorX* weights, Vecto
   }
 }
 
-void RigidContacts::recall(const ContactMemory& memory, double h, VectorRef r) const {
-  r.setZero();
+void RigidContacts::recall(const ContactMemory& memory, double h, VectorRef r, VectorRef growth) const {
+  r.setZero(), growth.setZero();
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const ContactRows::Row& row = rows_.points()[i];
     const auto wanted = contact_key(row.element, row.point);
@@ -225,10 +246,13 @@ void RigidContacts::recall(const ContactMemory& memory, double h, VectorRef r) c
     if (at == memory.end() || contact_key(at->element, at->point) != wanted) continue;
     r.segment<3>(row.first) = h * (row.frame.transpose() * at->force);
     if (row.rows > 3) r.segment<3>(row.first + 3) = h * to_moment_rows(row.frame.transpose() * at->moment);
+    // The step before left this velocity along its own H: what it is along this one differs by h Ḣ v.
+    const Vector3 change = (points_[i].before - row.frame.transpose() * at->bristle) / 2;
+    if (change.norm() <= h * points_[i].turning) growth.segment<3>(row.first) = change;  // else v has been set anew
   }
 }
 
-void RigidContacts::remember(ConstVectorRef r, double h, ContactMemory& memory) const {
+void RigidContacts::remember(ConstVectorRef r, ConstVectorRef v, double h, ContactMemory& memory) const {
   const auto& contacts = equations_.system().contacts();
   std::erase_if(
       memory, [&](const ContactTrace& t) { return contacts[t.element].element->law() == ContactElement::Law::rigid; });
@@ -241,7 +265,10 @@ void RigidContacts::remember(ConstVectorRef r, double h, ContactMemory& memory) 
     trace.force = row.frame * r.segment<3>(row.first) / h;
     trace.moment.setZero();
     if (row.rows > 3) trace.moment = row.frame * from_moment_rows(r.segment<3>(row.first + 3)) / h;
-    trace.on_A.setZero(), trace.on_B.setZero(), trace.bristle.setZero();
+    trace.on_A.setZero(), trace.on_B.setZero();
+    double u[6] = {};
+    rows_.velocity(row, v.data(), u);
+    trace.bristle = row.frame * Vector3(u[0], u[1], u[2]);
   }
   std::sort(memory.begin(), memory.end(), [](const ContactTrace& a, const ContactTrace& b) {
     return contact_key(a.element, a.point) < contact_key(b.element, b.point);

@@ -20,6 +20,8 @@ class RigidContacts {
     double gap;
     Vector3 before;   // velocity in the point's frame at `v`, m/s
     int first, rows;  // rows of the problem
+    int pair;         // numbers the pairs of colliders
+    double turning;   // bounds how fast the turning of bodies changes that velocity, m/s²
   };
   /// Finds all points that surfaces moving with v may close within `horizon` seconds either way, at the state evaluated
   /// last.
@@ -28,7 +30,7 @@ class RigidContacts {
   const std::vector<Point>& points() const { return points_; }
 
   /// The problem of impulses at these points (engine/contact/cone_problem.h), but for `free`, with Y = S⁻¹ Hᵀ of the
-  /// last factor; of rigid bodies that nothing ties their own mass.
+  /// last factor.
   ConeProblem& form();
   /// As formed last, to be given another `free` or friction.
   ConeProblem& problem() { return problem_; }
@@ -36,10 +38,12 @@ class RigidContacts {
   void velocity(ConstVectorRef v, VectorRef u) const;
   /// dv += Σ weight_i Y_i r_i, a weight for each point (null: 1).
   void add_response(ConstVectorRef r, const VectorX* weights, VectorRef dv) const;
-  /// Impulses of the last step that are those of these points, over `h`: where a solver may start.
-  void recall(const ContactMemory& memory, double h, VectorRef r) const;
-  /// What the points did: mean forces over h.
-  void remember(ConstVectorRef r, double h, ContactMemory& memory) const;
+  /// Of the last step, over `h`, where it was of these points: impulses r, from which a solver may start, and by how
+  /// much u of a velocity that stays grows from the middle of a step to its end, since bodies turn: u' - H v' = h/2 Ḣ
+  /// v'.
+  void recall(const ContactMemory& memory, double h, VectorRef r, VectorRef growth) const;
+  /// What the points did, mean forces over h, and the velocity that it left them.
+  void remember(ConstVectorRef r, ConstVectorRef v, double h, ContactMemory& memory) const;
 
  private:
   void group_bodies(const BlockStructure& blocks);
@@ -52,8 +56,9 @@ class RigidContacts {
   struct Component {
     std::vector<int> bodies, velocities;  // velocities: of the whole system, in order
     bool alone = false;                   // one rigid body that nothing ties
-    RigidInertia inertia{};
-    int group = -1;  // in the problem
+    int values = 0;                       // then: of its block of S in Workspace::values
+    RigidInertia inertia{};               // and that inverted
+    int group = -1;                       // in the problem
   };
   std::vector<Component> components_;
   std::vector<int> component_;  // of each body
