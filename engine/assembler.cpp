@@ -461,16 +461,18 @@ int Assembler::find_body(const Body& body) const {
 
 BodyState Assembler::body_state(const Body& body) {
   const auto& bodies = system_.graph().bodies();
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    if (bodies[i].body != &body) continue;
-    const auto place = system_.body_places_[i];
-    BodyCache* cache = &caches_[place.batch]->at(place.index);
-    if (i == 0) return {nullptr, nullptr, cache};
-    const auto& slice = system_.layout().bodies()[i - 1];
-    return {work_.q.data() + slice.q, work_.v.data() + slice.v, cache};
-  }
+  for (std::size_t i = 0; i < bodies.size(); ++i)
+    if (bodies[i].body == &body) return body_state_at(i);
   throw SceneError("body '" + body.name() + "' is not in this system", body.where(),
                    "use a body of the assembled graph");
+}
+
+BodyState Assembler::body_state_at(std::size_t place) {
+  const auto at = system_.body_places_[place];
+  BodyCache* cache = &caches_[at.batch]->at(at.index);
+  if (place == 0) return {nullptr, nullptr, cache};
+  const auto& slice = system_.layout().bodies()[place - 1];
+  return {work_.q.data() + slice.q, work_.v.data() + slice.v, cache};
 }
 
 MarkerKinematics Assembler::marker(Marker m, Level level) {

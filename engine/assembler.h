@@ -47,6 +47,8 @@ class Assembler final : public EquationsOfMotion {
   // ---- what sensors ask of the state evaluated last ----
   const System& system() const { return system_; }
   BodyState body_state(const Body& body);
+  /// Of the body at that place in SystemGraph::bodies(), without looking for it.
+  BodyState body_state_at(std::size_t place);
   MarkerKinematics marker(Marker marker, Level level);
   const Workspace& workspace() const { return work_; }
   /// Null: the scene has no contacts.

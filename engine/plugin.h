@@ -1,13 +1,14 @@
 #pragma once
 
 #include "engine/joint_coordinate.h"
+#include "engine/page/drawing.h"
 #include "engine/plugin_abi.h"
 #include "engine/plugin_body.h"
 #include "engine/plugin_integrator.h"
 #include "engine/plugin_tables.h"
 
 /// All that a plug-in includes: the interfaces, the rows joints are composed of, what measures angles and
-/// displacements, parameters by name, and
+/// displacements, parameters by name, what bodies are drawn by, and
 ///   LITHE_EXPORT_JOINT(Class, "name")   LITHE_EXPORT_FORCE   LITHE_EXPORT_BODY   LITHE_EXPORT_INTEGRATOR
 /// which hand a class to whoever loads the library. They are empty unless built by lithe_add_plugin() (CMake), so that
 /// the same file can be compiled in. plugins/README.md shows it in one page.

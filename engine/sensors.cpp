@@ -11,14 +11,16 @@ using Names = std::vector<std::string>;
 
 const Names kXyz = {"_x", "_y", "_z"};
 const Names kQuaternion = {"_w", "_x", "_y", "_z"};
+const Names kWrenchUnits = {"N", "N", "N", "N m", "N m", "N m"};
 const Names kWrench = {"_force_x", "_force_y", "_force_z", "_moment_x", "_moment_y", "_moment_z"};
 
 /// A sensor called `name`, or `otherwise` where no name was given; `endings` make its columns.
-Sensor make_sensor(Located name, const std::string& otherwise, const Names& endings, Sensor::Reading reading) {
+Sensor make_sensor(Located name, const std::string& otherwise, const Names& endings, const Names& units,
+                   Sensor::Reading reading, Marker path = {}) {
   if (name.text.empty()) name.text = otherwise;
   Names columns;
   for (const std::string& ending : endings) columns.push_back(name.text + ending);
-  return {std::move(name), std::move(columns), std::move(reading)};
+  return {std::move(name), std::move(columns), std::move(reading), units, path};
 }
 
 std::string text_of(const Marker& marker) { return marker.body->name() + "_m" + std::to_string(marker.index); }
@@ -41,13 +43,15 @@ void check_place(const Element& element, int marker, int count, const Located& n
 /// A sensor of a marker's motion: `vector(snapshot, marker)` gives its columns.
 template <class VectorOf>
 Sensor marker_sensor(const Marker& marker, Located name, const std::string& quantity, const Names& endings,
-                     VectorOf&& vector) {
+                     const std::string& unit, VectorOf&& vector, Marker path = {}) {
   check(marker, name);
-  return make_sensor(std::move(name), text_of(marker) + quantity, endings,
-                     [marker, vector](Snapshot& now, std::span<double> values) {
-                       const auto x = vector(now, marker);
-                       std::copy(x.data(), x.data() + x.size(), values.begin());
-                     });
+  return make_sensor(
+      std::move(name), text_of(marker) + quantity, endings, {unit},
+      [marker, vector](Snapshot& now, std::span<double> values) {
+        const auto x = vector(now, marker);
+        std::copy(x.data(), x.data() + x.size(), values.begin());
+      },
+      path);
 }
 
 // ---- loads ----
@@ -130,7 +134,7 @@ template <class Connector>
 Sensor wrench_sensor(const Connector& connector, int marker, const Marker& axes, Located name) {
   check_place(connector, marker, connector.marker_count(), name);
   if (axes != kWorldAxes) check(axes, name);
-  return make_sensor(std::move(name), connector.name() + "_m" + std::to_string(marker), kWrench,
+  return make_sensor(std::move(name), connector.name() + "_m" + std::to_string(marker), kWrench, kWrenchUnits,
                      [&connector, marker, axes](Snapshot& now, std::span<double> values) {
                        const Wrench w = wrench_of(now, connector, marker);
                        const Matrix3 R = axes == kWorldAxes ? Matrix3::Identity() : now.marker(axes).R;
@@ -142,7 +146,7 @@ Sensor wrench_sensor(const Connector& connector, int marker, const Marker& axes,
 /// Σ wrench · (v, w) over the markers.
 template <class Element>
 Sensor power_sensor(const Element& element, Located name) {
-  return make_sensor(std::move(name), element.name() + "_power", {""},
+  return make_sensor(std::move(name), element.name() + "_power", {""}, {"W"},
                      [&element](Snapshot& now, std::span<double> values) {
                        values[0] = 0;
                        for (int m = 0; m < element.marker_count(); ++m) {
@@ -167,11 +171,12 @@ MeasuredCoordinate measured(Snapshot& now, const JointCoordinate& x) {
 }
 
 template <class ValueOf>
-Sensor coordinate_sensor(const JointCoordinate& x, Located name, ValueOf&& value) {
+Sensor coordinate_sensor(const JointCoordinate& x, Located name, const std::string& per_time, ValueOf&& value) {
   check(x.A, name);
   check(x.B, name);
   const std::string otherwise = text_of(x.B) + "_against_" + text_of(x.A);
-  return make_sensor(std::move(name), otherwise, {""}, [x, value](Snapshot& now, std::span<double> values) {
+  const std::string unit = (x.is_angle() ? "rad" : "m") + per_time;
+  return make_sensor(std::move(name), otherwise, {""}, {unit}, [x, value](Snapshot& now, std::span<double> values) {
     values[0] = x.sign * value(now, measured(now, x));
   });
 }
@@ -187,13 +192,18 @@ Names endings_of(const Coordinates& c, const Names& frame, const std::string& li
 /// Part of q or v of a body, from its `skip`-th entry on. Of a deformable body each column stays with its mode: zero
 /// where a fidelity leaves that mode out.
 Sensor slice_sensor(const Body& body, Located name, const Names& endings, VectorX State::*vector, int skip) {
+  // p in m, e a quaternion, omega in rad/s; what a linear coordinate is, is the body's business.
+  const bool rates = vector == &State::v;
+  Names units(endings.size());
+  if (body.coordinates().frame && skip == 0)
+    for (std::size_t i = 0; i < 6; ++i) units[i] = rates ? (i < 3 ? "m/s" : "rad/s") : (i < 3 ? "m" : "");
   if (endings.empty())
     throw SceneError("body '" + body.name() + "' has no such coordinates", to_string(name.where),
                      "ask a body that has some");
   const auto* deformable = dynamic_cast<const DeformableBody*>(&body);
   const bool has_candidates = deformable && deformable->candidate_stiffness().size() > 0;
   const std::vector<int> modes = has_candidates ? deformable->fidelity().modes : std::vector<int>{};
-  return make_sensor(std::move(name), body.name(), endings,
+  return make_sensor(std::move(name), body.name(), endings, units,
                      [&body, deformable, modes, vector, skip](Snapshot& now, std::span<double> values) {
                        const Layout::BodySlice& slice = now.system().layout().slice(body);
                        const int first = (vector == &State::q ? slice.q : slice.v) + skip;
@@ -213,7 +223,7 @@ Sensor slice_sensor(const Body& body, Located name, const Names& endings, Vector
 
 template <class ShareOf>
 Sensor energy_sensor(const Body* body, Located name, const std::string& quantity, ShareOf&& share) {
-  return make_sensor(std::move(name), body ? body->name() + "_" + quantity : quantity, {""},
+  return make_sensor(std::move(name), body ? body->name() + "_" + quantity : quantity, {""}, {"J"},
                      [body, share](Snapshot& now, std::span<double> values) {
                        Assembler& assembler = now.assembler();
                        values[0] = share(body ? body->energy(assembler.body_state(*body), now.system().gravity())
@@ -227,7 +237,7 @@ double potential(const BodyEnergy& e) { return e.elastic + e.gravity; }
 double total(const BodyEnergy& e) { return e.total(); }
 
 Sensor residual_sensor(Located name, const std::string& otherwise, Level level) {
-  return make_sensor(std::move(name), otherwise, {""}, [level](Snapshot& now, std::span<double> values) {
+  return make_sensor(std::move(name), otherwise, {""}, {}, [level](Snapshot& now, std::span<double> values) {
     VectorX rows(now.system().layout().row_count());
     now.assembler().constraint(level, rows);
     values[0] = rows.size() > 0 ? rows.lpNorm<Eigen::Infinity>() : 0;
@@ -236,10 +246,24 @@ Sensor residual_sensor(Located name, const std::string& otherwise, Level level) 
 
 }  // namespace
 
-Sensor::Sensor(Located name, std::vector<std::string> columns, Reading reading)
-    : name_(std::move(name)), columns_(std::move(columns)), reading_(std::move(reading)) {
+Sensor::Sensor(Located name, std::vector<std::string> columns, Reading reading, std::vector<std::string> units,
+               Marker path)
+    : name_(std::move(name)),
+      columns_(std::move(columns)),
+      reading_(std::move(reading)),
+      units_(std::move(units)),
+      path_(path) {
   if (columns_.empty() || !reading_)
     throw SceneError("sensor '" + name_.text + "' reads nothing", where(), "give its columns and the function");
+  if (units_.size() > 1 && units_.size() != columns_.size())
+    throw SceneError("sensor '" + name_.text + "' has " + std::to_string(columns_.size()) + " columns and " +
+                         std::to_string(units_.size()) + " units",
+                     where(), "give one unit a column, one for all, or none");
+}
+
+std::string Sensor::unit(std::size_t column) const {
+  if (units_.empty()) return "";
+  return units_.size() == 1 ? units_[0] : units_.at(column);
 }
 
 double Sensor::value(Snapshot& snapshot, int column) const {
@@ -249,37 +273,37 @@ double Sensor::value(Snapshot& snapshot, int column) const {
 }
 
 Sensor position(Marker marker, Located name) {
-  return marker_sensor(marker, std::move(name), "", kXyz,
-                       [](Snapshot& now, const Marker& m) { return now.marker(m).p; });
+  return marker_sensor(
+      marker, std::move(name), "", kXyz, "m", [](Snapshot& now, const Marker& m) { return now.marker(m).p; }, marker);
 }
 
 Sensor height(Marker marker, Located name) {
-  return marker_sensor(marker, std::move(name), "_height", {""},
+  return marker_sensor(marker, std::move(name), "_height", {""}, "m",
                        [](Snapshot& now, const Marker& m) { return Eigen::Matrix<double, 1, 1>(now.marker(m).p.z()); });
 }
 
 Sensor orientation(Marker marker, Located name) {
-  return marker_sensor(marker, std::move(name), "_e", kQuaternion,
+  return marker_sensor(marker, std::move(name), "_e", kQuaternion, "",
                        [](Snapshot& now, const Marker& m) { return quaternion_of(now.marker(m).R); });
 }
 
 Sensor velocity(Marker marker, Located name) {
-  return marker_sensor(marker, std::move(name), "_v", kXyz,
+  return marker_sensor(marker, std::move(name), "_v", kXyz, "m/s",
                        [](Snapshot& now, const Marker& m) { return now.marker(m).v; });
 }
 
 Sensor angular_velocity(Marker marker, Located name) {
-  return marker_sensor(marker, std::move(name), "_w", kXyz,
+  return marker_sensor(marker, std::move(name), "_w", kXyz, "rad/s",
                        [](Snapshot& now, const Marker& m) { return now.marker(m).w; });
 }
 
 Sensor acceleration(Marker marker, Located name) {
-  return marker_sensor(marker, std::move(name), "_v_dot", kXyz,
+  return marker_sensor(marker, std::move(name), "_v_dot", kXyz, "m/s²",
                        [](Snapshot& now, const Marker& m) -> Vector3 { return now.acceleration(m).head<3>(); });
 }
 
 Sensor angular_acceleration(Marker marker, Located name) {
-  return marker_sensor(marker, std::move(name), "_w_dot", kXyz,
+  return marker_sensor(marker, std::move(name), "_w_dot", kXyz, "rad/s²",
                        [](Snapshot& now, const Marker& m) -> Vector3 { return now.acceleration(m).tail<3>(); });
 }
 
@@ -320,14 +344,16 @@ Sensor power(const Constraint& joint, Located name) { return power_sensor(joint,
 Sensor power(const ForceElement& element, Located name) { return power_sensor(element, std::move(name)); }
 
 Sensor coordinate(const JointCoordinate& coordinate, Located name) {
-  return coordinate_sensor(coordinate, std::move(name), [](Snapshot&, const MeasuredCoordinate& x) { return x.value; });
+  return coordinate_sensor(coordinate, std::move(name), "",
+                           [](Snapshot&, const MeasuredCoordinate& x) { return x.value; });
 }
 Sensor coordinate_rate(const JointCoordinate& coordinate, Located name) {
-  return coordinate_sensor(coordinate, std::move(name), [](Snapshot&, const MeasuredCoordinate& x) { return x.rate; });
+  return coordinate_sensor(coordinate, std::move(name), "/s",
+                           [](Snapshot&, const MeasuredCoordinate& x) { return x.rate; });
 }
 Sensor coordinate_acceleration(const JointCoordinate& coordinate, Located name) {
   const Marker A = coordinate.A, B = coordinate.B;
-  return coordinate_sensor(coordinate, std::move(name), [A, B](Snapshot& now, const MeasuredCoordinate& x) {
+  return coordinate_sensor(coordinate, std::move(name), "/s²", [A, B](Snapshot& now, const MeasuredCoordinate& x) {
     const Vector6 a = now.acceleration(A), b = now.acceleration(B);
     return x.bias + x.on_A.force.dot(a.head<3>()) + x.on_A.torque.dot(a.tail<3>()) + x.on_B.force.dot(b.head<3>()) +
            x.on_B.torque.dot(b.tail<3>());
@@ -337,7 +363,7 @@ Sensor coordinate_acceleration(const JointCoordinate& coordinate, Located name) 
 Sensor multipliers(const Constraint& joint, Located name) {
   Names endings;
   for (int r = 1; r <= joint.row_count(); ++r) endings.push_back("_" + std::to_string(r));
-  return make_sensor(std::move(name), joint.name() + "_lambda", endings,
+  return make_sensor(std::move(name), joint.name() + "_lambda", endings, {},
                      [&joint](Snapshot& now, std::span<double> values) {
                        const double* from = multipliers_of(now, joint);
                        std::copy(from, from + values.size(), values.begin());
@@ -360,7 +386,7 @@ Sensor potential_energy(const Body& body, Located name) {
 }
 Sensor potential_energy(const ForceElement& element, Located name) {
   return make_sensor(
-      std::move(name), element.name() + "_potential_energy", {""},
+      std::move(name), element.name() + "_potential_energy", {""}, {"J"},
       [&element](Snapshot& now, std::span<double> values) { values[0] = rows_of(now, element).energy(); });
 }
 Sensor total_energy(const Body& body, Located name) {

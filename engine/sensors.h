@@ -20,12 +20,18 @@ namespace lithe {
 class Sensor {
  public:
   using Reading = std::function<void(Snapshot& snapshot, std::span<double> values)>;
-  /// Throws SceneError without columns.
-  Sensor(Located name, std::vector<std::string> columns, Reading reading);
+  /// `units` ("m", "N m"): one a column, or one for all; none: not said. `path`: the marker whose position it tells.
+  /// Throws SceneError without columns, and for another number of units.
+  Sensor(Located name, std::vector<std::string> columns, Reading reading, std::vector<std::string> units = {},
+         Marker path = {});
 
   const std::string& name() const { return name_.text; }
   std::string where() const { return to_string(name_.where); }  // "scene.cpp:12"
   const std::vector<std::string>& columns() const { return columns_; }
+  /// Of a column; empty: not said, or none.
+  std::string unit(std::size_t column) const;
+  /// The marker whose position this is, for pictures of its way; of no body: something else.
+  const Marker& path() const { return path_; }
   /// Writes one value a column.
   void evaluate(Snapshot& snapshot, std::span<double> values) const { reading_(snapshot, values); }
   double value(Snapshot& snapshot, int column = 0) const;
@@ -34,6 +40,8 @@ class Sensor {
   Located name_;
   std::vector<std::string> columns_;
   Reading reading_;
+  std::vector<std::string> units_;
+  Marker path_;
 };
 
 // ---- motion of a marker, world axes, SI units ----

@@ -10,6 +10,7 @@
 #include "bodies/flexible/reduction.h"
 #include "engine/batch.h"
 #include "engine/deformable_body.h"
+#include "engine/page/drawing.h"
 
 namespace lithe {
 
@@ -37,7 +38,7 @@ struct NodalLoad {
 ///   u = [B, Ψ] ξ(η), so that each B above becomes [B, Ψ] P, P = ∂ξ/∂η (deflection_map.h).
 /// The modes of an eigenmode basis are candidates: set_fidelity(), or solve(), takes those that a scene needs.
 /// Its cost a step does not depend on the mesh.
-class FlexibleBody final : public DeformableBody {
+class FlexibleBody final : public DeformableBody, public DrawableBody {
  public:
   static constexpr int kAll = std::numeric_limits<int>::max();
   struct Parameters {
@@ -141,6 +142,11 @@ class FlexibleBody final : public DeformableBody {
   BodyEnergy energy(const BodyState&, const Vector3& gravity) const override;
   int marker_count() const override { return static_cast<int>(markers_.size()); }
   const LinearPattern* linear_pattern() const override { return diagonal_ ? nullptr : &pattern_; }
+
+  /// Of the modes in use; with full nodal coordinates of the points alone. Empty without elements.
+  DrawnMesh drawn_mesh(bool with_stress) const override;
+  void drawn_points(const BodyState&, const DrawnMesh& mesh, Matrix3X& points) const override;
+  std::vector<std::pair<int, double>> nodes_of_marker(int marker) const override;
 
  private:
   struct MarkerShape {

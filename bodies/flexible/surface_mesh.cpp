@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <unordered_map>
 #include <unordered_set>
 
@@ -62,6 +63,49 @@ void split(const Face& face, std::vector<std::array<int, 3>>& triangles) {
   for (std::size_t i = 2; i < core.size(); ++i) triangles.push_back({core[0], core[i - 1], core[i]});
 }
 
+/// Faces that one element alone has.
+std::vector<Face> boundary_faces(const std::vector<ElementBlock>& elements, const Matrix3X& nodes) {
+  std::map<std::vector<int>, std::size_t> number;  // of a face by its sorted corners
+  std::vector<Face> faces;
+  for (const ElementBlock& block : elements)
+    for (const std::vector<int>& element : block.nodes) {
+      const auto* solid = find_solid(block.type, element.size());
+      if (!solid)
+        throw SceneError("the faces of an element of type '" + block.type + "' with " + std::to_string(element.size()) +
+                             " nodes are not known",
+                         "boundary_triangles",
+                         "C3D4, 6, 8, 10, 15 and 20 are; give surface() triangles of node labels");
+      const std::size_t corners = solid == &kTetrahedron ? 4 : solid == &kWedge ? 6 : 8;
+      Vector3 center = Vector3::Zero();
+      for (std::size_t i = 0; i < corners; ++i) center += nodes.col(element[i]) / static_cast<double>(corners);
+      for (const auto& loop : solid->faces) {
+        Face face = face_of(*solid, element, loop, corners);
+        std::vector<int> key = face.corners;
+        std::sort(key.begin(), key.end());
+        if (std::unique(key.begin(), key.end()) - key.begin() < 3) continue;
+        const auto [found, is_new] = number.try_emplace(std::move(key), faces.size());
+        if (is_new) {
+          // Outwards also where an element is numbered inside out.
+          Vector3 normal = Vector3::Zero(), middle = Vector3::Zero();
+          for (std::size_t i = 0; i < face.corners.size(); ++i) {
+            const Vector3 here = nodes.col(face.corners[i]),
+                          next = nodes.col(face.corners[(i + 1) % face.corners.size()]);
+            normal += (here - center).cross(next - center);
+            middle += here / static_cast<double>(face.corners.size());
+          }
+          if (normal.dot(middle - center) < 0) {
+            std::reverse(face.corners.begin(), face.corners.end());
+            if (!face.middles.empty()) std::reverse(face.middles.begin(), face.middles.end() - 1);
+          }
+          faces.push_back(std::move(face));
+        }
+        ++faces[found->second].elements;
+      }
+    }
+  std::erase_if(faces, [](const Face& face) { return face.elements != 1; });
+  return faces;
+}
+
 std::string place_of(const FlexibleBody& body) { return "'" + body.name() + "' of " + body.where(); }
 
 std::vector<std::array<int, 3>> boundary(const FlexibleBody& body) {
@@ -104,47 +148,25 @@ SurfaceMesh surface_of(FlexibleBody& body, const std::vector<std::array<int, 3>>
 }  // namespace surface_parts
 
 std::vector<std::array<int, 3>> boundary_triangles(const std::vector<ElementBlock>& elements, const Matrix3X& nodes) {
-  std::map<std::vector<int>, std::size_t> number;  // of a face by its sorted corners
-  std::vector<surface_parts::Face> faces;
-  for (const ElementBlock& block : elements)
-    for (const std::vector<int>& element : block.nodes) {
-      const auto* solid = surface_parts::find_solid(block.type, element.size());
-      if (!solid)
-        throw SceneError("the faces of an element of type '" + block.type + "' with " + std::to_string(element.size()) +
-                             " nodes are not known",
-                         "boundary_triangles",
-                         "C3D4, 6, 8, 10, 15 and 20 are; give surface() triangles of node labels");
-      const std::size_t corners = solid == &surface_parts::kTetrahedron ? 4 : solid == &surface_parts::kWedge ? 6 : 8;
-      Vector3 center = Vector3::Zero();
-      for (std::size_t i = 0; i < corners; ++i) center += nodes.col(element[i]) / static_cast<double>(corners);
-      for (const auto& loop : solid->faces) {
-        surface_parts::Face face = surface_parts::face_of(*solid, element, loop, corners);
-        std::vector<int> key = face.corners;
-        std::sort(key.begin(), key.end());
-        if (std::unique(key.begin(), key.end()) - key.begin() < 3) continue;
-        const auto [found, is_new] = number.try_emplace(std::move(key), faces.size());
-        if (is_new) {
-          // Outwards also where an element is numbered inside out.
-          Vector3 normal = Vector3::Zero(), middle = Vector3::Zero();
-          for (std::size_t i = 0; i < face.corners.size(); ++i) {
-            const Vector3 here = nodes.col(face.corners[i]),
-                          next = nodes.col(face.corners[(i + 1) % face.corners.size()]);
-            normal += (here - center).cross(next - center);
-            middle += here / static_cast<double>(face.corners.size());
-          }
-          if (normal.dot(middle - center) < 0) {
-            std::reverse(face.corners.begin(), face.corners.end());
-            if (!face.middles.empty()) std::reverse(face.middles.begin(), face.middles.end() - 1);
-          }
-          faces.push_back(std::move(face));
-        }
-        ++faces[found->second].elements;
+  std::vector<std::array<int, 3>> triangles;
+  for (const auto& face : surface_parts::boundary_faces(elements, nodes)) surface_parts::split(face, triangles);
+  return triangles;
+}
+
+std::vector<std::array<int, 2>> boundary_edges(const std::vector<ElementBlock>& elements, const Matrix3X& nodes) {
+  std::set<std::array<int, 2>> edges;
+  const auto add = [&](int a, int b) { edges.insert({std::min(a, b), std::max(a, b)}); };
+  for (const auto& face : surface_parts::boundary_faces(elements, nodes))
+    for (std::size_t i = 0; i < face.corners.size(); ++i) {
+      const int here = face.corners[i], next = face.corners[(i + 1) % face.corners.size()];
+      if (face.middles.empty()) {
+        add(here, next);
+      } else {
+        add(here, face.middles[i]);
+        add(face.middles[i], next);
       }
     }
-  std::vector<std::array<int, 3>> triangles;
-  for (const auto& face : faces)
-    if (face.elements == 1) surface_parts::split(face, triangles);
-  return triangles;
+  return {edges.begin(), edges.end()};
 }
 
 SurfaceMesh surface(FlexibleBody& body) { return surface_parts::surface_of(body, surface_parts::boundary(body)); }

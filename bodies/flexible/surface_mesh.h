@@ -25,6 +25,9 @@ struct SurfaceMesh {
 /// middles of their edges, so that every node of the face is a corner. Throws SceneError for other types.
 std::vector<std::array<int, 3>> boundary_triangles(const std::vector<ElementBlock>& elements, const Matrix3X& nodes);
 
+/// The edges of those faces, once each; of the second order halved at their middles.
+std::vector<std::array<int, 2>> boundary_edges(const std::vector<ElementBlock>& elements, const Matrix3X& nodes);
+
 /// Adds a marker to the body for every node of the surface: a few hundred bytes and six numbers a mode each; they cost
 /// no time where nothing asks for them. Stays valid for every fidelity, rigid too. Throws SceneError if the basis has
 /// no elements, or nothing is left.

@@ -20,14 +20,16 @@ void check_collider(const ContactElement& contact, int collider, const Located& 
                      "number them from 0 to " + std::to_string(contact.marker_count() - 1) + ", in its list's order");
 }
 
-Sensor named(Located name, const ContactElement& contact, const std::string& quantity, Sensor::Reading reading,
+Sensor named(Located name, const ContactElement& contact, const std::string& quantity,
+             const std::vector<std::string>& units, Sensor::Reading reading,
              const std::vector<std::string>& endings = {""}) {
   if (name.text.empty()) name.text = contact.name() + "_" + quantity;
   std::vector<std::string> columns;
   for (const std::string& ending : endings) columns.push_back(name.text + ending);
-  return {std::move(name), std::move(columns), std::move(reading)};
+  return {std::move(name), std::move(columns), std::move(reading), units};
 }
 
+const std::vector<std::string> kWrenchUnits = {"N", "N", "N", "N m", "N m", "N m"};
 const std::vector<std::string> kWrench = {"_force_x", "_force_y", "_force_z", "_moment_x", "_moment_y", "_moment_z"};
 
 void add_load(const ContactTrace& trace, double sign, const Vector3& about, std::span<double> out) {
@@ -47,7 +49,7 @@ ContactMemory contacts(Snapshot& now, const ContactElement& contact) {
 Sensor contact_force(const ContactElement& contact, int collider, Located name) {
   check_collider(contact, collider, name);
   return named(
-      std::move(name), contact, "on_" + std::to_string(collider),
+      std::move(name), contact, "on_" + std::to_string(collider), kWrenchUnits,
       [&contact, collider](Snapshot& now, std::span<double> out) {
         std::fill(out.begin(), out.end(), 0.0);
         const Vector3 about = now.marker(record_of(now, contact).markers[collider]).p;
@@ -62,7 +64,7 @@ Sensor contact_force(const ContactElement& contact, int collider, Located name) 
 Sensor contact_force(const ContactElement& contact, int a, int b, Located name) {
   check_collider(contact, a, name), check_collider(contact, b, name);
   return named(
-      std::move(name), contact, std::to_string(a) + "_on_" + std::to_string(b),
+      std::move(name), contact, std::to_string(a) + "_on_" + std::to_string(b), kWrenchUnits,
       [&contact, a, b](Snapshot& now, std::span<double> out) {
         std::fill(out.begin(), out.end(), 0.0);
         const Vector3 about = now.marker(record_of(now, contact).markers[b]).p;
@@ -76,7 +78,7 @@ Sensor contact_force(const ContactElement& contact, int a, int b, Located name) 
 
 Sensor gap(const ContactElement& contact, int a, int b, double reach, Located name) {
   check_collider(contact, a, name), check_collider(contact, b, name);
-  return named(std::move(name), contact, "gap_" + std::to_string(a) + "_" + std::to_string(b),
+  return named(std::move(name), contact, "gap_" + std::to_string(a) + "_" + std::to_string(b), {"m"},
                [&contact, a, b, reach](Snapshot& now, std::span<double> out) {
                  out[0] = now.assembler().contacts()->gap(record_of(now, contact).number, a, b, reach);
                });
@@ -84,7 +86,7 @@ Sensor gap(const ContactElement& contact, int a, int b, double reach, Located na
 
 Sensor penetration(const ContactElement& contact, int a, int b, Located name) {
   check_collider(contact, a, name), check_collider(contact, b, name);
-  return named(std::move(name), contact, "penetration_" + std::to_string(a) + "_" + std::to_string(b),
+  return named(std::move(name), contact, "penetration_" + std::to_string(a) + "_" + std::to_string(b), {"m"},
                [&contact, a, b](Snapshot& now, std::span<double> out) {
                  out[0] = std::max(0.0, -now.assembler().contacts()->gap(record_of(now, contact).number, a, b, 0));
                });
@@ -102,26 +104,26 @@ std::vector<ContactPoint> touching(Snapshot& now, const ContactElement& contact)
 }  // namespace
 
 Sensor penetration(const ContactElement& contact, Located name) {
-  return named(std::move(name), contact, "penetration", [&contact](Snapshot& now, std::span<double> out) {
+  return named(std::move(name), contact, "penetration", {"m"}, [&contact](Snapshot& now, std::span<double> out) {
     out[0] = 0;
     for (const ContactPoint& point : touching(now, contact)) out[0] = std::max(out[0], -point.gap);
   });
 }
 
 Sensor contact_count(const ContactElement& contact, Located name) {
-  return named(std::move(name), contact, "count", [&contact](Snapshot& now, std::span<double> out) {
+  return named(std::move(name), contact, "count", {}, [&contact](Snapshot& now, std::span<double> out) {
     out[0] = static_cast<double>(touching(now, contact).size());
   });
 }
 
 Sensor contact_energy(const ContactElement& contact, Located name) {
-  return named(std::move(name), contact, "energy", [&contact](Snapshot& now, std::span<double> out) {
+  return named(std::move(name), contact, "energy", {"J"}, [&contact](Snapshot& now, std::span<double> out) {
     out[0] = now.assembler().workspace().force_energy[record_of(now, contact).energy];
   });
 }
 
 Sensor contact_power(const ContactElement& contact, Located name) {
-  return named(std::move(name), contact, "power", [&contact](Snapshot& now, std::span<double> out) {
+  return named(std::move(name), contact, "power", {"W"}, [&contact](Snapshot& now, std::span<double> out) {
     out[0] = now.assembler().contacts()->power(record_of(now, contact).number);
   });
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/contact/contact_element.h"
+#include "engine/page/drawing.h"
 #include "joints/contact/laws.h"
 #include "joints/contact/shapes.h"
 
@@ -34,7 +35,7 @@ struct Sensing {};
 /// With a compliant law it is a force for every integrator; where it touches and parts is located as an event (up to
 /// `located` pairs). With RigidSurfaces the friction is Coulomb's own: static_coefficient and the regularisation are
 /// not used.
-class Contact final : public ContactElement {
+class Contact final : public ContactElement, public DrawableConnector {
  public:
   using Collider = lithe::Collider;
   struct Parameters {
@@ -58,6 +59,7 @@ class Contact final : public ContactElement {
   bool has_moments() const override;
   RigidContact rigid() const override;
   std::vector<std::pair<int, int>> located_pairs() const override;
+  std::vector<DrawnShape> drawn_shapes(int marker) const override;
 
  private:
   const std::vector<Collider> colliders_;

@@ -17,7 +17,7 @@ namespace lithe {
 /// It is what linear floating-frame bodies are judged against, and bears what they cannot: stiffening by spin and load,
 /// buckling, large bending. Its cost grows with its nodes, and its highest frequency with its finest element: implicit
 /// integrators only.
-class InertialBody final : public Body {
+class InertialBody final : public Body, public DrawableBody {
  public:
   struct Parameters {
     std::shared_ptr<const BrickMesh> mesh{};  // nodes, bricks, material; or
@@ -90,6 +90,10 @@ class InertialBody final : public Body {
   BodyEnergy energy(const BodyState&, const Vector3& gravity) const override;
   int marker_count() const override { return static_cast<int>(markers_.size()); }
   const LinearPattern* linear_pattern() const override { return &bricks_.pattern(); }
+
+  DrawnMesh drawn_mesh(bool with_stress) const override;
+  void drawn_points(const BodyState&, const DrawnMesh& mesh, Matrix3X& points) const override;
+  std::vector<std::pair<int, double>> nodes_of_marker(int marker) const override;
 
  private:
   /// Position: the mean of `points`; rotation: the best fit to the weighted arms about `center`.

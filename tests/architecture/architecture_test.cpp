@@ -105,6 +105,7 @@ TEST_F(PlantedTree, EachPackageHasOneHome) {
   EXPECT_TRUE(is_caught("joints/revolute_joint.cpp", "#include <LinearMath/btVector3.h>"));
   EXPECT_TRUE(is_caught("joints/a.cpp", "#include <Spectra/SymGEigsShiftSolver.h>"));
   EXPECT_TRUE(is_caught("engine/a.cpp", "#include <Eigen/CholmodSupport>"));
+  EXPECT_TRUE(is_caught("engine/output/hdf5_file.cpp", "#include <zlib.h>"));
   EXPECT_TRUE(is_caught("engine/a.cpp", "#include <absl/strings/str_cat.h>"));
   EXPECT_TRUE(is_caught("engine/output/csv.cpp", "FILE* pipe = popen(command.c_str(), \"w\");"));
   EXPECT_TRUE(is_caught("examples/01_a.cpp", "std::system(command);"));

@@ -59,6 +59,8 @@ const std::vector<Package>& packages() {
       {"HDF5", std::regex(R"(hdf5\.h)"), std::regex(R"(engine/output/hdf5_(\w+\.cpp|internal\.h))"),
        "engine/output/hdf5_*.cpp, hdf5_internal.h"},
       {"gnuplot", std::regex(R"(spawn\.h)"), std::regex(R"(engine/output/chart\.cpp)"), "engine/output/chart.cpp"},
+      {"zlib", std::regex(R"(z(lib|conf)\.h)"), std::regex(R"(engine/page/packed_text\.cpp)"),
+       "engine/page/packed_text.cpp"},
       {"nlohmann_json", std::regex(R"(nlohmann/.*)"), std::regex(R"(.*\.cpp)"), "any .cpp"},
   };
   return all;

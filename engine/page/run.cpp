@@ -1,0 +1,114 @@
+#include "engine/page/run.h"
+
+#include <algorithm>
+
+#include "engine/page/run_record_internal.h"
+
+namespace lithe {
+
+struct Run::Parts {
+  RunOptions options;
+  const System* system = nullptr;
+  std::vector<Sensor> sensors;
+  std::vector<SceneRecorder::Drawn> drawn;
+  std::string path;  // of a stream
+  std::shared_ptr<RunRecord> record = std::make_shared<RunRecord>();
+  std::unique_ptr<SceneRecorder> recorder;  // since the first state
+  std::unique_ptr<RunFile> file;
+  int frames = 0;
+  double last_time = 0;
+  VectorX row;
+  std::vector<double> contacts;
+
+  void require_fresh(const std::string& call) const {
+    if (recorder || !system)
+      throw SceneError("the run '" + options.name + "' has begun", "Run::" + call, "call it before simulation.run()");
+  }
+};
+
+Run::Run(const System& system, std::vector<Sensor> sensors, RunOptions options, std::source_location where)
+    : parts_(new Parts{.options = std::move(options), .system = &system, .sensors = std::move(sensors)}) {
+  std::vector<std::string> names;
+  for (const Sensor& sensor : parts_->sensors)
+    names.insert(names.end(), sensor.columns().begin(), sensor.columns().end());
+  std::sort(names.begin(), names.end());
+  if (const auto twice = std::adjacent_find(names.begin(), names.end()); twice != names.end())
+    throw SceneError("two columns of the run '" + parts_->options.name + "' are called '" + *twice + "'",
+                     to_string(where), "name one of the sensors, as in height(marker, \"tip\")");
+}
+Run::Run(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+Run::Run(Run&& other) noexcept : Observer(), parts_(std::move(other.parts_)) {}
+Run& Run::operator=(Run&& other) noexcept {
+  parts_ = std::move(other.parts_);
+  return *this;
+}
+Run::~Run() = default;
+
+void Run::draw(const Body& body, DrawnShape shape) {
+  parts_->require_fresh("draw");
+  parts_->drawn.push_back({&body, std::move(shape)});
+}
+
+void Run::stream(const std::string& path) {
+  parts_->require_fresh("stream");
+  parts_->path = path;
+}
+
+void Run::observe(Snapshot& now) {
+  Parts& p = *parts_;
+  if (!p.recorder) {
+    if (&now.system() != p.system)
+      throw SceneError("the run '" + p.options.name + "' is shown the state of another system", "Run::observe",
+                       "make it of the system that is simulated");
+    p.recorder = std::make_unique<SceneRecorder>(now, p.sensors, p.options, p.drawn, *p.record);
+    if (!p.path.empty()) p.file = std::make_unique<RunFile>(p.path, *p.record);
+  }
+  if (p.frames > 0 && now.time() == p.last_time) return;  // told twice of one instant: at an event
+  if (p.frames > 0 && now.time() < p.last_time)
+    throw SceneError("the run '" + p.options.name + "' has seen " + time_text(p.last_time) + " and is shown " +
+                         time_text(now.time()),
+                     "Run::observe", "record each simulation into a run of its own");
+  if (!p.path.empty() && !p.file)
+    throw SceneError("the file of the run '" + p.options.name + "' is closed: its page was written", p.path,
+                     "write the page when the simulation is over");
+  p.recorder->fill(now, p.frames, p.row, p.contacts);
+  if (p.file) {
+    p.file->append(p.row, p.contacts);
+  } else {
+    p.record->rows.insert(p.record->rows.end(), p.row.begin(), p.row.end());
+    p.record->contacts.insert(p.record->contacts.end(), p.contacts.begin(), p.contacts.end());
+  }
+  p.last_time = now.time();
+  ++p.frames;
+}
+
+void Run::add(const std::vector<EventRecord>& events) {
+  if (parts_->file)
+    parts_->file->append(events);
+  else
+    parts_->record->events.insert(parts_->record->events.end(), events.begin(), events.end());
+}
+
+int Run::frame_count() const { return parts_->frames; }
+const std::string& Run::name() const { return parts_->options.name; }
+
+std::shared_ptr<const RunRecord> Run::record() const {
+  if (parts_->file) {
+    parts_->file.reset();
+    *parts_->record = read_run_file(parts_->path);
+  }
+  return parts_->record;
+}
+
+std::vector<double> Run::channel(const Located& name) const { return channel_of(*record(), name); }
+
+Run Run::read(const std::string& path, const std::string& name) {
+  auto parts = std::make_unique<Parts>();
+  *parts->record = read_run_file(path);
+  if (!name.empty()) parts->record->name = name;
+  parts->frames = parts->record->row_count();
+  parts->options.name = parts->record->name;
+  return Run(std::move(parts));
+}
+
+}  // namespace lithe

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <memory>
+#include <source_location>
+#include <string>
+#include <vector>
+
+#include "engine/event.h"
+#include "engine/observer.h"
+#include "engine/page/drawing.h"
+#include "engine/sensors.h"
+
+namespace lithe {
+
+struct RunRecord;
+
+/// What a Run keeps beside the motion of all bodies and what its sensors read.
+struct RunOptions {
+  std::string name = "run";  // of the variant, as the page shows it
+  bool coordinates = true;   // q and v of each body as charts
+  bool reactions = true;     // of joints and force elements
+  bool residuals = true;     // |g| and |G v + ∂g/∂t|, of each joint and the largest
+  bool energies = true;      // of each body and the sums
+  bool contacts = true;      // points and forces
+  bool stress = true;        // of flexible bodies that can recover it
+  int detailed = 100;        // bodies and connectors, in the order drawn, that have charts; those beyond only move
+};
+
+/// A simulation recorded to be looked at: as one page (write_page, engine/page/page.h), or from a file by
+/// `lithe view`.
+///   Run run{system, {position(tip, "tip")}, {.name = "flexible"}};
+///   simulation.observe(run, every(0.02));
+///   simulation.run(state, 10);
+///   write_page(run, "pendulum.html");
+/// The motion of flexible bodies is kept as modal coordinates, that of bodies with full nodal coordinates as the points
+/// of their surface. Sensors that tell positions of markers leave traces. Needs the system until it has seen its first
+/// state, and the scene's bodies while it is told of states; afterwards it stands for itself.
+class Run final : public Observer {
+ public:
+  explicit Run(const System& system, std::vector<Sensor> sensors = {}, RunOptions options = {},
+               std::source_location where = std::source_location::current());
+  Run(const System&& system, std::vector<Sensor> sensors = {}, RunOptions options = {}) = delete;
+  Run(Run&& other) noexcept;
+  Run& operator=(Run&& other) noexcept;
+  ~Run() override;
+
+  /// A shape to be seen on a body, in the axes of its frame (a rigid body's at its centre of mass). Bodies without any
+  /// are drawn by their mesh, the shapes of their contacts, or sticks between their markers. Throws SceneError after
+  /// the first state, and for a body of another scene.
+  void draw(const Body& body, DrawnShape shape);
+  /// Writes the run into an HDF5 file as it comes, instead of keeping it: the file holds every state that was observed,
+  /// also where the run is killed at any moment (engine/output/hdf5_series.h). Throws SceneError after the first state,
+  /// FileError where it cannot be written.
+  void stream(const std::string& path);
+  /// What happened on the way: run.add(simulation.events()), once, after the run.
+  void add(const std::vector<EventRecord>& events);
+
+  /// Throws SimulationError, the state not kept, for a value that is no finite number; SceneError for the state of
+  /// another system.
+  void observe(Snapshot& snapshot) override;
+
+  int frame_count() const;
+  const std::string& name() const;
+
+  /// What a chart of the page shows, one number a state ("t": the times). Throws SceneError that lists the known names.
+  std::vector<double> channel(const Located& name) const;
+
+  /// A file that stream() wrote, of a run that ended or was killed. Throws FileError for what is no such file, is cut
+  /// short, or was written in another version of the format. A name given replaces the one in the file.
+  static Run read(const std::string& path, const std::string& name = "");
+
+  /// For write_page: what was recorded; read back if it went to a file.
+  std::shared_ptr<const RunRecord> record() const;
+
+ private:
+  struct Parts;
+  explicit Run(std::unique_ptr<Parts> parts);
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace lithe
