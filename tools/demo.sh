@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Builds and runs the first three examples, or those whose numbers are given: tools/demo.sh 02 05. Results and charts
-# go to results/.
+# Builds and runs the first three examples and the one that writes a page, or those whose numbers are given:
+# tools/demo.sh 02 05. Results, charts and pages go to results/.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 jobs=${LITHE_JOBS:-$(nproc)}
-[[ $# -gt 0 ]] || set -- 01 02 03
+[[ $# -gt 0 ]] || set -- 01 02 03 21
 examples=()
 for number in "$@"; do
   for source in examples/"$number"_*.cpp; do
@@ -36,4 +36,11 @@ echo
 echo "Charts:"
 find results -newer "$marker" -type f \( "${charts[@]}" \) | sort | sed 's/^/  /'
 echo "Other results:"
-find results -newer "$marker" -type f ! \( "${charts[@]}" \) ! -name '*.vtu' | sort | sed 's/^/  /'
+find results -newer "$marker" -type f ! \( "${charts[@]}" \) ! -name '*.vtu' ! -name '*.html' | sort | sed 's/^/  /'
+
+pages=$(find results -newer "$marker" -type f -name '*.html' | sort)
+if [[ -n $pages ]]; then
+  echo
+  echo "Open in any browser:"
+  sed 's/^/  /' <<<"$pages"
+fi

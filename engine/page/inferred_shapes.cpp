@@ -27,8 +27,11 @@ std::vector<DrawnShape> inferred_shapes(const Body& body, const std::vector<Vect
   std::vector<DrawnShape> shapes;
   if (reach > 1e-9 * extent && reach > 0) {  // sticks from the origin of its frame
     const double radius = 0.03 * reach;
-    for (const Vector3& marker : markers)
-      if (marker.norm() > 0.05 * reach) shapes.push_back(visual::rod(Vector3(0, 0, 0), marker, radius));
+    for (auto marker = markers.begin(); marker != markers.end(); ++marker) {
+      const bool again =
+          std::any_of(markers.begin(), marker, [&](const Vector3& m) { return (m - *marker).norm() < radius; });
+      if (!again && marker->norm() > 0.05 * reach) shapes.push_back(visual::rod(Vector3(0, 0, 0), *marker, radius));
+    }
     shapes.push_back(visual::sphere(2 * radius));
     return shapes;
   }

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "bodies/rigid_body.h"
+#include "engine/page/run.h"
+#include "engine/simulation.h"
 #include "tests/scripting/command.h"
 
 namespace lithe::test {
@@ -173,6 +176,45 @@ TEST(New, AProjectRunsAtOnceAndBuildsAgainstTheInstalledPackage) {
   const Outcome run = folder.shell(lithe + " run 'my scene/scene.cpp' 0.25");
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_TRUE(says(run, "0.25 s, energy changed by"));
+}
+
+/// A ball that flies, recorded into a file.
+void write_flight(const std::string& path, const std::string& name) {
+  SystemGraph graph;
+  auto& ball = graph.add<RigidBody>("ball", {.velocity = {1, 0, 2}});
+  const System system = assemble(graph);
+  lithe::Run run{system, {position(ball.marker(), "ball")}, {.name = name}};
+  run.stream(path);
+  State state = system.initial_state();
+  Snapshot now(system);
+  for (int i = 0; i < 5; ++i) {
+    state.time = state.q[0] = 0.1 * i;
+    now.evaluate(state);
+    run.observe(now);
+  }
+}
+
+TEST(View, MakesOnePageOfRunFilesAndRefusesWhatIsNone) {
+  const ScriptFolder folder;
+  write_flight(folder.path() / "a.h5", "flight");
+  write_flight(folder.path() / "b.h5", "flight");
+  const Outcome one = folder.shell("lithe view a.h5");
+  EXPECT_TRUE(says(one, "flight: 5 states\npage: a.html"));
+  EXPECT_EQ(one.exit_code, 0);
+  EXPECT_GT(fs::file_size(folder.path() / "a.html"), 1000u);
+
+  // Two of one name bear those of their files.
+  const Outcome two = folder.shell("lithe view a.h5 b.h5 -o pages/both.html --title 'Two flights'");
+  EXPECT_TRUE(says(two, "b: 5 states\npage: pages/both.html"));
+  EXPECT_TRUE(fs::exists(folder.path() / "pages/both.html"));
+
+  folder.write("notes.txt", "no run");
+  const Outcome none = folder.shell("lithe view notes.txt");
+  EXPECT_TRUE(says(none, "this is no HDF5 file, or it is cut short."));
+  EXPECT_TRUE(says(none, "notes.txt"));
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_TRUE(says(folder.shell("lithe view nothing.h5"), "there is no such file."));
+  EXPECT_NE(folder.shell("lithe view").exit_code, 0);
 }
 
 }  // namespace

@@ -58,7 +58,7 @@ void write_squeezer(const std::string& folder) {
 
 /// Balls and cubes thrown into a box of four walls.
 void write_pile(const std::string& folder) {
-  constexpr double kRadius = 0.05, kWall = 0.22;
+  constexpr double kRadius = 0.05, kWall = 0.18;
   SystemGraph graph;
   std::vector<Collider> colliders{{graph.ground().marker(), shape::half_space()}};
   const auto wall = [&](const Vector3& at, const Vector3& edges) {
@@ -68,9 +68,9 @@ void write_pile(const std::string& folder) {
     wall({side * (kWall + 0.01), 0, 0.1}, {0.02, 2 * kWall, 0.2});
     wall({0, side * (kWall + 0.01), 0.1}, {2 * kWall, 0.02, 0.2});
   }
-  for (int i = 0; i < 36; ++i) {
-    const Vector3 at(0.13 * (i % 3 - 1) + 0.01 * std::sin(3 * i), 0.13 * (i / 3 % 3 - 1) + 0.01 * std::cos(5 * i),
-                     0.1 + 0.13 * (i / 9));
+  for (int i = 0; i < 24; ++i) {
+    const Vector3 at(0.12 * (i % 2 - 0.5) + 0.01 * std::sin(3 * i), 0.12 * (i / 2 % 2 - 0.5) + 0.01 * std::cos(5 * i),
+                     0.1 + 0.13 * (i / 4));
     const bool cube = i % 2 == 1;
     const double mass = cube ? 1.0 : 0.5,
                  inertia = cube ? mass / 6 * std::pow(1.6 * kRadius, 2) : 0.4 * mass * kRadius * kRadius;
@@ -85,7 +85,7 @@ void write_pile(const std::string& folder) {
   const System system = assemble(graph);
   Run run{system, {total_energy("energy")}, {.name = "pile", .detailed = 10}};
   State state = system.initial_state();
-  MoreauJean stepping{{.step = 1e-3}};
+  MoreauJean stepping{{.step = 2e-3, .contact = {.tolerance = 1e-5}}};
   Simulation simulation{system, stepping};
   simulation.observe(run, every(0.01));
   simulation.run(state, 1.5);
