@@ -95,7 +95,7 @@ void Automatic::prepare(EquationsOfMotion& equations, State& state) {
 void Automatic::change(Method method, EquationsOfMotion& equations, State& state) {
   before_ = statistics_;
   method_ = method;
-  const double share = kTraits[place(method)].share, first_step = step_[place(method)];
+  const double share = kTraits[place(method)].share, first_step = begun_with_ = step_[place(method)];
   const Tolerance tolerance{.relative = share * parameters_.tolerance.relative,
                             .absolute = share * parameters_.tolerance.absolute};
   const auto make = [&]<class T>(std::unique_ptr<T>& made, typename T::Parameters parameters) {
@@ -191,14 +191,17 @@ bool Automatic::keep(Archive& archive, EquationsOfMotion& equations, const State
   archive.same("first_step", parameters_.first_step);
   archive.same("max_step", parameters_.max_step);
   Method method = method_;
+  double begun_with = begun_with_;
   archive("method", method);
-  archive("step", step_);
+  archive("begun_with", begun_with);
   if (place(method) < 0 || place(method) >= kMethods)
     throw FileError("the checkpoint's method is none", archive.source(), "resume from an older one");
   if (archive.loads()) {
     State begun = state;
+    step_[place(method)] = begun_with;
     change(method, equations, begun);
   }
+  archive("step", step_);
   archive("statistics", statistics_);
   archive("before", before_);
   archive("incumbent", incumbent_);

@@ -72,7 +72,8 @@ class Automatic final : public Integrator {
   Method incumbent_ = Method::explicit_runge_kutta;  // that the trials are against
   int switches_ = 0;
   double explicit_work_ = 1;                // of an evaluation by the explicit method
-  bool fresh_ = true;                       // the method at work has not made a step yet
+  double begun_with_ = 0;                   // s, first step that the method at work was made with; 0: guessed
+  bool fresh_ = true;                       // it has not made a step yet
   int steps_ = 0;                           // since it came to work
   int held_steps_ = 0, calm_steps_ = 0;     // in a row, of the explicit method
   std::vector<Method> to_try_;              // of the trials under way; their last is at work

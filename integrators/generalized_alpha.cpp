@@ -279,6 +279,7 @@ bool GeneralizedAlpha::keep(Archive& archive, EquationsOfMotion& /*equations*/, 
   archive("has_last", has_last_);
   archive("a", a_);
   archive("v_dot_last", v_dot_last_);
+  archive("lambda", lambda_);  // where begin() looks for reactions first
   return true;
 }
 
