@@ -1,0 +1,51 @@
+"""What the site asks of Sphinx beyond its extensions.
+
+```{step} examples/01_rigid_pendulum.cpp 2
+```
+shows step 2 of an example, and `<!-- made by: COMMAND -->` under a picture becomes its caption.
+"""
+
+import pathlib
+import re
+
+from docutils import nodes
+from docutils.parsers.rst import Directive
+from sphinx.transforms import SphinxTransform
+
+import pieces
+
+MADE_BY = re.compile(r"<!--\s*made by:\s*(.*?)\s*-->", re.S)
+
+
+class Step(Directive):
+    required_arguments = 2
+
+    def run(self):
+        environment = self.state.document.settings.env
+        path, number = self.arguments
+        file = pathlib.Path(environment.srcdir) / path
+        environment.note_dependency(str(file))
+        code = pieces.step(file.read_text(), int(number)) if file.exists() else None
+        if code is None:
+            raise self.error(f"{path} has no step {number}")
+        return [nodes.literal_block(code, code, language="cpp")]
+
+
+class CommandsShown(SphinxTransform):
+    """The command that made a figure, shown under it."""
+
+    default_priority = 500
+
+    def apply(self, **kwargs):
+        for raw in list(self.document.findall(nodes.raw)):
+            match = MADE_BY.match(raw.astext().strip())
+            if match:
+                caption = nodes.paragraph("", "", nodes.Text("made by "), nodes.literal(text=match[1]),
+                                          classes=["made-by"])
+                raw.replace_self(caption)
+
+
+def setup(app):
+    app.add_directive("step", Step)
+    app.add_transform(CommandsShown)
+    return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}
