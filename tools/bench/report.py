@@ -207,7 +207,7 @@ from one run of 1 ms; `-`: not reached, or not run (below).
     text += chain_section(measured, found)
     for name in pictures:
         if name.startswith("chain"):
-            text += f"\n![{name.replace('_', ' ')}](benchmarks/{name}.png)\n"
+            text += f"\n![{name.replace('_', ' ')}](benchmarks/{name}.png)\n<!-- made by: tools/bench.sh -->\n"
     text += "\n## All accelerations of the chain, once\n\n" + accelerations_section(measured)
     text += "\n## Closed loops and stiff systems at equal error\n" + loop_section(measured)
     text += """
@@ -218,7 +218,7 @@ rails of hinged rods, tied by a rung every two rods; grids: nets five rods wide 
 
 """ + steps_section(measured)
     if "time_by_size" in pictures:
-        text += "\n![time of a step by size](benchmarks/time_by_size.png)\n"
+        text += "\n![time of a step by size](benchmarks/time_by_size.png)\n<!-- made by: tools/bench.sh -->\n"
     if NOTES.exists():
         text += "\n" + NOTES.read_text()
     return text

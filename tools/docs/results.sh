@@ -10,6 +10,8 @@ results=docs/site/tutorial/results
 mkdir -p "$results"
 [[ $# -gt 0 ]] || { cd examples; set -- [0-9][0-9]_*.cpp; cd ..; set -- "${@%%_*}"; }
 
+kept=()
+shopt -s nullglob
 for number in "$@"; do
   example=$(basename examples/"$number"_*.cpp .cpp)
   if [[ -z ${LITHE_BUILD:-} ]]; then
@@ -36,7 +38,13 @@ for number in "$@"; do
     fi
     cp "$found" "docs/site/tutorial/$shown"
   done
+  # Those of the front page.
+  if [[ $number == 02 ]]; then
+    cp "$scratch"/results/flexible_pendulum/{z,dz}.png docs/pictures/
+    kept+=(docs/pictures/{z,dz}.png)
+  fi
   rm -rf "$scratch"
+  kept+=("$results/$number.txt" "$results/${number}"_*.png)
   echo "$example: kept"
 done
-/usr/bin/python3 -B tools/docs/figures.py note docs/site/tutorial/results
+/usr/bin/python3 -B tools/docs/figures.py note --same "${kept[@]}"
