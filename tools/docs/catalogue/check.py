@@ -72,7 +72,8 @@ class Checker:
     # ---- every type has its place ----
     def check_types(self):
         everything = "\n".join(self.pages.values())
-        words = set(re.findall(r"\w+", " ".join(re.findall(r"`([^`]*)`", everything))))
+        words = set(re.findall(r"\w+", " ".join(re.findall(r"`([^`\n]*)`", everything))))
+        words.update(re.findall(r"\w+", " ".join(self.tables)))
         headings = {}
         for page, text in self.pages.items():
             for line in re.findall(r"^#+ (.*)$", text, re.M):
@@ -92,6 +93,15 @@ class Checker:
                     self.complain(type_.header, f"the parameters of '{type_.name}' stand in no table")
             elif type_.name not in words:
                 self.complain(type_.header, f"'{type_.name}' is named on no page of the catalogue")
+
+    def check_machinery(self):
+        """Every type named on the page of what stands behind is of the header beside it."""
+        for line in self.pages.get("machinery.md", "").split("\n"):
+            cells = [c.strip() for c in line.split("|")[1:-1]]
+            if len(cells) == 3 and cells[0].startswith("`"):
+                for name in re.findall(r"`(\w+)`", cells[1]):
+                    if name not in self.types or self.types[name].header != cells[0].strip("`"):
+                        self.complain("machinery.md", f"'{name}' is not of {cells[0]}")
 
     # ---- tables of parameters ----
     def check_tables(self):
@@ -201,6 +211,7 @@ class Checker:
     def run(self):
         self.check_tables()
         self.check_types()
+        self.check_machinery()
         self.check_facts()
         self.check_functions()
         self.check_files()
