@@ -10,6 +10,7 @@
 
 #include "engine/output/partial_file.h"
 #include "engine/page/run_record_internal.h"
+#include "engine/version.h"
 
 namespace lithe {
 namespace page_parts {
@@ -249,10 +250,8 @@ void write_page(const std::vector<std::reference_wrapper<const Run>>& runs, cons
   Arrays arrays;
   std::string title = options.title;
   std::set<std::string> names;
-  Json page = {{"format", "lithe-page"},
-               {"version", 1},
-               {"made_by", "lithe " + std::string(library_version())},
-               {"runs", Json::array()}};
+  Json page = {
+      {"format", "lithe-page"}, {"version", 1}, {"made_by", "lithe " + std::string(kVersion)}, {"runs", Json::array()}};
   for (const Run& run : runs) {
     if (!names.insert(run.name()).second)
       throw SceneError("two runs of the page are called '" + run.name() + "'", path,

@@ -86,8 +86,6 @@ FittedShapes fit_shapes(const MatrixX& displacements, double tolerance);
 
 /// The whole page around the data: tools/viewer/dist/viewer.html, as it was when the library was built.
 std::string_view viewer_template();
-/// "0.1.0"
-std::string_view library_version();
 
 /// zlib's deflate of bytes, as base64.
 std::string packed_text(const std::string& bytes);

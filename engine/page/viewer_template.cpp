@@ -27,6 +27,4 @@ std::string_view viewer_template() {
   return {lithe_viewer_html, static_cast<std::size_t>(lithe_viewer_html_end - lithe_viewer_html)};
 }
 
-std::string_view library_version() { return LITHE_VERSION; }
-
 }  // namespace lithe
