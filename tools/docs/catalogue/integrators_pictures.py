@@ -82,10 +82,13 @@ def alpha_matrix(am, af, x):
 
 
 def generalized_alpha():
-    def radius(rho, x):
-        return spectral_radius(alpha_matrix((2 * rho - 1) / (rho + 1), rho / (rho + 1), x))
-
-    return chart("Generalized-alpha: spectral radius over h ω", [0.9, 0.8, 0.5, 0.0], radius, where=[(40, 0.96), (40, 0.85), (40, 0.55), (40, 0.09)])
+    p = Chart("Generalized-alpha: spectral radius over h ω", (0.01, 100), (0, 1.1), "h ω", "spectral radius", log_x=True)
+    p.grid([0.01, 0.1, 1, 10, 100], [0, 0.25, 0.5, 0.75, 1])
+    x = np.geomspace(0.01, 100, 240)
+    for line, rho in enumerate((0.9, 0.8, 0.5, 0.0)):
+        p.curve(x, [spectral_radius(alpha_matrix((2 * rho - 1) / (rho + 1), rho / (rho + 1), v)) for v in x], line)
+        p.key(f"ρ = {rho:g}", line, 0.03, 0.6 - 0.1 * line)
+    return p
 
 
 def hht():
