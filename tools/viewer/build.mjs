@@ -7,7 +7,7 @@ import { build } from 'esbuild';
 const here = dirname(fileURLToPath(import.meta.url));
 const out = process.argv[2];
 
-async function bundle(entry, loader) {
+async function bundle(entry) {
   const result = await build({
     absWorkingDir: here,
     entryPoints: [entry],
@@ -19,10 +19,20 @@ async function bundle(entry, loader) {
     legalComments: 'none', // the licences stand in full at the head of the page
     logLevel: 'warning',
     charset: 'utf8',
-    loader,
+    plugins: [shaders],
   });
   return result.outputFiles[0].text.trim();
 }
+
+// The shaders' indentation is one part in forty of the page: strings of three.js lose it. GLSL needs none.
+const shaders = {
+  name: 'shaders',
+  setup(building) {
+    building.onLoad({ filter: /three\.module\.js$/ }, ({ path }) => ({
+      contents: readFileSync(path, 'utf8').replace(/(\\n)(\\t)+/g, '$1').replace(/(\\n){2,}/g, '\\n'),
+    }));
+  },
+};
 
 const licence = (name) => readFileSync(join(here, 'node_modules', name, 'LICENSE'), 'utf8').trim();
 const licences = `<!--

@@ -24,6 +24,7 @@ export function listenToKeys(view, model, act) {
     ']': () => act.next(1),
     Escape: act.nothing,
     e: () => flip('edges'),
+    q: () => flip('elements'),
     j: () => flip('joints'),
     m: () => flip('markers'),
     p: () => flip('traces'),

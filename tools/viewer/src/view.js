@@ -44,6 +44,7 @@ export function initialView(model) {
     show: {
       grid: true,
       edges: true,
+      elements: true,
       joints: true,
       markers: false,
       traces: true,

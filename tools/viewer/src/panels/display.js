@@ -4,7 +4,7 @@ import { number } from '../format.js';
 import { fieldNames } from '../scene/field.js';
 
 const kSwitches = [
-  ['edges', 'Edges', 'e'], ['joints', 'Joints and forces', 'j'], ['markers', 'Markers', 'm'], ['traces', 'Traces', 'p'],
+  ['edges', 'Edges', 'e'], ['elements', 'Elements', 'q'], ['joints', 'Joints and forces', 'j'], ['markers', 'Markers', 'm'], ['traces', 'Traces', 'p'],
   ['reactions', 'Reaction forces', 'r'], ['moments', 'Reaction moments', ''], ['contacts', 'Contact forces', 'k'],
   ['contact_shapes', 'Contact shapes', ''], ['labels', 'Names', 'n'], ['grid', 'Grid', ''],
 ];

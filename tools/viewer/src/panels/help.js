@@ -5,7 +5,7 @@ const kKeys = [
   ['space', 'play, pause'], ['← →', 'a frame back, forth; with shift ten'], ['home end', 'start, end'],
   ['+ −', 'faster, slower'], ['l', 'loop'], ['f', 'fit the whole motion'], ['shift F', 'fit the selected body'],
   ['0', 'first view'], ['1 2 3', 'view along x, y, z; again: from the other side'], ['o', 'parallel or perspective'],
-  ['w', 'follow the selected body'], ['[ ]', 'select the body before, after'], ['esc', 'select nothing, close'], ['e j m p', 'edges, joints, markers, traces'],
+  ['w', 'follow the selected body'], ['[ ]', 'select the body before, after'], ['esc', 'select nothing, close'], ['e q j m p', 'edges, elements, joints, markers, traces'],
   ['r k n', 'reactions, contact forces, names'], ['shift 1 …', 'variant on, off'], ['a', 'add a channel to the charts'],
   ['c g', 'charts, side panel on, off'], ['t', 'light or dark'], ['?', 'this sheet'],
 ];

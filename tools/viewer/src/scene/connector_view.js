@@ -46,7 +46,7 @@ export class ConnectorViews {
       const group = new Group();
       group.userData = { kind: 'connector', index: entry.index };
       const material = new MeshLambertMaterial({});
-      const ghost = new MeshLambertMaterial({ transparent: true, opacity: 0.22, depthFunc: GreaterDepth, depthWrite: false });
+      const ghost = new MeshLambertMaterial({ transparent: true, opacity: 0.35, depthFunc: GreaterDepth, depthWrite: false });
       const glyph = ghosted(glyphGeometry(connector.kind), material, ghost);
       const links = connector.markers.slice(1).map(() => ghosted(linkGeometry(connector.kind), material, ghost));
       group.add(glyph, ...links);
@@ -132,7 +132,7 @@ export class ConnectorViews {
       material.emissive.set(selected ? colours.accent : '#000');
       material.transparent = opacity < 1;
       material.opacity = opacity;
-      ghost.opacity = selected ? 0.6 : 0.22 * opacity;
+      ghost.opacity = selected ? 0.7 : 0.35 * opacity;
     }
     this.forces.material.color.set(colours.reaction);
     this.moments.material.color.set(colours.moment);

@@ -37,7 +37,6 @@ export class BodyView {
     for (const shape of body.shapes) this.#addShape(shape, extent);
     this.mesh_body = body.mesh ? new MeshBody(body.mesh, '#888') : null;
     if (this.mesh_body) this.group.add(...this.mesh_body.parts);
-    if (this.mesh_body?.edges) this.edge_parts.push(this.mesh_body.edges);
   }
 
   #addShape(shape, extent) {
@@ -81,10 +80,17 @@ export class BodyView {
     this.edge_material.opacity = selected ? 1 : 0.55;
     if (!this.mesh_body) return;
     this.mesh_body.colour = colour;
-    if (this.mesh_body.edges) {
-      this.mesh_body.edges.material.color.set(selected ? accent : edge);
-      this.mesh_body.edges.material.opacity = selected ? 0.8 : 0.4 * Math.min(1, opacity + 0.2);
-    }
+    const { creases, elements } = this.mesh_body;
+    creases.material.color.set(selected ? accent : edge);
+    creases.material.opacity = selected ? 1 : 0.75;
+    elements?.material.color.set(edge);
+  }
+
+  showEdges(edges, elements, selected) {
+    for (const part of this.edge_parts) part.visible = edges || selected;
+    if (!this.mesh_body) return;
+    this.mesh_body.creases.visible = edges || selected;
+    if (this.mesh_body.elements) this.mesh_body.elements.visible = elements;
   }
 
   update(at, view, mode) {

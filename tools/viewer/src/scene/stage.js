@@ -136,7 +136,7 @@ export class Stage {
         body_colour.lerp(new Color(colour('--body-mix')), ground ? 0 : 0.38);
         const selected = view.selection?.kind === 'body' && view.selection.index === one.entry.index;
         one.dress({ colour: body_colour, edge: many ? run_colour : colour('--edge'), opacity, selected, accent, field: view.colouring });
-        for (const part of one.edge_parts) part.visible = view.show.edges || selected;
+        one.showEdges(view.show.edges, view.show.elements, selected);
         for (const part of one.contact_parts) part.visible = view.show.contact_shapes;
       }
       connectors.dress(roles, view.selection, own.solid ? 1 : 0.5);
@@ -151,7 +151,7 @@ export class Stage {
     const largest = (field) => Math.max(...this.runs.map(({ connectors }) => connectors[field]));
     const length = 0.25 * this.size * this.view.arrow_scale;
     return {
-      glyph: 0.014 * this.size,
+      glyph: 0.02 * this.size,
       force: length / (largest('typical_force') || 1),
       moment: length / (largest('typical_moment') || 1),
     };
