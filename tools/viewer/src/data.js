@@ -108,6 +108,7 @@ function readBody(json, index, arrays, where, frames) {
     index,
     name: json.name,
     kind: json.kind ?? 'Body',
+    where: json.where ?? '',
     frame: json.frame === true,
     position: arrays.maybe(json.position, `${what}: position`, frames * 3),
     rotation: arrays.maybe(json.rotation, `${what}: rotation`, frames * 4),
@@ -165,6 +166,8 @@ function readRun(json, index, arrays) {
     position: marker.position ?? [0, 0, 0],
     rotation: marker.rotation ?? [1, 0, 0, 0],
     node: marker.node ?? null,
+    nodes: marker.nodes ?? null, // where it is the mean of several
+    weights: marker.weights ?? null,
   }));
   for (const marker of markers) {
     const body = bodies[marker.body];
@@ -195,6 +198,7 @@ function readRun(json, index, arrays) {
       connector: channel.connector ?? null,
       values: arrays.read(channel.values, `${where}, channel '${channel.name}'`, frames),
     })),
+    notes: json.notes ?? [],
     events: (json.events ?? []).filter((event) => Number.isFinite(event.time)),
   };
 }

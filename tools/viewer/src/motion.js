@@ -125,11 +125,22 @@ export function worldPoint(body, at, position, node, pose = bodyPose(body, at), 
   return rotate(pose.rotation, local).map((value, c) => value + pose.position[c]);
 }
 
+/** A marker's place and axes; a marker on several mesh points moves with their weighted mean. */
 export function markerPose(run, marker, at, pose, magnification = 1) {
   const body = run.bodies[marker.body];
   const own = pose ?? bodyPose(body, at);
+  let { position, node } = marker;
+  if (marker.nodes?.length && marker.weights && body.mesh) {
+    const eta = modalCoordinates(body.mesh, at);
+    position = [...position];
+    marker.nodes.forEach((one, i) => {
+      const u = displacementOf(body.mesh, eta, one);
+      for (let c = 0; c < 3; ++c) position[c] += magnification * marker.weights[i] * u[c];
+    });
+    node = null;
+  }
   return {
-    position: worldPoint(body, at, marker.position, marker.node, own, magnification),
+    position: worldPoint(body, at, position, node, own, magnification),
     rotation: multiply(own.rotation, marker.rotation),
   };
 }

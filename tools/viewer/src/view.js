@@ -23,10 +23,10 @@ export class View {
 
 /** The state in which a page opens. */
 export function initialView(model) {
-  const any_mesh = model.runs.some((run) => run.bodies.some((body) => body.mesh));
   const any_stress = model.runs.some((run) => run.bodies.some((body) => body.mesh?.stress));
   const many = model.runs.length > 1;
-  const has_mesh = (run) => run.bodies.some((body) => body.mesh);
+  const deforms = (run) => run.bodies.some((body) => body.mesh?.modes.length);
+  const some_deform = model.runs.some(deforms) && !model.runs.every(deforms);
   return new View({
     time: model.start,
     playing: false,
@@ -34,7 +34,7 @@ export function initialView(model) {
     loop: true,
     selection: null, // {kind: 'body' | 'connector', index} into the model
     theme: matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light',
-    runs: model.runs.map((run, i) => ({ shown: true, solid: !many || (any_mesh ? has_mesh(run) : i === 0) })),
+    runs: model.runs.map((run, i) => ({ shown: true, solid: !many || (some_deform ? deforms(run) : i === 0) })),
     colouring: any_stress ? 'von Mises' : 'plain',
     bands: false,
     whole_range: true,

@@ -41,6 +41,7 @@ export function displayView(model, view, stage) {
     tell();
     return h('label', {}, box, label, keys && h('kbd', {}, keys));
   });
+  const notes = [...new Set(model.runs.flatMap((run) => run.notes))];
   const sizes = () => stage?.arrowSizes() ?? { force: 1, moment: 1 };
   const arrows = () => `${number(0.1 / sizes().force, 3)} N : 100 mm`;
   return h('div.display', {},
@@ -50,5 +51,6 @@ export function displayView(model, view, stage) {
     h('fieldset', {}, h('legend', {}, 'Shown'), h('div.pair', {}, switches)),
     h('fieldset', {}, h('legend', {}, 'Sizes'),
       scale('Arrows', view, 'arrow_scale', arrows),
-      scale('Joints', view, 'glyph_scale', () => `× ${number(view.glyph_scale, 3)}`)));
+      scale('Joints', view, 'glyph_scale', () => `× ${number(view.glyph_scale, 3)}`)),
+    notes.length > 0 && h('fieldset', {}, h('legend', {}, 'Not drawn'), notes.map((note) => h('p.faint', {}, note))));
 }

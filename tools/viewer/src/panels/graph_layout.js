@@ -75,6 +75,18 @@ function upright(nodes, root) {
   }
 }
 
+/** Spreads the drawing, more across since boxes are wide, until all boxes would fit in it twice over. */
+function spread(nodes) {
+  const extent = (key) => Math.max(...nodes.map((node) => node[key])) - Math.min(...nodes.map((node) => node[key])) + 1;
+  const boxes = nodes.reduce((sum, node) => sum + (node.width + 10) * (node.height + 8), 0);
+  const factor = Math.sqrt((2 * boxes) / (extent('x') * extent('y')));
+  if (!(factor > 1)) return;
+  for (const node of nodes) {
+    node.x *= 1.25 * factor;
+    node.y *= 0.8 * factor;
+  }
+}
+
 function separate(nodes) {
   for (let round = 0; round < 60; ++round) {
     let moved = false;
@@ -117,5 +129,6 @@ export function placeGraph(nodes, links) {
   });
   if (nodes.length > 1) relax(nodes, neighbours, draw);
   upright(nodes, nodes[root]);
+  spread(nodes);
   separate(nodes);
 }

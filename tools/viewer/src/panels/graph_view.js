@@ -24,7 +24,7 @@ export function graphView(model, view) {
   }
   const bodies = model.bodies.map((entry) => ({
     kind: 'body', entry, width: 18 + 6.6 * short(entry.name).length, height: 24,
-    root: entry.item.kind === 'Ground' || entry.item.frame,
+    root: entry.item.kind === 'Ground',
   }));
   const connectors = model.connectors.map((entry) => ({ kind: 'connector', entry, width: 22, height: 22 }));
   const nodes = [...bodies, ...connectors];

@@ -28,7 +28,7 @@ function axes() {
 
 /** The field's colours with its range. */
 function legend(view) {
-  const element = h('div.legend', { role: 'img' });
+  const element = h('div.legend', { role: 'img', hidden: true });
   let told = '';
   const update = (stage) => {
     const finite = stage.has_field && Number.isFinite(stage.range[0]);

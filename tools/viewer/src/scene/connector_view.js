@@ -1,5 +1,5 @@
 // Connectors of one run: a glyph at the first marker, a link to the others, arrows of what they transmit.
-import { Group, Mesh, MeshLambertMaterial, Quaternion, Vector3, GreaterDepth } from 'three';
+import { DoubleSide, Group, Mesh, MeshLambertMaterial, Quaternion, Vector3, GreaterDepth } from 'three';
 import { bodyPose, locate, markerPose, vectorAt } from '../motion.js';
 import { Arrows } from './arrows.js';
 import { glyphGeometry, linkGeometry } from './glyphs.js';
@@ -14,7 +14,7 @@ const scale = new Vector3();
 
 const size3 = (v) => Math.hypot(v[0], v[1], v[2]);
 
-/** The size that all but the largest percent of the vectors stay below: one peak must not make all arrows dots. */
+/** The size that all but the largest tenth of the vectors stay below: one peak must not make all arrows dots. */
 export function typicalSize(lists) {
   const sizes = [];
   for (const values of lists) {
@@ -24,7 +24,7 @@ export function typicalSize(lists) {
     }
   }
   sizes.sort((a, b) => a - b);
-  return sizes.length ? sizes[Math.floor(0.99 * (sizes.length - 1))] : 0;
+  return sizes.length ? sizes[Math.floor(0.9 * (sizes.length - 1))] : 0;
 }
 
 /** A solid that is drawn full where it is seen and faint where something hides it. */
@@ -45,7 +45,7 @@ export class ConnectorViews {
       const entry = model.connectorEntry(run.index, connector.index);
       const group = new Group();
       group.userData = { kind: 'connector', index: entry.index };
-      const material = new MeshLambertMaterial({});
+      const material = new MeshLambertMaterial({ side: DoubleSide });
       const ghost = new MeshLambertMaterial({ transparent: true, opacity: 0.35, depthFunc: GreaterDepth, depthWrite: false });
       const glyph = ghosted(glyphGeometry(connector.kind), material, ghost);
       const links = connector.markers.slice(1).map(() => ghosted(linkGeometry(connector.kind), material, ghost));

@@ -69,6 +69,7 @@ export function linkGeometry(kind) {
 function coilGeometry() {
   const path = [];
   const kTurns = 8;
+  const kWire = 0.07;
   const kSteps = 14 * kTurns;
   path.push([0, 0, 0], [0, 0, 0.12]);
   for (let i = 0; i <= kSteps; ++i) {
@@ -79,14 +80,14 @@ function coilGeometry() {
   const points = [];
   const index = [];
   path.forEach(([x, y, z], i) => {
-    const radius = Math.hypot(x, y) || 1;
-    const out = [x / radius, y / radius];
+    const radius = Math.hypot(x, y);
     // Corners across the wire: outwards and along z; the coil is stretched along z alone, so z is kept thin.
-    points.push(x + 0.07 * (out[0] || 1), y + 0.07 * out[1], z, x, y, z + 0.008, x - 0.07 * (out[0] || 1), y - 0.07 * out[1], z, x, y, z - 0.008);
+    const [a, b] = radius > 0 ? [[(kWire * x) / radius, (kWire * y) / radius, 0], [0, 0, 0.012]] : [[kWire, 0, 0], [0, kWire, 0]];
+    for (const [side, sign] of [[a, 1], [b, 1], [a, -1], [b, -1]]) points.push(x + sign * side[0], y + sign * side[1], z + sign * side[2]);
     if (i === 0) return;
     for (let side = 0; side < 4; ++side) {
-      const [a, b] = [4 * (i - 1) + side, 4 * (i - 1) + ((side + 1) % 4)];
-      index.push(a, b, a + 4, b, b + 4, a + 4);
+      const [one, next] = [4 * (i - 1) + side, 4 * (i - 1) + ((side + 1) % 4)];
+      index.push(one, next, one + 4, next, next + 4, one + 4);
     }
   });
   const geometry = new BufferGeometry();

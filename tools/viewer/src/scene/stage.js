@@ -96,7 +96,8 @@ export class Stage {
     const direction = [0, 0, 0];
     direction[front] = front === 1 ? -1 : 1; // x to the right when seen along y
     direction[side] = 0.42;
-    direction[this.up_axis] = 0.32 * this.eye.up.getComponent(this.up_axis);
+    const flat_drawing = spread[this.up_axis] < 0.3 * Math.max(spread[front], spread[side]);
+    direction[this.up_axis] = (flat_drawing ? 1.1 : 0.32) * this.eye.up.getComponent(this.up_axis);
     return direction;
   }
 
@@ -131,7 +132,7 @@ export class Stage {
       const opacity = own.solid ? 1 : 0.32;
       const run_colour = seriesColour(r, view.theme);
       for (const one of bodies.bodies) {
-        const ground = one.body.kind === 'Ground' || one.body.frame;
+        const ground = one.body.kind === 'Ground';
         const body_colour = new Color(ground ? colour('--ground') : many ? run_colour : seriesColour(one.entry.index + (model.bodies[0].item.kind === 'Ground' ? -1 : 0) + 70, view.theme));
         body_colour.lerp(new Color(colour('--body-mix')), ground ? 0 : 0.38);
         const selected = view.selection?.kind === 'body' && view.selection.index === one.entry.index;
