@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include "bodies/flexible/inertia_integrals.h"
+#include "engine/checkpoint/archive.h"
 #include "engine/checks.h"
 #include "engine/error.h"
 
@@ -184,6 +185,15 @@ void MotionBounds::include(Snapshot& now, const Body& body) {
   widen(acceleration, Vector3(A.transpose() * (Eigen::Map<const Vector3>(v_dot) - now.system().gravity())));
   widen(spin, Eigen::Map<const Vector3>(v + 3));
   widen(angular_acceleration, Eigen::Map<const Vector3>(v_dot + 3));
+}
+
+void MotionWatch::history(Archive& archive) {
+  archive("eta", bounds_.eta);
+  archive("eta_rate", bounds_.eta_rate);
+  archive("eta_acceleration", bounds_.eta_acceleration);
+  archive("acceleration", bounds_.acceleration);
+  archive("spin", bounds_.spin);
+  archive("angular_acceleration", bounds_.angular_acceleration);
 }
 
 MotionBounds motion_of_displacement(const ModalBasis& basis, double displacement) {

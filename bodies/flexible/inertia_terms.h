@@ -34,6 +34,7 @@ class MotionWatch final : public Observer {
  public:
   explicit MotionWatch(const Body& body) : body_(body) {}
   void observe(Snapshot& now) override { bounds_.include(now, body_); }
+  void history(Archive& archive) override;
   const MotionBounds& bounds() const { return bounds_; }
 
  private:

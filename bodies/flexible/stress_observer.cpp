@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "bodies/flexible/deformation_writer.h"
+#include "engine/checkpoint/archive.h"
 #include "engine/error.h"
 
 namespace lithe {
@@ -21,6 +22,17 @@ void StressObserver::observe(Snapshot& snapshot) {
   extrema_.add(snapshot.time(), stress_.stress(snapshot));
   if (states_++ == 0) first_time_ = snapshot.time();
   last_time_ = snapshot.time();
+}
+
+void StressObserver::history(Archive& archive) {
+  archive("largest", extrema_.largest);
+  archive("times", extrema_.times);
+  archive("value", extrema_.value);
+  archive("time", extrema_.time);
+  archive("node", extrema_.node);
+  archive("states", states_);
+  archive("first_time", first_time_);
+  archive("last_time", last_time_);
 }
 
 void StressObserver::require_states() const {

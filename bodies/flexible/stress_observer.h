@@ -15,6 +15,7 @@ class StressObserver final : public Observer {
   /// How stresses are recovered: as in BodyStress.
   explicit StressObserver(const FlexibleBody& body, std::shared_ptr<const StressRecovery> recovery = nullptr);
   void observe(Snapshot& snapshot) override;
+  void history(Archive& archive) override;
 
   const StressExtrema& extrema() const { return extrema_; }
   int state_count() const { return states_; }

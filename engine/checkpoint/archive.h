@@ -38,8 +38,6 @@ class Archive {
     visit();
     prefix_.resize(size);
   }
-  /// Whether it was saved; when loading alone.
-  bool has(std::string_view name) const { return entries_.contains(path(name)); }
 
   void operator()(std::string_view name, double& value) { number(name, &value, 1, 1); }
   void operator()(std::string_view name, std::string& value);

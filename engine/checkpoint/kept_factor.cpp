@@ -1,6 +1,7 @@
 #include "engine/checkpoint/kept_factor.h"
 
 #include "engine/checkpoint/archive.h"
+#include "engine/error.h"
 
 namespace lithe {
 
@@ -55,6 +56,10 @@ void KeptFactor::history(Archive& archive, EquationsOfMotion& equations) {
     archive("at", at_);
     archive("increment", increment_);
     if (!archive.loads()) return;
+    const Layout& layout = equations.layout();
+    if (at_.q.size() != layout.q_count() || at_.v.size() != layout.v_count() || at_.v_dot.size() != layout.v_count() ||
+        at_.lambda.size() != layout.row_count() || (increment_.size() > 0 && increment_.size() != layout.v_count()))
+      throw FileError("the checkpoint's factor does not fit the scene", archive.source(), "resume from an older one");
     equations.recall(at_.quadrants);
     equations.recall(at_.contacts);
     equations.evaluate(at_.time, at_.q, at_.v, Level::velocity);

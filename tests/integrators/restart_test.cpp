@@ -478,6 +478,42 @@ TEST(CheckpointFile, is_written_within_a_run_and_leaves_it_as_it_is) {
   }
 }
 
+TEST(CheckpointFile, starts_methods_anew_that_tell_no_past_in_both_runs) {
+  const ScratchFolder folder;
+  const std::string path = folder.path("run.h5"), half = folder.path("half.h5");
+  const auto draw = [](SystemGraph& graph) { draw_loop(graph, {}); };
+  Machine writing(draw, smooth_methods()[4].make), resumed(draw, smooth_methods()[4].make);
+  writing.simulation.checkpoint(path, every(0.05));
+  resumed.simulation.checkpoint(path, every(0.05));
+  writing.simulation.run(writing.state, 0.12);
+  std::filesystem::copy_file(path, half);
+  writing.simulation.run(writing.state, 0.3);
+  resumed.state = resumed.simulation.resume(half);
+  EXPECT_LT(resumed.state.time, 0.12);
+  resumed.simulation.run(resumed.state, 0.12);
+  resumed.simulation.run(resumed.state, 0.3);
+  EXPECT_TRUE(same(writing.state, resumed.state));
+  EXPECT_EQ(writing.simulation.statistics().evaluations, resumed.simulation.statistics().evaluations);
+  EXPECT_EQ(writing.recorder.table().values, resumed.recorder.table().values);
+}
+
+TEST(CheckpointFile, that_cannot_be_written_ends_a_run_that_can_be_gone_on_with) {
+  const ScratchFolder folder;
+  write_text(folder.path("taken"), "a file where a folder is wanted");
+  const auto draw = [](SystemGraph& graph) { draw_loop(graph, {}); };
+  Machine plain(draw, smooth_methods()[8].make), failing(draw, smooth_methods()[8].make);
+  failing.simulation.run(failing.state, 0.1);
+  failing.simulation.checkpoint(folder.path("taken/run.h5"), every(0.05));
+  const std::string message = message_of<FileError>([&] { failing.simulation.run(failing.state, 0.2); });
+  EXPECT_NE(message.find("taken/run.h5"), std::string::npos) << message;
+  failing.simulation.checkpoint(folder.path("run.h5"), every(0.05));
+  failing.simulation.run(failing.state, 0.2);
+  plain.simulation.run(plain.state, 0.1);
+  plain.simulation.run(plain.state, 0.2);
+  EXPECT_TRUE(same(plain.state, failing.state));
+  EXPECT_EQ(failing.simulation.statistics().steps, plain.simulation.statistics().steps);
+}
+
 /// What resuming says that is to be refused.
 template <class Expected>
 std::string refusal(
