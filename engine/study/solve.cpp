@@ -4,6 +4,7 @@
 #include <numeric>
 #include <sstream>
 
+#include "engine/contact/contact_element.h"
 #include "engine/error.h"
 #include "engine/islands.h"
 #include "engine/log.h"
@@ -22,9 +23,29 @@ Solver::Solver(SystemGraph& graph, double duration, const std::vector<Want>& wan
     throw SceneError("solve needs at least 4 samples and one run", "solve", "give more");
   for (const Want& w : wants) sensors_.push_back(w.sensor);
   for (DeformableBody* body : bodies_.bodies()) body->body_frame();
+  look_at_contacts();
   finer_ = std::max(1, (kFewestSamples + options.samples - 1) / options.samples);
   for (int stride = 2; samples() / stride >= kLooks; ++stride)
     if (samples() % stride == 0) stride_ = stride;
+}
+
+/// Impulses are not for the methods that a certificate rests on; what a force does to modes is looked at by samples.
+void Solver::look_at_contacts() {
+  for (const auto& entry : graph_.forces()) {
+    const auto* contact = dynamic_cast<const ContactElement*>(entry.force);
+    if (!contact || contact->law() == ContactElement::Law::sensing) continue;
+    if (contact->law() == ContactElement::Law::rigid)
+      throw SceneError("solve() certifies smooth motion, and '" + contact->name() + "' has rigid surfaces",
+                       contact->where(),
+                       "give it a Compliance law, or run the scene with MoreauJean or NonsmoothGeneralizedAlpha");
+    const auto touches = [&](const DeformableBody* body) {
+      return std::any_of(entry.markers.begin(), entry.markers.end(), [&](const Marker& m) { return m.body == body; });
+    };
+    for (const DeformableBody* body : bodies_.bodies())
+      if (touches(body))
+        remarks_.push_back("'" + contact->name() + "' touches '" + body->name() +
+                           "': what impacts between two samples do to its modes is not in the statement");
+  }
 }
 
 Solution Solver::solve() {

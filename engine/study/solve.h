@@ -59,7 +59,9 @@ struct Solution {
 /// Two runs with fixed steps of one and of half a sampling interval come first: where their difference says that they
 /// do, they are the cheapest.
 /// Bodies without candidates stay as they are drawn. integrators/solve.h has the default methods.
-/// Throws SceneError for wants that are none, a duration that is not positive, and whatever drawing throws;
+/// Compliant contacts are forces like others, but impacts between two samples are not seen by the estimate (a remark).
+/// Throws SceneError for wants that are none, a duration that is not positive, contacts of rigid surfaces, and whatever
+/// drawing throws;
 /// SimulationError if no model reaches the end.
 Solution solve(SystemGraph& graph, double duration, const std::vector<Want>& wants, const SolveMethods& methods,
                const SolveOptions& options = {});

@@ -37,6 +37,7 @@ class Solver {
   double deformation(std::size_t w) const { return deformation_.empty() ? 0 : deformation_[w]; }
 
   // ---- 1. rigid bodies, and what deformation would do (solve.cpp) ----
+  void look_at_contacts();
   void simplify();
   void look_at_rigid();
   void set_bounds();

@@ -60,15 +60,16 @@ Collider skin_of(InertialBody& body) {
 struct Start {
   double tilt = 0.1, gap = 1e-4;
   Vector3 velocity{0, 0, -1};
+  std::string name = "rod";
   Matrix3 orientation() const { return rotation_about({0, 1, 0}, tilt); }
   Vector3 position() const { return {0, 0, gap + std::max(0.0, kSize[0] * std::sin(tilt))}; }
 };
 
 FlexibleBody& add_modal(SystemGraph& graph, const Start& start, int modes, int along = 8) {
-  return graph.add<FlexibleBody>("rod", {.basis = free_modes(modes, along),
-                                         .position = start.position(),
-                                         .orientation = start.orientation(),
-                                         .velocity = start.velocity});
+  return graph.add<FlexibleBody>(start.name, {.basis = free_modes(modes, along),
+                                              .position = start.position(),
+                                              .orientation = start.orientation(),
+                                              .velocity = start.velocity});
 }
 InertialBody& add_nodal(SystemGraph& graph, const Start& start) {
   return graph.add<InertialBody>(
@@ -356,8 +357,9 @@ TEST(FlexibleContact, ImpulsesOfRigidSurfacesChangeTheRodsMomentumExactlyAndTake
         // Friction takes at most what Coulomb lets it; all points slide here but those of the nodal rod at the end.
         expect_below(name + ": in the cone", std::abs(impulses.sum()[0]) - friction * impulses.sum()[2], 1e-9);
         if (friction > 0) expect_below(name + ": braked (N s)", impulses.sum()[0], -0.05);
-        // Elements' own frequencies are not resolved by this step; the modes are.
-        if (!nodal) expect_below(name + ": energy rises (J)", impulses.rise(), 1e-5);
+        // The modes are resolved by this step. The elements' own frequencies are not: what leaves the table at a step's
+        // start they bring back within it, and the impulse that stops it works upon a mean speed upwards.
+        expect_below(name + ": energy rises (J)", impulses.rise(), nodal ? 1e-2 : 1e-5);
       }
 }
 
@@ -383,6 +385,84 @@ TEST(FlexibleContact, ARodAtRestOnRigidSurfacesWeighsWhatItWeighsAndStays) {
     expect_below(method->name() + ": weight", weight, 1e-8);
     expect_below(method->name() + ": drift (m)", drift, 1e-9);
   }
+}
+
+/// Two rods across each other in free space, that meet and rub; momentum and angular momentum of both.
+TEST(FlexibleContact, APairOfBodiesKeepsItsMomentumAndAngularMomentum) {
+  for (const bool nodal : {false, true}) {
+    SystemGraph graph{{.gravity = {0, 0, 0}}};
+    FlexibleBody& lower = add_modal(graph, {.tilt = 0, .gap = 0, .velocity = {0.5, 0, 0}, .name = "lower"}, 6);
+    const Start above{.tilt = 0.1, .gap = 0.0201, .velocity = {-0.5, 0.7, -1}};
+    const Contact::Parameters law{.law = Compliance{.stiffness = 1e6},
+                                  .friction = {.coefficient = 0.5, .creep_speed = 0.05}};
+    std::function<Vector3(const BodyState&)> linear, angular;
+    const Body* upper;
+    const auto meet = [&](const Body& body, const Collider& collider) {
+      graph.add<Contact>("rods", {skin(lower), collider}, law);
+      upper = &body;
+    };
+    if (nodal) {
+      InertialBody& rod = add_nodal(graph, above);
+      meet(rod, skin_of(rod));
+      linear = [&rod](const BodyState& b) { return rod.linear_momentum(b); };
+      angular = [&rod](const BodyState& b) { return rod.angular_momentum(b); };
+    } else {
+      FlexibleBody& rod = add_modal(graph, above, 6);
+      meet(rod, skin(rod));
+      linear = [&rod](const BodyState& b) { return rod.linear_momentum(b); };
+      angular = [&rod](const BodyState& b) { return rod.angular_momentum(b); };
+    }
+    const System system = assemble(graph);
+    State state = system.initial_state();
+    Snapshot now(system, state);
+    const auto sums = [&] {
+      const BodyState a = now.assembler().body_state(lower), b = now.assembler().body_state(*upper);
+      Vector6 sum;
+      sum << lower.linear_momentum(a) + linear(b), lower.angular_momentum(a) + angular(b);
+      return sum;
+    };
+    const Vector6 start = sums();
+    const Vector3 before = linear(now.assembler().body_state(*upper));
+    const Method method = runge_kutta_fixed(2e-6);
+    Simulation simulation(system, *method);
+    simulation.run(state, 1e-3);
+    now.evaluate(state);
+    const std::string name = nodal ? "modal and nodal" : "modal";
+    const Vector3 changed = linear(now.assembler().body_state(*upper)) - before;
+    expect_below(name + ": met, and braked (N s)", -changed.head<2>().norm(), -1e-3);
+    expect_below(name + ": momentum (N s)", (sums() - start).head<3>().norm(), 1e-12);
+    expect_below(name + ": angular momentum (N m s)", (sums() - start).tail<3>().norm(), 1e-12);
+  }
+}
+
+TEST(FlexibleContact, AShapeOnTheMeanOfNodesPushesThem) {
+  SystemGraph graph;
+  FlexibleBody& rod = add_modal(graph, {.tilt = 0.1, .gap = 0.02, .velocity = {0.2, 0, -1}}, 6);
+  const Contact& contact = add_table(graph, {rod.average({33, 35}), shape::sphere(0.0199)}, kElastic);
+  const Method method = runge_kutta_fixed(2e-6);
+  expect_balanced(*method, true, *watch_run(graph, rod, contact, {}, *method, 3e-3));
+}
+
+TEST(FlexibleContact, BristlesHoldARodOnASlope) {
+  const double slope = 0.2, stiffness = 1e7;
+  SystemGraph graph{{.gravity = {9.81 * std::sin(slope), 0, -9.81 * std::cos(slope)}}};
+  FlexibleBody& rod = graph.add<FlexibleBody>("rod", {.basis = free_modes(6), .damping = {.modal_ratios = {0.05}}});
+  const Contact& contact =
+      add_table(graph, skin(rod),
+                {.law = Compliance{.stiffness = stiffness, .exponent = 1, .restitution = 0.2},
+                 .friction = {.coefficient = 0.4, .bristle_stiffness = 1e5, .bristle_damping = 300}});
+  const System system = assemble(graph);
+  State state = system.initial_state();
+  const Method method = index2(1e-4, 0.5);
+  Simulation simulation(system, *method);
+  simulation.run(state, 0.3);
+  Snapshot now(system, state);
+  const Sensor place = position(rod.node(1)), force = contact_force(contact, 1);
+  const double there = place.value(now, 0);
+  expect_below("friction bears the weight", std::abs(force.value(now, 0) / (kMass * 9.81 * std::sin(slope)) + 1), 1e-4);
+  simulation.run(state, 0.5);
+  now.evaluate(state);
+  expect_below("creeps (m)", std::abs(place.value(now, 0) - there), 1e-9);
 }
 
 }  // namespace

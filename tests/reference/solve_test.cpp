@@ -10,6 +10,7 @@
 #include "engine/output/csv.h"
 #include "integrators/solve.h"
 #include "joints/angle_driver.h"
+#include "joints/contact/contact.h"
 #include "joints/fixed_joint.h"
 #include "joints/forces/user_force.h"
 #include "joints/prismatic_joint.h"
@@ -421,6 +422,11 @@ TEST(Solve, refuses_what_is_no_question) {
   }
   expect_error<SceneError>([&] { solve(scene.graph, 1, wants, {.samples = 2}); }, {"samples"});
   expect_error<SceneError>([&] { solve(scene.graph, 1, wants, {.most_runs = 0}); }, {"run"});
+  auto& ball = scene.graph.add<RigidBody>("ball", {.position = {5, 0, 0}});
+  const std::vector<Collider> floor{{scene.graph.ground().marker({0, 0, -9}), shape::half_space()},
+                                    {ball.marker(), shape::sphere(0.1)}};
+  scene.graph.add<Contact>("floor", floor);
+  expect_error<SceneError>([&] { solve(scene.graph, 1, wants); }, {"'floor'", "rigid surfaces", "MoreauJean"});
 }
 
 }  // namespace
