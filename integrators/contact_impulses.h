@@ -23,8 +23,10 @@ enum class Impacts {
 /// contact i, whose gap and its rate within the step are known, an impulse of an impact works for the rest of the step,
 /// one that keeps surfaces at rest for half of it: w_i. So
 ///   v' = v_free + Σ Y r,   d' = d + Σ w_i Y r_across + Σ Y p,   gap' >= aim ⊥ p >= 0,   p near w_i r_normal,
-/// where the gaps aimed at are those after a bounce at its time, or zero. A ball in free flight bounces at the time of
-/// its impact, to round-off; bodies at rest, and those that others fall upon, neither sink nor float.
+/// where the gaps aimed at are those after a bounce at its time, or zero, and what is aimed at in v' is the velocity
+/// along H at the step's end. What holds a body that meets another within the step pushes up to then. A ball in free
+/// flight bounces at the time of its impact, to round-off; bodies at rest, and those that others fall upon, neither
+/// sink nor float.
 class ContactImpulses {
  public:
   struct Parameters {
