@@ -20,7 +20,8 @@ import pages
 import pieces
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-SOURCES = ("examples/*.cpp", "examples/studies/*.cpp", "docs/site/code/*.cpp")  # compiled and run by the tests
+SOURCES = ("examples/*.cpp", "examples/studies/*.cpp", "docs/site/code/*.cpp",
+           "tests/**/*.cpp", "plugins/**/*.cpp", "engine/**/*.h", "joints/**/*.h", "bodies/**/*.h", "integrators/**/*.h")  # in the tests
 BUILDS = ("tests/package/CMakeLists.txt",)
 FRONT = ("README.md",)  # its shell blocks are looked at, and need no comment
 PROGRAMS = "docs/site/code/*.cpp"  # by this one
@@ -68,7 +69,7 @@ def prelude_of(name):
 
 def test_exists(name):
     """A test of that name is registered somewhere in tests/, or a script of that name exists."""
-    if (ROOT / name).exists():
+    if (ROOT / name).exists() or (name.startswith("examples/") and (ROOT / f"{name}.cpp").exists()):
         return True
     return any(re.search(rf"NAME {re.escape(name)}\b", path.read_text())
                for path in (ROOT / "tests").rglob("CMakeLists.txt"))

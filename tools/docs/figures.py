@@ -31,6 +31,8 @@ INPUTS = {
                        "tools/bench/charts.py", "tools/bench/scenes.cpp"],
     "tools/certify.sh": ["tools/certify/scenes*.cpp", "tools/certify/report.cpp"],
     "tools/stability.sh": ["tools/stability/scenes/*.cpp", "tools/stability/methods/*.cpp"],
+    "tools/docs/catalogue/draw.py": ["tools/docs/catalogue/draw.py", "tools/docs/catalogue/canvas.py",
+                                     "tools/docs/catalogue/*_pictures.py"],
     "tools/contact.sh": ["tools/contact/contact_chart.cpp", "tools/contact/known_motions.cpp"],
 }
 PICTURES = (".png", ".svg", ".jpg", ".gif")

@@ -11,9 +11,10 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
 def anchors(path):
-    """The headings of a page as links name them."""
-    headings = re.findall(r"^#+ (.*)$", path.read_text(), re.M)
-    return {re.sub(r"[^\w\- ]", "", heading.lower()).strip().replace(" ", "-") for heading in headings}
+    """The headings of a page as links name them, and its targets, (name)= above a heading."""
+    text = path.read_text()
+    headings = re.findall(r"^#+ (.*)$", text, re.M)
+    return set(re.findall(r"^\(([\w-]+)\)=$", text, re.M)) | {re.sub(r"[^\w\- ]", "", heading.lower()).strip().replace(" ", "-") for heading in headings}
 
 
 def main():

@@ -1,9 +1,9 @@
 """The repository's Markdown pages: their code blocks, their pictures, and the comments that say how either is kept true.
 
 A comment stands on the line or lines before a block, or after a picture:
-    <!-- prelude: NAME -->    the blocks below are compiled and run with that prelude (in a page's first lines: all of it)
+    <!-- prelude: NAME -->    the block is compiled and run with that prelude
     <!-- not run: why -->     a shell block, or one of C++ that is no program
-    <!-- run by: TEST -->     another test compiles and runs it
+    <!-- run by: TEST -->     another test compiles and runs it; both of these in a page's first lines: all its blocks
     <!-- theirs: PROGRAM -->  another program's language
     <!-- made by: COMMAND --> under a picture; "; from: PATH PATH" names its inputs where the command does not tell
 """
@@ -47,7 +47,7 @@ def pages(root):
 
 def blocks(root, page):
     """The fenced blocks of a page; directives ({step}, {toctree}, ...) among them, with their name as language."""
-    found, marks, page_prelude = [], {}, None
+    found, marks, of_page = [], {}, {}
     lines = (root / page).read_text().splitlines()
     i = 0
     while i < len(lines):
@@ -60,8 +60,7 @@ def blocks(root, page):
             text = "\n".join(lines[start:end])
             block = Block(page, start + 1, fence[2], text, dict(marks))
             block.argument = fence[3]
-            if page_prelude and "prelude" not in block.marks:
-                block.marks["prelude"] = page_prelude
+            block.marks = of_page | block.marks
             found.append(block)
             marks, i = {}, end + 1
             continue
@@ -71,8 +70,8 @@ def blocks(root, page):
             comment += "\n" + lines[i]
         mark = MARK.search(comment)
         if mark:
-            if mark[1] == "prelude" and i < 10 and not found:
-                page_prelude = mark[2]
+            if mark[1] in ("prelude", "run by") and i < 3 and not found:
+                of_page[mark[1]] = mark[2]
             else:
                 marks[mark[1]] = mark[2]
         elif line.strip():
