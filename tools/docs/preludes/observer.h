@@ -1,0 +1,15 @@
+#pragma once
+
+#include "engine/checkpoint/archive.h"
+#include "engine/observer.h"
+
+/// What the pages show of an observer is part of a class derived from this.
+namespace lithe::observer {
+
+struct Scene : Observer {
+  double peak_ = 0;
+  void observe(Snapshot&) override {}
+  void run() {}
+};
+
+}  // namespace lithe::observer
