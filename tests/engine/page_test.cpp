@@ -12,9 +12,11 @@
 #include "bodies/flexible/flexible_body.h"
 #include "bodies/flexible/surface_mesh.h"
 #include "bodies/rigid_body.h"
+#include "engine/batch_of.h"
 #include "engine/contact/contact_sensors.h"
 #include "engine/output/hdf5_file.h"
 #include "engine/page/page.h"
+#include "engine/recorder.h"
 #include "engine/simplification.h"
 #include "engine/simulation.h"
 #include "integrators/generalized_alpha.h"
@@ -185,7 +187,7 @@ TEST(Page, PutsTheNodesOfAModalBodyWhereTheBodyHasThem) {
     State state = system.initial_state();
     GeneralizedAlpha integrator{{.step = 1e-3, .spectral_radius = 0.8}};
     Simulation simulation(system, integrator);
-    Run run{system, {position(scene.tip, "tip")}};
+    lithe::Run run{system, {position(scene.tip, "tip")}};
     States states;
     simulation.observe(run, every(0.05));
     simulation.observe(states, every(0.05));
@@ -223,7 +225,7 @@ TEST(Page, ColoursAModalBodyByItsStress) {
   State state = system.initial_state();
   GeneralizedAlpha integrator{{.step = 1e-3, .spectral_radius = 0.8}};
   Simulation simulation(system, integrator);
-  Run run{system};
+  lithe::Run run{system};
   simulation.observe(run, every(0.1));
   simulation.run(state, 0.5);
   write_page(run, folder.path("rod.html"));
@@ -265,7 +267,7 @@ TEST(Page, FitsShapesToTheNodesOfABodyWithoutModes) {
   State state = system.initial_state();
   GeneralizedAlpha integrator{{.step = 1e-3, .spectral_radius = 0.7}};
   Simulation simulation(system, integrator);
-  Run run{system};
+  lithe::Run run{system};
   States states;
   simulation.observe(run, every(0.02));
   simulation.observe(states, every(0.02));
@@ -300,7 +302,7 @@ TEST(Page, ShowsWhatJointsAndForcesDoToTheirBodies) {
   auto& bob = graph.add<RigidBody>("bob", {.mass = 1, .inertia = {0.1, 0.1, 0.1}, .position = {1.5, 0, 0}});
   const Matrix3 along_y = rotation_about({1, 0, 0}, -M_PI / 2);
   auto& pin = graph.add<RevoluteJoint>("pin", {graph.ground().marker({}, along_y), arm.marker({-0.5, 0, 0}, along_y)});
-  graph.add<CoordinateDrive>("drive", {pin.angle()}, {.law = ramp(0, 1.5)});
+  graph.add<CoordinateDrive>("drive", {pin.angle()}, {.motion = ramp(0, 1.5)});
   const auto& clamp = graph.add<ThreeNodeFixation>(
       "clamp", {arm.marker(), bob.marker({-0.5, 0, 0}), bob.marker({-0.4, 0.1, 0}), bob.marker({-0.4, 0, 0.1})});
   auto& spring = graph.add<SpringDamper>("spring", {graph.ground().marker({0, 0, -1}), bob.marker()},
@@ -309,7 +311,7 @@ TEST(Page, ShowsWhatJointsAndForcesDoToTheirBodies) {
   State state = system.initial_state();
   Radau integrator{{.tolerance = {1e-6, 1e-8}}};
   Simulation simulation(system, integrator);
-  Run run{system, {reaction(pin, 1, kWorldAxes, "in_world"), coordinate(pin.angle(), "angle")}, {.name = "arm"}};
+  lithe::Run run{system, {reaction(pin, 1, kWorldAxes, "in_world"), coordinate(pin.angle(), "angle")}, {.name = "arm"}};
   Recorder record{{joint_reaction(pin), reaction(clamp, 1, kWorldAxes, "c1"), reaction(clamp, 2, kWorldAxes, "c2"),
                    reaction(clamp, 3, kWorldAxes, "c3"), applied_force(spring, 1), total_energy(arm, "arm_energy"),
                    constraint_residual("largest")}};
@@ -389,7 +391,7 @@ TEST(Page, ShowsShapesAndForcesOfContacts) {
   State state = system.initial_state();
   Radau integrator{{.tolerance = {1e-5, 1e-7}}};
   Simulation simulation(system, integrator);
-  Run run{system};
+  lithe::Run run{system};
   States states;
   simulation.observe(run, every(0.02));
   simulation.observe(states, every(0.02));
@@ -442,7 +444,7 @@ TEST(Page, DrawsTheStandInsOfASimplifiedScene) {
   State state = simple.start();
   Radau integrator{{.tolerance = {1e-6, 1e-8}}};
   Simulation simulation(system, integrator);
-  Run run{system};
+  lithe::Run run{system};
   States states;
   simulation.observe(run, every(0.1));
   simulation.observe(states, every(0.1));
@@ -472,7 +474,7 @@ TEST(Page, OfALargeFlexibleBodyStaysBelowThreeMegabytes) {
   SystemGraph graph;
   auto& block = graph.add<FlexibleBody>("block", {.basis = make_basis(model, MeanAxisFrame{}, 12)});
   const System system = assemble(graph);
-  Run run{system, {position(block.node(1), "corner")}};
+  lithe::Run run{system, {position(block.node(1), "corner")}};
   State state = system.initial_state();
   Snapshot now(system);
   for (int frame = 0; frame <= 500; ++frame) {  // it tumbles, and all of its modes ring
@@ -506,7 +508,7 @@ TEST(RunFile, ComesBackAsItWasAndMakesTheSamePage) {
     State state = system.initial_state();
     GeneralizedAlpha integrator{{.step = 2e-3, .spectral_radius = 0.8}};
     Simulation simulation(system, integrator);
-    Run run{system, {position(scene.tip, "tip")}, {.name = "rod"}};
+    lithe::Run run{system, {position(scene.tip, "tip")}, {.name = "rod"}};
     if (stream) run.stream(folder.path("rod.h5"));
     simulation.observe(run, every(0.02));
     simulation.on({.name = "down", .function = watch(height(scene.tip)), .level = 0});
@@ -514,13 +516,13 @@ TEST(RunFile, ComesBackAsItWasAndMakesTheSamePage) {
     run.add(simulation.events());
     return run;
   };
-  const Run kept = simulate(false);
+  const lithe::Run kept = simulate(false);
   {
-    const Run streamed = simulate(true);
+    const lithe::Run streamed = simulate(true);
     write_page(streamed, folder.path("streamed.html"));
   }
   write_page(kept, folder.path("kept.html"));
-  const Run read = Run::read(folder.path("rod.h5"));
+  const lithe::Run read = lithe::Run::read(folder.path("rod.h5"));
   write_page(read, folder.path("read.html"));
   EXPECT_EQ(read.frame_count(), 26);
   EXPECT_EQ(read.name(), "rod");
@@ -530,7 +532,7 @@ TEST(RunFile, ComesBackAsItWasAndMakesTheSamePage) {
   EXPECT_TRUE(file_text(folder.path("kept.html")) == file_text(folder.path("streamed.html")));
 
   // Two variants on one page, under names of their own.
-  const Run other = Run::read(folder.path("rod.h5"), "other");
+  const lithe::Run other = lithe::Run::read(folder.path("rod.h5"), "other");
   write_page({read, other}, folder.path("both.html"));
   const Page both(folder.path("both.html"));
   EXPECT_EQ(both.scene["title"], "rod, other");
@@ -551,7 +553,7 @@ TEST(RunFile, OfAProgramThatRunsOrWasKilledHoldsEveryStateThatWasObserved) {
       SystemGraph graph;
       auto& ball = graph.add<RigidBody>("ball", {.velocity = {1, 0, 0}});
       const System system = assemble(graph);
-      Run run{system, {position(ball.marker(), "ball")}};
+      lithe::Run run{system, {position(ball.marker(), "ball")}};
       run.stream(path);
       State state = system.initial_state();
       Snapshot now(system);
@@ -565,12 +567,12 @@ TEST(RunFile, OfAProgramThatRunsOrWasKilledHoldsEveryStateThatWasObserved) {
     }
     char byte = 0;
     ASSERT_EQ(::read(written[0], &byte, 1), 1);
-    EXPECT_EQ(Run::read(path).frame_count(), states) << "beside the program";
+    EXPECT_EQ(lithe::Run::read(path).frame_count(), states) << "beside the program";
     ::kill(child, SIGKILL);
     int status = 0;
     ::waitpid(child, &status, 0);
     ::close(written[0]), ::close(written[1]);
-    const Run run = Run::read(path);
+    const lithe::Run run = lithe::Run::read(path);
     EXPECT_EQ(run.frame_count(), states);
     EXPECT_DOUBLE_EQ(run.channel("ball_x").back(), 0.01 * (states - 1));
     write_page(run, folder.path("killed.html"));
@@ -592,14 +594,14 @@ std::string told(Fault&& fault) {
 TEST(RunFile, IsRefusedWhereItIsNone) {
   const ScratchFolder folder;
   std::ofstream(folder.path("table.csv")) << "t,x\n0,1\n";
-  EXPECT_EQ(told([&] { Run::read(folder.path("absent.h5")); }), "there is no such file.");
-  EXPECT_EQ(told([&] { Run::read(folder.path("table.csv")); }), "this is no HDF5 file, or it is cut short.");
+  EXPECT_EQ(told([&] { lithe::Run::read(folder.path("absent.h5")); }), "there is no such file.");
+  EXPECT_EQ(told([&] { lithe::Run::read(folder.path("table.csv")); }), "this is no HDF5 file, or it is cut short.");
   {
     Hdf5Writer other(folder.path("other.h5"));
     other.write("/rows", std::vector<double>{1, 2});
     other.commit();
   }
-  EXPECT_EQ(told([&] { Run::read(folder.path("other.h5")); }), "this HDF5 file holds no run.");
+  EXPECT_EQ(told([&] { lithe::Run::read(folder.path("other.h5")); }), "this HDF5 file holds no run.");
   {
     Hdf5Writer later(folder.path("later.h5"));
     later.write("/rows", MatrixX::Zero(1, 1));
@@ -608,14 +610,14 @@ TEST(RunFile, IsRefusedWhereItIsNone) {
     later.attribute("/", "version", "9");
     later.commit();
   }
-  EXPECT_NE(told([&] { Run::read(folder.path("later.h5")); }).find("version 9"), std::string::npos);
+  EXPECT_NE(told([&] { lithe::Run::read(folder.path("later.h5")); }).find("version 9"), std::string::npos);
 
   // A run file that is cut short or changed: an error, or a run of fewer states; never a crash.
   {
     SystemGraph graph;
     auto& ball = graph.add<RigidBody>("ball", {});
     const System system = assemble(graph);
-    Run run{system, {position(ball.marker(), "ball")}};
+    lithe::Run run{system, {position(ball.marker(), "ball")}};
     run.stream(folder.path("run.h5"));
     State state = system.initial_state();
     Snapshot now(system);
@@ -626,12 +628,12 @@ TEST(RunFile, IsRefusedWhereItIsNone) {
     }
   }
   const std::string whole = file_text(folder.path("run.h5"));
-  EXPECT_EQ(Run::read(folder.path("run.h5")).frame_count(), 300);
+  EXPECT_EQ(lithe::Run::read(folder.path("run.h5")).frame_count(), 300);
   int refused = 0;
   for (std::size_t part = 1; part < 24; ++part) {
     std::ofstream(folder.path("cut.h5"), std::ios::binary) << whole.substr(0, whole.size() * part / 24);
     try {
-      EXPECT_LE(Run::read(folder.path("cut.h5")).frame_count(), 300);
+      EXPECT_LE(lithe::Run::read(folder.path("cut.h5")).frame_count(), 300);
     } catch (const FileError&) {
       ++refused;
     }
@@ -648,7 +650,7 @@ TEST(Page, RefusesWhatCannotBeShown) {
   Snapshot now(system, system.initial_state()), elsewhere(others, others.initial_state());
   const std::string path = folder.path("page.html");
   {
-    Run run{system};
+    lithe::Run run{system};
     EXPECT_EQ(told([&] { write_page(run, path); }), "the run 'run' has no states");
     EXPECT_NE(told([&] { run.observe(elsewhere); }).find("another system"), std::string::npos);
     run.observe(now);
@@ -662,16 +664,18 @@ TEST(Page, RefusesWhatCannotBeShown) {
     EXPECT_EQ(run.frame_count(), 1);
     EXPECT_THROW(write_page(run, "/proc/page.html"), FileError);
   }
-  EXPECT_NE(told([&] { write_page(std::vector<std::reference_wrapper<const Run>>{}, path); }).find("without a run"),
-            std::string::npos);
+  EXPECT_NE(
+      told([&] { write_page(std::vector<std::reference_wrapper<const lithe::Run>>{}, path); }).find("without a run"),
+      std::string::npos);
   {
-    Run run{system};
+    lithe::Run run{system};
     run.draw(stranger, visual::sphere(0.1));
     EXPECT_NE(told([&] { run.observe(now); }).find("'stranger', which is not in this system"), std::string::npos);
   }
   {
     double value = 1;
-    Run run{system, {Sensor{"root", {"root"}, [&](Snapshot&, std::span<double> out) { out[0] = std::sqrt(value); }}}};
+    lithe::Run run{system,
+                   {Sensor{"root", {"root"}, [&](Snapshot&, std::span<double> out) { out[0] = std::sqrt(value); }}}};
     run.observe(now);
     value = -1;
     State next = system.initial_state();
@@ -681,7 +685,7 @@ TEST(Page, RefusesWhatCannotBeShown) {
     EXPECT_EQ(run.frame_count(), 1) << "what was there is kept";
     write_page(run, path);
   }
-  EXPECT_THROW((Run{system, {height(ball.marker(), "z"), height(ball.marker(), "z")}}), SceneError);
+  EXPECT_THROW((lithe::Run{system, {height(ball.marker(), "z"), height(ball.marker(), "z")}}), SceneError);
   EXPECT_THROW(visual::box({1, 0, 1}), SceneError);
   EXPECT_THROW(visual::cylinder(1, NAN), SceneError);
   EXPECT_THROW(visual::mesh({{0, 0, 0}}, {{0, 0, 1}}), SceneError);
@@ -689,7 +693,7 @@ TEST(Page, RefusesWhatCannotBeShown) {
   latin.add<RigidBody>("B\xfclow", {});
   const System named = assemble(latin);
   Snapshot first(named, named.initial_state());
-  Run run{named};
+  lithe::Run run{named};
   EXPECT_NE(told([&] { run.observe(first); }).find("UTF-8"), std::string::npos);
 }
 

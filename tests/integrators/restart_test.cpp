@@ -350,7 +350,7 @@ TEST_P(Restart, of_compliant_contact_has_the_bits_of_the_run_that_went_on) {
 TEST_P(Restart, of_plug_ins_has_the_bits_of_the_run_that_went_on) { check("plug-ins", draw_plug_ins, method(), 0.05); }
 
 INSTANTIATE_TEST_SUITE_P(Methods, Restart, testing::Range(0, static_cast<int>(smooth_methods().size())),
-                         [](const auto& info) { return smooth_methods()[static_cast<std::size_t>(info.param)].name; });
+                         [](const auto& test) { return smooth_methods()[static_cast<std::size_t>(test.param)].name; });
 
 TEST(RestartOfRigidContact, has_the_bits_of_the_run_that_went_on) {
   for (const Case& method : {Case{"moreau_jean", of<MoreauJean>({.step = 1e-3})},
