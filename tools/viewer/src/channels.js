@@ -53,23 +53,24 @@ const size = (values) =>
 /** Positions, modal coordinates and reactions as channels; their values are made when first asked for. */
 export function derivedChannels(model) {
   const channels = [];
-  const add = (name, unit, group, subject, make) =>
-    channels.push(new Channel({ name, unit, group, subject, runs: model.runs, make }));
   const recorded = new Set(model.recorded.map((channel) => channel.name));
+  /** `as`: the name under which the engine records the same. */
+  const add = (name, as, unit, group, subject, make) => {
+    if (!recorded.has(as)) channels.push(new Channel({ name, unit, group, subject, runs: model.runs, make }));
+  };
 
   for (const entry of model.bodies) {
     const subject = { kind: 'body', index: entry.index };
     const body = (r) => model.runs[r].bodies[entry.of[r]];
     if (entry.of.some((_, r) => body(r)?.position)) {
       ['x', 'y', 'z'].forEach((axis, c) => {
-        add(`${entry.name}: ${axis}`, 'm', 'motion', subject, (r) => column(body(r)?.position, 3, c));
+        add(`${entry.name}: ${axis}`, `${entry.name}_p_${axis}`, 'm', 'motion', subject, (r) => column(body(r)?.position, 3, c));
       });
     }
     const modes = Math.max(0, ...model.runs.map((_, r) => body(r)?.mesh?.modes.length ?? 0));
     for (let k = 0; k < modes; ++k) {
       const name = `${entry.name}: η${k + 1}`;
-      if (recorded.has(name)) continue;
-      add(name, '', 'modal', subject, (r) => {
+      add(name, `${entry.name}_eta_${k + 1}`, '', 'modal', subject, (r) => {
         const mesh = body(r)?.mesh;
         return mesh?.coordinates && k < mesh.modes.length ? column(mesh.coordinates, mesh.modes.length, k) : null;
       });
@@ -81,9 +82,9 @@ export function derivedChannels(model) {
     const kinds = [['force', 'N', 'F'], ['moment', 'N m', 'M']];
     for (const [field, unit, letter] of kinds) {
       if (!entry.of.some((_, r) => reaction(r)?.[field])) continue;
-      add(`${entry.name}: |${letter}|`, unit, 'reaction', subject, (r) => size(reaction(r)?.[field]));
+      add(`${entry.name}: |${letter}|`, null, unit, 'reaction', subject, (r) => size(reaction(r)?.[field]));
       ['x', 'y', 'z'].forEach((axis, c) => {
-        add(`${entry.name}: ${letter}${axis}`, unit, 'reaction', subject, (r) => column(reaction(r)?.[field], 3, c));
+        add(`${entry.name}: ${letter}${axis}`, `${entry.name}_${field}_${axis}`, unit, 'reaction', subject, (r) => column(reaction(r)?.[field], 3, c));
       });
     }
   }

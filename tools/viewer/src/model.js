@@ -64,9 +64,9 @@ export class Model {
     return this.connectors.find((entry) => entry.of[run] === index);
   }
 
-  /** Channels that tell of a body or connector of the model. */
-  channelsOf(kind, index) {
-    return this.channels.filter((channel) => channel.subject?.kind === kind && channel.subject.index === index);
+  /** The first channel that bears one of the names. */
+  channel(...names) {
+    return this.channels.find((channel) => names.includes(channel.name));
   }
 
   /** Motion that is no number: said, never hidden. */

@@ -80,7 +80,7 @@ function spread(nodes) {
   const extent = (key) => Math.max(...nodes.map((node) => node[key])) - Math.min(...nodes.map((node) => node[key])) + 1;
   const boxes = nodes.reduce((sum, node) => sum + (node.width + 10) * (node.height + 8), 0);
   const factor = Math.sqrt((2 * boxes) / (extent('x') * extent('y')));
-  if (!(factor > 1)) return;
+  if (!(factor > 1) || nodes.length < 12) return;
   for (const node of nodes) {
     node.x *= 1.25 * factor;
     node.y *= 0.8 * factor;

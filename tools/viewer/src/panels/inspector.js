@@ -14,18 +14,18 @@ function bodyRows(model, entry) {
   const rows = [];
   ['x', 'y', 'z'].forEach((axis, c) => rows.push({
     section: 'Coordinates', label: `position ${axis}`, unit: 'm',
-    channel: model.channels.find((channel) => channel.group === 'motion' && channel.name === `${entry.name}: ${axis}`),
+    channel: model.channel(`${entry.name}: ${axis}`, `${entry.name}_p_${axis}`),
     value: (r, t) => (body(r) ? bodyPose(body(r), at(r, t)).position[c] : null),
   }));
   ['w', 'x', 'y', 'z'].forEach((axis, c) => rows.push({
-    section: 'Coordinates', label: `rotation ${axis}`, unit: '',
+    section: 'Coordinates', label: `rotation ${axis}`, unit: '', channel: model.channel(`${entry.name}_e_${axis}`),
     value: (r, t) => (body(r) ? bodyPose(body(r), at(r, t)).rotation[c] : null),
   }));
   const modes = Math.max(0, ...model.runs.map((_, r) => body(r)?.mesh?.modes.length ?? 0));
   for (let k = 0; k < Math.min(modes, kMostModes); ++k) {
     rows.push({
       section: 'Modal coordinates', label: `η${k + 1}`, unit: '',
-      channel: model.channels.find((channel) => channel.name === `${entry.name}: η${k + 1}`),
+      channel: model.channel(`${entry.name}: η${k + 1}`, `${entry.name}_eta_${k + 1}`),
       value: (r, t) => {
         const mesh = body(r)?.mesh;
         return mesh && k < mesh.modes.length ? modalCoordinates(mesh, at(r, t))[k] : null;
@@ -43,23 +43,24 @@ function connectorRows(model, entry) {
     const vector = (r, t) => (reaction(r)?.[field] ? vectorAt(reaction(r)[field], locate(model.runs[r].times, t)) : null);
     ['x', 'y', 'z'].forEach((axis, c) => rows.push({
       section: 'Reaction, world axes', label: `${letter}${axis}`, unit,
-      channel: model.channels.find((channel) => channel.name === `${entry.name}: ${letter}${axis}`),
+      channel: model.channel(`${entry.name}: ${letter}${axis}`, `${entry.name}_${field}_${axis}`),
       value: (r, t) => vector(r, t)?.[c] ?? null,
     }));
     rows.push({
       section: 'Reaction, world axes', label: `|${letter}|`, unit,
-      channel: model.channels.find((channel) => channel.name === `${entry.name}: |${letter}|`),
+      channel: model.channel(`${entry.name}: |${letter}|`),
       value: (r, t) => { const v = vector(r, t); return v ? Math.hypot(...v) : null; },
     });
   }
   return rows;
 }
 
-const kSections = { residual: 'Residual', reaction: 'Reactions', coordinate: 'Coordinates of the equations', energy: 'Energy', recorded: 'Recorded' };
+const kSections = { residual: 'Residual', reaction: 'Reactions', coordinate: 'Velocities and further coordinates', energy: 'Energy', recorded: 'Recorded' };
 
-function recordedRows(model, kind, entry) {
+/** What was recorded of it, less what the rows above tell already. */
+function recordedRows(model, kind, entry, told) {
   return model.recorded
-    .filter((channel) => channel.subject?.kind === kind && channel.subject.index === entry.index)
+    .filter((channel) => channel.subject?.kind === kind && channel.subject.index === entry.index && !told.has(channel))
     .map((channel) => ({
       section: kSections[channel.group] ?? 'Recorded', label: channel.name, unit: channel.unit, channel,
       value: (r, t) => channel.value(r, t),
@@ -105,7 +106,8 @@ export function inspector(model, view, { chart, fit, follow }) {
         tied.slice(0, 12).flatMap((one, i) => [i ? ', ' : '', link(kind === 'body' ? 'connector' : 'body', one)]),
         tied.length > 12 ? ` and ${tied.length - 12} more` : ''));
     }
-    const rows = [...(kind === 'body' ? bodyRows(model, entry) : connectorRows(model, entry)), ...recordedRows(model, kind, entry)];
+    const own = kind === 'body' ? bodyRows(model, entry) : connectorRows(model, entry);
+    const rows = [...own, ...recordedRows(model, kind, entry, new Set(own.map((row) => row.channel)))];
     const body = h('tbody', {});
     let section = '';
     for (const row of rows) {

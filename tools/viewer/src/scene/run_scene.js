@@ -55,8 +55,10 @@ export class BodyView {
       setRotation(part, shape.rotation);
       this.group.add(part);
     }
-    if (shape.kind === 'half_space') surface.material = material.clone();
-    if (shape.kind === 'half_space') Object.assign(surface.material, { transparent: true, opacity: 0.35, side: DoubleSide, depthWrite: false });
+    if (shape.kind === 'half_space') {
+      this.plane_material ??= new MeshLambertMaterial({ transparent: true, opacity: 0.16, side: DoubleSide, depthWrite: false });
+      surface.material = this.plane_material;
+    }
     (contact ? this.contact_parts : this.edge_parts).push(edges);
   }
 
@@ -73,9 +75,11 @@ export class BodyView {
       if (material.transparent !== see_through) material.needsUpdate = true;
       material.transparent = see_through;
       material.opacity = opacity;
+      material.polygonOffsetFactor = see_through ? 4 : 1; // where variants coincide the solid one is in front
       material.emissive.set(selected && !painted ? accent : '#000'); // a field keeps its true colours
       material.emissiveIntensity = 0.35;
     }
+    this.plane_material?.color.set(colour);
     this.edge_material.color.set(selected ? accent : edge);
     this.edge_material.opacity = selected ? 1 : 0.55;
     if (!this.mesh_body) return;
