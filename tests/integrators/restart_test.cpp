@@ -624,7 +624,7 @@ class Progress final : public Observer {
 };
 
 struct Killed {
-  static constexpr double kEnd = 1.5, kRows = 0.01, kCheckpoints = 0.03, kLongestStep = 0.05;
+  static constexpr double kEnd = 1.0, kRows = 0.01, kCheckpoints = 0.03, kLongestStep = 0.05;
   Machine run;
   std::string folder;
   Killed(const std::string& path, bool text)
