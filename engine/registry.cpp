@@ -1,6 +1,7 @@
 #include "engine/registry.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <cstring>
 
 #include "engine/system_graph.h"
@@ -27,6 +28,8 @@ bool is_too_large(const Table& t) {
 /// Bytes of the table as of the first v1: what a plug-in must have; stays when the table grows.
 template <class Table>
 constexpr size_t kFirstSize = sizeof(Table);
+template <>
+constexpr size_t kFirstSize<lithe_integrator_type> = offsetof(lithe_integrator_type, save);
 
 template <class Type>
 const Type& find(const std::map<std::string, Type>& types, const Located& name) {

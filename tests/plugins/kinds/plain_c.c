@@ -117,7 +117,7 @@ int32_t lithe_plugin_v1(const lithe_host* host) {
   rod.destroy = free;
   rod.evaluate = rod_evaluate;
   host->add_joint(host->context, &rod);
-  method.struct_size = sizeof method;
+  method.struct_size = offsetof(lithe_integrator_type, save); /* as of before there was save() */
   method.name = "c_euler";
   method.fields = &step;
   method.field_count = 1;
