@@ -8,10 +8,12 @@ cd "$(dirname "$0")/.."
 jobs=${LITHE_JOBS:-$(nproc)}
 presets=(release)
 [[ ${LITHE_SANITIZE:-0} == 1 ]] && presets+=(asan)
-stage_count=$((1 + 3 * ${#presets[@]}))
+stage_count=$((2 + 3 * ${#presets[@]}))
 source tools/stages.sh
 
 stage_shown "packages" tools/install_packages.sh
+browser() { tools/install_packages.sh tools/page_packages.txt || echo "without it the page's tests are skipped"; }
+stage_shown "browser" browser
 for preset in "${presets[@]}"; do
   stage "configure $preset" cmake --preset "$preset" -D LITHE_BENCH=OFF  # benchmarks are no tests: tools/bench.sh
   build "build $preset" cmake --build --preset "$preset" --parallel "$jobs"
