@@ -83,10 +83,27 @@ async function checkTips(page) {
 }
 
 /** The pixel at the tip is the body: it changes when that run is hidden. Uses the body under the marker. */
-async function checkTipPixel(page) {
-  const tip = (await tips(page)).find(({ marker }) => marker >= 0);
-  if (!tip) return;
-  const told = await page.evaluate(({ run, marker }) => {
+async function checkTipPixel(page, must) {
+  await page.evaluate(() => document.activeElement?.blur());
+  await page.keyboard.press('0');
+  let told = null;
+  for (const tip of (await tips(page)).filter(({ marker }) => marker >= 0)) {
+    told = await findTip(page, tip);
+    if (told.radius !== Infinity) break;
+  }
+  // A trace may run inside of a body, or in a hole of it: then there is no pixel to look at.
+  if (!told || (told.radius === Infinity && !must)) return console.log('  --   no recorded tip is on a visible surface');
+  check(`the body '${told.name}' is drawn at its tip`, told.radius !== Infinity);
+  if (told.radius === Infinity) return;
+  const with_body = (await pixels(page)).at(told.x, told.y);
+  await page.evaluate(() => window.lithe.view.set({ runs: window.lithe.view.runs.map(() => ({ shown: false, solid: true })) }));
+  const without = (await pixels(page)).at(told.x, told.y);
+  check(`the pixel at the tip is drawn by '${told.name}'`, differs(with_body, without, 12), `${with_body} with it, ${without} without`);
+}
+
+/** Shows the tip's run alone at half time; a pixel near the tip that hits its body, radius infinite if there is none. */
+function findTip(page, tip) {
+  return page.evaluate(({ run, marker }) => {
     const { lithe } = window;
     const data = lithe.runs[run];
     lithe.view.set({ show: { ...lithe.view.show, traces: false, joints: false, grid: false }, runs: lithe.view.runs.map((_, r) => ({ shown: r === run, solid: true })), selection: null });
@@ -104,14 +121,6 @@ async function checkTipPixel(page) {
     }
     return { ...at, radius: Infinity, name: body.name };
   }, tip);
-  if (told.radius === Infinity) {
-    check(`the body '${told.name}' is drawn at its tip`, false, `nothing of it within 8 pixels of ${Math.round(told.x)}, ${Math.round(told.y)}`);
-    return;
-  }
-  const with_body = (await pixels(page)).at(told.x, told.y);
-  await page.evaluate(() => window.lithe.view.set({ runs: window.lithe.view.runs.map(() => ({ shown: false, solid: true })) }));
-  const without = (await pixels(page)).at(told.x, told.y);
-  check(`the pixel at the tip is drawn by '${told.name}'`, differs(with_body, without, 12), `${with_body} with it, ${without} without`);
 }
 
 async function checkSelection(page) {
@@ -223,13 +232,13 @@ async function checkModes(page) {
 async function checkPage(browser, path) {
   console.log(`${basename(path)}: ${(statSync(path).size / 1e6).toFixed(2)} MB`);
   check(`it is below ${kMostBytes / 1e6} MB`, statSync(path).size < kMostBytes);
-  check('it names no other file or host to load', !/<(script|link|img)[^>]*\s(src|href)=["']?(?!data:)/.test(readFileSync(path, 'utf8').replace(/<script>[\s\S]*?<\/script>/g, '')));
+  check('it names no other file or host to load', !/<(script|link|img)[^>]*\s(src|href)=(?!["']?data:)/.test(readFileSync(path, 'utf8').replace(/<script>[\s\S]*?<\/script>/g, '')));
   const { page, trouble, close } = await openPage(browser, path);
   const failed = await page.evaluate(() => window.lithe.failed);
   check('the page opens its run', !failed, failed);
   if (!failed) {
     const steps = [checkScene, checkTips, checkCharts, checkVariants, checkSelection, checkKeys, checkModes, checkTipPixel, checkThemes];
-    for (const step of steps) await step(page);
+    for (const step of steps) await step(page, basename(path) === 'known_motion.html');
   }
   check('no error in the console, nothing asked of a network', trouble.length === 0, trouble.join('; '));
   await close();
