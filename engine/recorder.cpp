@@ -49,7 +49,13 @@ void Recorder::observe(Snapshot& snapshot) {
     rest = rest.subspan(values.size());
   }
   table_.add_row(row_);
-  if (stream_) stream_->append(table_.columns, row_);
+  if (!stream_) return;
+  try {
+    stream_->append(table_.columns, row_);
+  } catch (...) {  // the row is in neither place: a run that goes on tells it again
+    table_.values.resize(table_.values.size() - row_.size());
+    throw;
+  }
 }
 
 Recorder::~Recorder() = default;

@@ -78,7 +78,7 @@ void write_csv(const Table& table, const std::string& path) try {
   rethrow_as_error("writing the file", path, "see what it says; an older file of that name is unharmed");
 }
 
-Table read_csv(const std::string& path) try {
+Table read_csv(const std::string& path) {
   std::ifstream file(path);
   if (!file) throw FileError("cannot open the CSV file.", path, "check the path and the right to read it.");
   return read_csv(file, path);
@@ -86,7 +86,7 @@ Table read_csv(const std::string& path) try {
   rethrow_as_error("reading the file", path, "see what it says");
 }
 
-Table read_csv(std::istream& file, const std::string& path) {
+Table read_csv(std::istream& file, const std::string& path) try {
   std::string line;
   if (!std::getline(file, line) || trimmed(line).empty())
     throw FileError("the CSV file has no header line.", path + ":1", "its first line must name the columns.");
