@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 #include <sstream>
+#include <utility>
 
 #include "engine/checkpoint/archive.h"
 #include "engine/contact/gauss_seidel.h"
@@ -13,6 +14,7 @@ namespace lithe {
 namespace {
 
 constexpr int kMaxImpacts = 10000;  // of one step, one after another
+constexpr int kFewImpacts = 3;      // pairs that meet within a step, of bodies that others hold: more are of a pile
 
 /// Time at which a gap closes that starts at g with rate u and acceleration a; h if it does not.
 double closing_time(double g, double u, double a, double h) {
@@ -133,7 +135,7 @@ bool ContactImpulses::apply(EquationsOfMotion& equations, const VectorX& v, doub
 
 /// What holds bodies up to an impact of theirs within the step pushes no longer than that: the motion up to it is that
 /// of bodies held, its impulse and what holds them afterwards are found together. Without this an impact takes place at
-/// the start of its step.
+/// the start of its step; as it does where many meet at times of their own.
 void ContactImpulses::hold(RigidContacts& contacts, double h, VectorX& v_end, VectorX& d) {
   const ConeProblem& problem = contacts.problem();
   const int n = static_cast<int>(contacts.points().size());
@@ -156,14 +158,17 @@ void ContactImpulses::hold(RigidContacts& contacts, double h, VectorX& v_end, Ve
     if (sides[0].group >= 0 && sides[1].group >= 0 && (impacts(i) || holds(i)))
       island_[root(island_, sides[0].group)] = root(island_, sides[1].group);
   }
-  first_impact_.assign(problem.groups.size(), h);
-  for (int i = 0; i < n; ++i)
-    if (impacts(i)) first_impact_[island_of(i)] = 0;
+  meeting_.assign(problem.groups.size(), 0);
+  for (int i = 0, pair = -1; i < n; ++i)
+    if (impacts(i) && std::exchange(pair, contacts.points()[i].pair) != contacts.points()[i].pair)
+      ++meeting_[island_of(i)];
   some_.contacts.clear();
   some_points_.clear();
   some_.rows = 0;
   for (int i = 0; i < n; ++i) {
-    if (!holds(i) || first_impact_[island_of(i)] == h) continue;
+    if (!holds(i)) continue;
+    const int pairs = meeting_[island_of(i)];
+    if (pairs == 0 || pairs > kFewImpacts) continue;
     ConeProblem::Contact& c = some_.contacts.emplace_back(problem.contacts[i]);
     c.row = some_.rows;
     some_.rows += c.rows;
@@ -191,7 +196,7 @@ void ContactImpulses::hold(RigidContacts& contacts, double h, VectorX& v_end, Ve
   moved_.resize(problem.rows);
   contacts.velocity(dv_, moved_);
   // 3. When bodies so held meet, and what has held them until then.
-  std::fill(first_impact_.begin(), first_impact_.end(), h);
+  first_impact_.assign(problem.groups.size(), h);
   for (int i = 0; i < n; ++i) {
     if (holds(i)) continue;
     const RigidContacts::Point& point = contacts.points()[i];

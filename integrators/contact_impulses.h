@@ -77,6 +77,7 @@ class ContactImpulses {
   VectorX held_until_;  // time of the impact that ends what holds the point; -1: none
   ConeProblem some_;    // contacts that hold
   std::vector<int> some_points_, island_;
+  std::vector<int> meeting_;          // pairs with an impact, by group
   std::vector<char> holding_;         // by pair
   std::vector<double> first_impact_;  // by group
   VectorX last_, growth_;             // RigidContacts::recall
