@@ -82,8 +82,6 @@ Table read_csv(const std::string& path) {
   std::ifstream file(path);
   if (!file) throw FileError("cannot open the CSV file.", path, "check the path and the right to read it.");
   return read_csv(file, path);
-} catch (...) {
-  rethrow_as_error("reading the file", path, "see what it says");
 }
 
 Table read_csv(std::istream& file, const std::string& path) try {
@@ -105,6 +103,8 @@ Table read_csv(std::istream& file, const std::string& path) try {
       table.values.push_back(parse_number(cells[i], where, table.columns[i]));
   }
   return table;
+} catch (...) {
+  rethrow_as_error("reading the file", path, "see what it says");
 }
 
 }  // namespace lithe
