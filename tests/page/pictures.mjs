@@ -4,7 +4,7 @@ import { basename, join, resolve } from 'node:path';
 import { openBrowser, openPage, settle } from './browser.mjs';
 
 const kScenes = {
-  pendulum: { part: 0.44, body: 1 },
+  pendulum: { part: 0.4, body: 1 },
   bracket: { part: 0.1, body: 1, show: { reactions: true } },
   squeezer: { part: 0.4, body: 1, dark: true, show: { reactions: true } },
   pile: { part: 0.5, body: 3 },
