@@ -40,7 +40,7 @@ class CommandsShown(SphinxTransform):
         for raw in list(self.document.findall(nodes.raw)):
             match = MADE_BY.match(raw.astext().strip())
             if match:
-                caption = nodes.paragraph("", "", nodes.Text("made by "), nodes.literal(text=match[1]),
+                caption = nodes.paragraph("", "", nodes.Text("made by "), nodes.literal(text=match[1].split("; from:")[0]),
                                           classes=["made-by"])
                 raw.replace_self(caption)
 
