@@ -1,6 +1,5 @@
 #include "engine/output/hdf5_file.h"
 
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstring>
@@ -9,6 +8,7 @@
 
 #include "engine/error.h"
 #include "engine/output/hdf5_internal.h"
+#include "engine/output/partial_file.h"
 
 namespace lithe {
 namespace {
@@ -17,6 +17,8 @@ constexpr const char* kMendRead = "write the file again; this one is damaged or 
 
 /// Of what a writer may be writing this moment: HDF5's own hundred, each after twice the time, take hours.
 constexpr unsigned kReadAttempts = 10;
+
+constexpr std::size_t kMemoryIncrement = 1 << 18;  // bytes, by which a file in memory grows
 
 using Handle = Hdf5Handle;
 
@@ -65,8 +67,11 @@ std::vector<char> packed(const std::vector<std::string>& texts) {
 
 // ---- writing ----
 
+/// HDF5 writes into memory, and what it wrote goes to disk as bytes: of a file that it could not flush it keeps a
+/// handle that crashes the program at its end.
 struct Hdf5Writer::Handles {
-  std::string temporary;
+  explicit Handles(const std::string& path) : disk(path) {}
+  PartialFile disk;
   Handle file, with_groups;
 
   [[noreturn]] void fail(const std::string& path, const std::string& name) const {
@@ -87,24 +92,19 @@ struct Hdf5Writer::Handles {
   }
 };
 
-Hdf5Writer::Hdf5Writer(std::string path) : path_(std::move(path)), handles_(std::make_unique<Handles>()) {
+Hdf5Writer::Hdf5Writer(std::string path) : path_(std::move(path)), handles_(std::make_unique<Handles>(path_)) {
   silence_hdf5();
-  handles_->temporary = path_ + ".partial-" + std::to_string(::getpid());
-  std::error_code why;
-  const auto folder = std::filesystem::path(path_).parent_path();
-  if (!folder.empty()) std::filesystem::create_directories(folder, why);
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V110);
-  handles_->file = Handle(H5Fcreate(handles_->temporary.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
+  H5Pset_fapl_core(access, kMemoryIncrement, /*backing_store=*/false);
+  const std::string& name = handles_->disk.temporary_path();  // unique among the files that HDF5 has open
+  handles_->file = Handle(H5Fcreate(name.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
   handles_->with_groups = Handle(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
   H5Pset_create_intermediate_group(handles_->with_groups, 1);
   if (!handles_->file.valid()) handles_->fail(path_, "/");
 }
 
-Hdf5Writer::~Hdf5Writer() {
-  handles_->file.reset();
-  ::unlink(handles_->temporary.c_str());  // gone already after commit()
-}
+Hdf5Writer::~Hdf5Writer() = default;
 
 void Hdf5Writer::write(const std::string& name, const Eigen::Ref<const MatrixX>& matrix) {
   const MatrixX copy = matrix.outerStride() == matrix.rows() ? MatrixX() : MatrixX(matrix);
@@ -146,11 +146,13 @@ void Hdf5Writer::attribute(const std::string& of, const std::string& name, std::
 }
 
 void Hdf5Writer::commit() {
-  std::error_code why;
-  const bool flushed = H5Fflush(handles_->file, H5F_SCOPE_GLOBAL) >= 0;
-  if (!handles_->file.reset() || !flushed) handles_->fail(path_, "/");
-  std::filesystem::rename(handles_->temporary, path_, why);
-  if (why) handles_->fail(path_, "/");
+  if (H5Fflush(handles_->file, H5F_SCOPE_GLOBAL) < 0) handles_->fail(path_, "/");
+  const ssize_t size = H5Fget_file_image(handles_->file, nullptr, 0);
+  std::vector<char> image(static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
+  if (size <= 0 || H5Fget_file_image(handles_->file, image.data(), image.size()) != size) handles_->fail(path_, "/");
+  handles_->file.reset();
+  handles_->disk.stream().write(image.data(), size);
+  handles_->disk.commit();
 }
 
 // ---- reading ----

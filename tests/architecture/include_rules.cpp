@@ -72,7 +72,7 @@ const std::regex kEigen(R"((unsupported/)?Eigen/.*)");
 const std::regex kStandard(
     R"([a-z_0-9]+|(assert|errno|float|inttypes|limits|math|stddef|stdint|stdio|stdlib|string)\.h)");
 // What the operating system or the compiler brings. Not for public headers.
-const std::regex kSystem(R"(sys/\w+\.h|(dlfcn|fcntl|unistd|signal|poll|pthread|link|fenv|\w*intrin)\.h)");
+const std::regex kSystem(R"(sys/\w+\.h|(cxxabi|dlfcn|fcntl|unistd|signal|poll|pthread|link|fenv|\w*intrin)\.h)");
 
 const std::regex kInclude(R"re(^\s*#\s*include\s*(?:<([^>]+)>|"([^"]+)"|(\S+)).*)re");
 // gnuplot is a program: what starts one, and its name at the head of a command.

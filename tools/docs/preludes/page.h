@@ -42,6 +42,7 @@ struct Scene {
   ExplicitRungeKutta::Parameters parameters;
   ExplicitRungeKutta stepper{parameters};
   Simulation simulation{system, stepper};
+  Recorder recorder{{position(tip)}};
   /// A scene for studies.
   StudyScene study{.name = "pendulum", .duration = 0.5, .draw = [](SystemGraph& drawn) -> std::vector<Sensor> {
                      auto& mass = drawn.add<RigidBody>("mass", {.position = {1, 0, 0}});
