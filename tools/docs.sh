@@ -41,7 +41,7 @@ pages() {
   rm -rf build/site
   mathjax || return
   LITHE_DOCS_SOURCE=$PWD/$work/source LITHE_DOXYGEN_XML=$PWD/$work/doxygen/xml \
-    "$python" -B -m sphinx -q -W --keep-going -j auto -b html -c docs/site -d "$work/doctrees" "$work/source" build/site
+    "$python" -B -m sphinx -q -W --keep-going -b html -c docs/site -d "$work/doctrees" "$work/source" build/site
 }
 
 if [[ ${LITHE_DOCS_PACKAGES:-install} == install ]]; then

@@ -31,8 +31,7 @@ INPUTS = {
                        "tools/bench/charts.py", "tools/bench/scenes.cpp"],
     "tools/certify.sh": ["tools/certify/scenes*.cpp", "tools/certify/report.cpp"],
     "tools/stability.sh": ["tools/stability/scenes/*.cpp", "tools/stability/methods/*.cpp"],
-    "tools/docs/catalogue/draw.py": ["tools/docs/catalogue/draw.py", "tools/docs/catalogue/canvas.py",
-                                     "tools/docs/catalogue/*_pictures.py"],
+    "tools/docs/catalogue/draw.py": ["tools/docs/catalogue/canvas.py", "tools/docs/catalogue/*_pictures.py"],
     "tools/contact.sh": ["tools/contact/contact_chart.cpp", "tools/contact/known_motions.cpp"],
 }
 PICTURES = (".png", ".svg", ".jpg", ".gif")
@@ -173,8 +172,10 @@ def main():
     if command == "note":
         return note([path for path in paths if path != "--same"], "--same" in paths)
     found = list(errors())
-    for what, where, mend in found:
+    for what, where, mend in found[:10]:
         print(f"error: {what}\n  at:   {where}\n  mend: {mend}", file=sys.stderr)
+    if len(found) > 10:
+        print(f"error: and {len(found) - 10} more", file=sys.stderr)
     return 1 if found else 0
 
 

@@ -5,6 +5,7 @@
 
 #include "bodies/flexible/surface_mesh.h"
 #include "engine/contact/contact_sensors.h"
+#include "engine/interrupt.h"
 #include "engine/mode_freezing.h"
 #include "joints/contact/contact.h"
 #include "lithe/lithe.h"
@@ -42,7 +43,7 @@ struct Scene {
   ExplicitRungeKutta::Parameters parameters;
   ExplicitRungeKutta stepper{parameters};
   Simulation simulation{system, stepper};
-  Recorder recorder{{position(tip)}};
+  Recorder recorder{{position(tip, "tip")}};
   /// A scene for studies.
   StudyScene study{.name = "pendulum", .duration = 0.5, .draw = [](SystemGraph& drawn) -> std::vector<Sensor> {
                      auto& mass = drawn.add<RigidBody>("mass", {.position = {1, 0, 0}});
