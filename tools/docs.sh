@@ -27,7 +27,7 @@ reference() {
 }
 # What MathJax needs to draw TeX as SVG, of Debian's copy.
 mathjax() {
-  local from=/usr/share/javascript/mathjax to=build/site/mathjax
+  local from=/usr/share/javascript/mathjax to=build/site/_static/mathjax
   mkdir -p "$to"/{config,jax/{input,output/SVG/fonts},extensions}
   cp -L "$from/MathJax.js" "$to/"
   cp -L "$from/config/TeX-AMS_SVG.js" "$to/config/"
