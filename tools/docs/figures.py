@@ -32,6 +32,7 @@ INPUTS = {
     "tools/certify.sh": ["tools/certify/scenes*.cpp", "tools/certify/report.cpp"],
     "tools/stability.sh": ["tools/stability/scenes/*.cpp", "tools/stability/methods/*.cpp"],
     "tools/docs/catalogue/draw.py": ["tools/docs/catalogue/canvas.py", "tools/docs/catalogue/*_pictures.py"],
+    "tests/page/run.sh": ["tests/page/pictures.mjs", "tools/pages/pages.cpp", "examples/21_page.cpp"],
     "tools/contact.sh": ["tools/contact/contact_chart.cpp", "tools/contact/known_motions.cpp"],
 }
 PICTURES = (".png", ".svg", ".jpg", ".gif")
