@@ -19,5 +19,12 @@ int main() {
   const double length =
       recorder.table().at(10, 1) * recorder.table().at(10, 1) + recorder.table().at(10, 3) * recorder.table().at(10, 3);
   std::printf("length² %.12f after %d rows\n", length, recorder.table().row_count());
-  return std::abs(length - 1) < 1e-9 ? 0 : 1;
+
+  // Two equal numbers before two zeros, by value: what GCC 12.2 spoils unless the package's flags forbid it.
+  Automatic automatic{{.tolerance = {.relative = 1e-8, .absolute = 1e-8}}};
+  Simulation again{system, automatic};
+  State start = system.initial_state();
+  again.run(start, 1e-4);
+  std::printf("%ld steps\n", automatic.statistics().steps);
+  return std::abs(length - 1) < 1e-9 && automatic.statistics().steps < 1000 ? 0 : 1;
 }
