@@ -1,12 +1,10 @@
 #!/usr/bin/env bash
 # Makes the documentation as a site: build/site/index.html, which opens without a server or a network. Warnings are
 # errors. Everything comes from Debian's packages (tools/docs_packages.txt), installed if missing.
-#   tools/docs.sh           the site
-#   tools/docs.sh --quick   without the API reference: two thirds of the time
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-stage_count=4
+stage_count=3
 source tools/stages.sh
 python=/usr/bin/python3  # Debian's, which has Debian's Sphinx
 work=build/docs
@@ -21,9 +19,11 @@ mirror() {
 }
 reference() {
   mkdir -p "$work"
+  rm -rf "$work/doxygen"  # what a header no longer has must not stay
+  mkdir -p "$work/doxygen"
   doxygen tools/docs/Doxyfile || return
   mirror || return
-  "$python" -B tools/docs/reference.py . "$work/source/reference" "$work/doxygen_warnings.txt" "$@"
+  "$python" -B tools/docs/reference.py . "$work/source/reference" "$work/doxygen/xml"
 }
 # What MathJax needs to draw TeX as SVG, of Debian's copy.
 mathjax() {
@@ -47,7 +47,7 @@ pages() {
 if [[ ${LITHE_DOCS_PACKAGES:-install} == install ]]; then
   stage_shown "packages" tools/install_packages.sh tools/docs_packages.txt
 fi
-stage_shown "reference" reference "$@"
+stage_shown "reference" reference
 stage_shown "pages" pages
 echo
 echo "The site: $PWD/build/site/index.html"

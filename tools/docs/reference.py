@@ -1,4 +1,4 @@
-"""The API reference's pages, one a topic, written for Breathe: reference.py PUBLIC_HEADER_ROOT OUT WARNINGS.
+"""The API reference's pages, one a topic, written for Breathe: reference.py ROOT OUT DOXYGEN_XML.
 
 Which header belongs to which topic stands below; a public header that no topic names fails. What Doxygen finds without
 a comment is listed in undocumented.md.
@@ -6,8 +6,8 @@ a comment is listed in undocumented.md.
 
 import fnmatch
 import pathlib
-import re
 import sys
+from xml.etree import ElementTree
 
 # (page, title, what it holds, headers)
 TOPICS = [
@@ -56,24 +56,85 @@ def public_headers(root):
 
 
 def assign(headers):
-    """Topic page -> headers; the first topic that names a header has it, a named file before a pattern."""
+    """Topic page -> headers: a topic that names a header has it, else the topic of its folder."""
     pages = {page: [] for page, *_ in TOPICS}
     for header in headers:
-        named = [page for page, _, _, patterns in TOPICS if header in patterns]
-        fitting = [page for page, _, _, patterns in TOPICS if any(fnmatch.fnmatch(header, p) for p in patterns)]
-        if not fitting:
+        for fits in (lambda pattern: pattern == header,
+                     lambda pattern: "*" in pattern and fnmatch.fnmatch(header, pattern)
+                     and pattern.count("/") == header.count("/"),
+                     lambda pattern: pattern.endswith("/*.h") and header.startswith(pattern[:-3])):
+            found = [page for page, _, _, patterns in reversed(TOPICS) if any(map(fits, patterns))]
+            if found:
+                pages[found[-1]].append(header)
+                break
+        else:
             sys.exit(f"error: no topic has {header}\n  mend: name it in tools/docs/reference.py")
-        pages[(named or fitting)[0]].append(header)
     return pages
 
 
-def write_topics(root, out):
+def plain(element):
+    return "".join(element.itertext()).strip() if element is not None else ""
+
+
+class Declarations:
+    """What each header declares, from Doxygen's XML: classes of the namespace, and its free functions, types, constants."""
+
+    def __init__(self, xml, root):
+        self.of = {}            # header -> names
+        self.undocumented = {}  # header -> names
+        self.root = root
+        for path in sorted(xml.glob("*.xml")):
+            compound = ElementTree.parse(path).getroot().find("compounddef")
+            kind = compound.get("kind") if compound is not None else None
+            if kind in ("class", "struct") and compound.get("prot") != "private":
+                self.add_class(compound)
+            elif kind == "namespace":
+                self.add_namespace(compound)
+
+    def header(self, element):
+        file = element.find("location").get("file")
+        path = pathlib.Path(file)
+        return (path.relative_to(self.root) if path.is_absolute() else path).as_posix()
+
+    def told(self, element, header, name):
+        if not plain(element.find("briefdescription")) and not plain(element.find("detaileddescription")):
+            self.undocumented.setdefault(header, []).append(name)
+
+    def add_class(self, compound):
+        name = plain(compound.find("compoundname"))
+        if not name.startswith("lithe") or "anonymous" in name or "@" in name or compound.get("prot") != "public":
+            return
+        header = self.header(compound)
+        self.told(compound, header, name.removeprefix("lithe::"))
+        for section in compound.findall("sectiondef"):
+            for member in section.findall("memberdef"):
+                if member.get("prot") == "public" and member.find("reimplements") is None:
+                    self.told(member, header, name.removeprefix("lithe::") + "::" + plain(member.find("name")))
+        if name.count("::") == 1 and "<" not in name:  # those within others are shown with them
+            self.of.setdefault(header, set()).add(name)
+
+    def add_namespace(self, compound):
+        space = plain(compound.find("compoundname"))
+        if not space.startswith("lithe") or "detail" in space or "@" in space:
+            return
+        for member in (m for section in compound.findall("sectiondef") for m in section.findall("memberdef")):
+            kind, name = member.get("kind"), plain(member.find("name"))
+            if kind not in ("function", "enum", "typedef", "variable") or not name or "@" in name:
+                continue
+            header = self.header(member)
+            self.told(member, header, name)
+            self.of.setdefault(header, set()).add(name)
+
+
+def write_topics(root, out, declared):
     pages = assign(public_headers(root))
     for page, title, words, _ in TOPICS:
         lines = [f"# {title}", "", words, ""]
         for header in pages[page]:
-            lines += [f"## {header}", "",
-                      f"```{{doxygenfile}} {header}", f":sections: {SECTIONS}", "```", ""]
+            if header not in declared.of:
+                continue
+            lines += [f"## {header}", ""]
+            lines += [f"```{{doxygenfile}} {header}", f":sections: {SECTIONS}", "```", ""]
         (out / f"{page}.md").write_text("\n".join(lines))
     toc = "\n".join(page for page, *_ in TOPICS)
     rows = "\n".join(f"| [{title}]({page}.md) | {words} | {len(pages[page])} |" for page, title, words, _ in TOPICS)
@@ -81,35 +142,31 @@ def write_topics(root, out):
         "# API reference\n\nThe public headers of `engine/`, `bodies/`, `joints/` and `integrators/`, by topic, from "
         "their own comments. `#include \"lithe/lithe.h\"` has them all; namespace `lithe`.\n\n"
         f"| topic | what | headers |\n|---|---|---|\n{rows}\n\n"
-        "Not here: `engine/plugin_abi.h`, the C border of plug-ins, which is read as it stands. What has no comment yet is [listed](undocumented.md).\n\n"
+        "Not here: `engine/plugin_abi.h`, the C border of plug-ins, which is read as it stands. What has no comment yet "
+        "is [listed](undocumented.md).\n\n"
         f"```{{toctree}}\n:hidden:\n\n{toc}\nundocumented\n```\n")
 
 
-def write_undocumented(warnings, out):
-    found = {}
-    for line in warnings.read_text().splitlines() if warnings.exists() else []:
-        match = re.match(r"(.*?):(\d+): (?:warning: )?(?:Member|Compound) (.*) \((.*)\) of .* is not documented", line)
-        match = match or re.match(r"(.*?):(\d+): (?:warning: )?(?:Compound) (.*?)() is not documented", line)
-        if match:
-            name = pathlib.Path(match[1]).resolve().relative_to(pathlib.Path.cwd()).as_posix()
-            found.setdefault(name, set()).add((int(match[2]), match[3], match[4]))
+def write_undocumented(root, out, declared):
+    public = set(public_headers(root))
+    found = {header: sorted(set(names)) for header, names in declared.undocumented.items() if header in public}
     total = sum(map(len, found.values()))
     lines = ["# Without a comment", "",
-             f"{total} public names that Doxygen finds no comment on: mostly those that their name and type explain. "
-             "A name that should have one is a defect.", ""]
+             f"{total} public names without a comment of their own: mostly those that their name and type explain, and "
+             "parameters with a comment behind them. A name that should have one is a defect.", ""]
     for name in sorted(found):
-        entries = sorted(found[name])
-        shown = ", ".join(f"`{text.replace('`', '')}`" for _, text, _ in entries)
-        lines += [f"**{name}**: {shown}", ""]
+        lines += [f"**{name}**: {', '.join(f'`{text}`' for text in found[name])}", ""]
     (out / "undocumented.md").write_text("\n".join(lines))
     return total
 
 
 def main():
-    root, out, warnings = map(pathlib.Path, sys.argv[1:4])
+    root, out, xml = (pathlib.Path(argument).resolve() for argument in sys.argv[1:4])
     out.mkdir(parents=True, exist_ok=True)
-    write_topics(root, out)
-    print(f"reference: {len(TOPICS)} topics, {write_undocumented(warnings, out)} names without a comment")
+    declared = Declarations(xml, root)
+    write_topics(root, out, declared)
+    print(f"reference: {len(TOPICS)} topics, {sum(map(len, declared.of.values()))} declarations, "
+          f"{write_undocumented(root, out, declared)} names without a comment")
 
 
 if __name__ == "__main__":
