@@ -1,5 +1,6 @@
 #include "engine/loaded_body.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "engine/batch_of.h"
@@ -9,6 +10,19 @@ namespace lithe {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr int kMostCoordinates = 10'000'000;
+
+/// Entries of a lower triangle with n columns, by column, rows rising from the diagonal.
+bool is_pattern(const int32_t* rows, const int32_t* columns, int32_t count, int32_t n) {
+  if (count < n || !rows || !columns) return false;
+  for (int32_t k = 0, column = -1; k < count; ++k) {
+    const bool next = columns[k] == column + 1 && rows[k] == columns[k];
+    const bool same = k > 0 && columns[k] == column && rows[k] > rows[k - 1];
+    if ((!next && !same) || rows[k] >= n) return false;
+    column = columns[k];
+  }
+  return columns[count - 1] == n - 1;
+}
 
 }  // namespace
 
@@ -22,12 +36,19 @@ LoadedBody::LoadedBody(Parameters parameters)
     : table_(parameters.type->table), object_(*parameters.type, parameters.values) {
   int32_t frame = 0, linear = 0;
   table_.coordinates(object_.get(), &frame, &linear);
+  if (linear < 0 || linear > kMostCoordinates)
+    throw SceneError(object_.description() + " has " + std::to_string(linear) + " linear coordinates", "",
+                     "its author is to mend coordinates()");
   coordinates_ = {.frame = frame != 0, .linear = linear};
   const int32_t *rows = nullptr, *columns = nullptr;
-  if (const int32_t count = table_.linear_pattern(object_.get(), &rows, &columns); count > 0) {
-    using Indices = Eigen::Map<const Eigen::VectorXi>;
-    pattern_ = {Indices(rows, count), Indices(columns, count)};
-  }
+  const int32_t count = table_.linear_pattern(object_.get(), &rows, &columns);
+  if (count == 0) return;
+  if (!is_pattern(rows, columns, count, linear))
+    throw SceneError(object_.description() + " has a pattern of " + std::to_string(count) +
+                         " entries that is no lower triangle of " + std::to_string(linear) + " columns",
+                     "", "its author is to mend linear_pattern(): by column, each with its diagonal first");
+  using Indices = Eigen::Map<const Eigen::VectorXi>;
+  pattern_ = {Indices(rows, count), Indices(columns, count)};
 }
 
 /// Calls a function of the table with the state as C sees it; false if it asks for a smaller step.
@@ -116,9 +137,10 @@ void LoadedBody::add_tangent(const BodyState& state, const double* v_dot, const 
 void LoadedBody::marker_kinematics(const BodyState& state, int marker, Level level, MarkerKinematics& k) const {
   lithe_marker_kinematics out{};
   out.struct_size = sizeof out;
-  call(state, [&](const lithe_body_state* s) {
+  const bool fine = call(state, [&](const lithe_body_state* s) {
     return table_.marker_kinematics(object_.get(), s, marker, static_cast<int32_t>(level), &out);
   });
+  if (!fine) std::fill_n(out.motion.p, 3, kNaN);  // asks for the smaller step
   const auto read = [](const double* from) { return Eigen::Map<const Vector3>(from); };
   k.p = read(out.motion.p);
   k.R = Eigen::Map<const Matrix3>(out.motion.R);
@@ -133,7 +155,8 @@ void LoadedBody::marker_kinematics(const BodyState& state, int marker, Level lev
 
 BodyEnergy LoadedBody::energy(const BodyState& state, const Vector3& gravity) const {
   lithe_body_energy e{};
-  call(state, [&](const lithe_body_state* s) { return table_.energy(object_.get(), s, gravity.data(), &e); });
+  if (!call(state, [&](const lithe_body_state* s) { return table_.energy(object_.get(), s, gravity.data(), &e); }))
+    e.kinetic = kNaN;
   return {.kinetic = e.kinetic, .elastic = e.elastic, .gravity = e.gravity};
 }
 

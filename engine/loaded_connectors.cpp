@@ -1,5 +1,6 @@
 #include "engine/loaded_connectors.h"
 
+#include <algorithm>
 #include <cstring>
 #include <limits>
 
@@ -41,7 +42,10 @@ std::vector<MeasuredAngle> angles_of(const auto& table, const PluginObject& obje
   constexpr int kMost = 64;
   lithe_measured_angle written[kMost];
   std::vector<MeasuredAngle> angles;
-  const int count = table.angles ? std::min(table.angles(object.get(), written, kMost), kMost) : 0;
+  const int count = table.angles ? table.angles(object.get(), written, kMost) : 0;
+  if (count < 0 || count > kMost)
+    throw SceneError(object.description() + " measures " + std::to_string(count) + " angles", "",
+                     "its author is to mend angles(): at most " + std::to_string(kMost));
   for (const lithe_measured_angle& a : std::span(written, count)) {
     const auto is_marker = [&](int m) { return m >= 0 && m < table.marker_count; };
     if (!is_marker(a.A) || !is_marker(a.B) || a.axis < 0 || a.axis > 2)
@@ -66,6 +70,9 @@ void LoadedJoint::evaluate(double time, std::span<const MarkerView> views, Const
   const int n = table_.marker_count;
   double residual[kMaxRows], rate[kMaxRows], bias[kMaxRows], wrench[kMaxRows * kMaxMarkers * 6];
   int32_t on_velocity[kMaxRows] = {};
+  // What it forgets is seen.
+  for (double* values : {residual, rate, bias}) std::fill_n(values, table_.row_count, kNotANumber);
+  std::fill_n(wrench, 6 * n * table_.row_count, kNotANumber);
   ErrorText why;
   lithe_rows out{};
   out.struct_size = sizeof out;
@@ -102,6 +109,8 @@ void LoadedForce::evaluate(double time, std::span<const MarkerView> views, Force
   const int n = table_.marker_count;
   double tension[kMaxRows], stiffness[kMaxRows], damping[kMaxRows], wrench[kMaxRows * kMaxMarkers * 6];
   double load[kMaxMarkers * 6] = {};
+  for (double* values : {tension, stiffness, damping}) std::fill_n(values, table_.row_count, kNotANumber);
+  std::fill_n(wrench, 6 * n * table_.row_count, kNotANumber);
   ErrorText why;
   lithe_force_rows out{};
   out.struct_size = sizeof out;

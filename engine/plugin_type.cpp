@@ -1,6 +1,7 @@
 #include "engine/plugin_type.h"
 
 #include <algorithm>
+#include <cstring>
 #include <set>
 #include <span>
 
@@ -66,13 +67,15 @@ std::string name_hint(const std::string& wrong, const std::vector<std::string>& 
   return (near ? "did you mean '" + *nearest + "'? " : "") + "known are " + all;
 }
 
+std::string ErrorText::all() const { return {text, strnlen(text, sizeof text)}; }  // its end may be missing
+
 std::string ErrorText::problem() const {
-  const std::string all = text;
+  const std::string all = this->all();
   return all.empty() ? "it gave no reason" : all.substr(0, all.find('\n'));
 }
 
 std::string ErrorText::mend() const {
-  const std::string all = text;
+  const std::string all = this->all();
   const size_t at = all.find('\n');
   return at == std::string::npos ? "" : all.substr(at + 1);
 }

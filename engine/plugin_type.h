@@ -38,6 +38,9 @@ struct ErrorText {
   ErrorText() { text[0] = 0; }
   std::string problem() const;
   std::string mend() const;  // "" if none was given
+
+ private:
+  std::string all() const;
 };
 
 /// An object made by a type of a plug-in, and by it destroyed. Keeps the library loaded.

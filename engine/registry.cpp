@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
+#include <set>
 
 #include "engine/system_graph.h"
 
@@ -23,6 +24,21 @@ template <class Table>
 bool is_too_large(const Table& t) {
   if constexpr (requires { t.row_count; }) return t.marker_count > kMaxMarkers || t.row_count > kMaxRows;
   return false;
+}
+
+/// What is wrong with the list of parameters; empty: nothing.
+std::string fields_problem(const lithe_field* fields, size_t count) {
+  constexpr size_t kMost = 1000;
+  if (count > kMost) return std::to_string(count) + " parameters";
+  if (count > 0 && !fields) return "parameters and no list of them";
+  std::set<std::string> names;
+  for (size_t i = 0; i < count; ++i) {
+    const lithe_field& f = fields[i];
+    if (!f.name || !*f.name || !names.insert(f.name).second) return "a parameter without a name of its own";
+    if (f.kind < LITHE_NUMBER || f.kind > LITHE_VECTOR || f.size < 0)
+      return "a parameter '" + std::string(f.name) + "' of an unknown kind or size";
+  }
+  return "";
 }
 
 /// Bytes of the table as of the first v1: what a plug-in must have; stays when the table grows.
@@ -49,14 +65,26 @@ struct Registry::Loading {
   std::shared_ptr<const PluginLibrary> library;
   Types fresh{};
   std::string problem{}, mend{};  // the first
+  std::exception_ptr thrown{};
 
   int32_t refuse(const std::string& what, const std::string& how) {
     if (problem.empty()) problem = what, mend = how;
     return -1;
   }
 
+  /// Nothing that is thrown may cross the border.
   template <class Type, class Table>
   int32_t add(Named<Type> Types::*kind, const Table* table) noexcept {
+    try {
+      return look_at(kind, table);
+    } catch (...) {
+      if (!thrown) thrown = std::current_exception();
+      return -1;
+    }
+  }
+
+  template <class Type, class Table>
+  int32_t look_at(Named<Type> Types::*kind, const Table* table) {
     const std::string its = std::string("its ") + Type::kKind + " type";
     if (!table || table->struct_size < kFirstSize<Table>)
       return refuse(its + " has a table of " + std::to_string(table ? table->struct_size : 0) + " bytes; version " +
@@ -72,6 +100,8 @@ struct Registry::Loading {
     if (!table->create || !table->destroy || !is_whole(type.table))
       return refuse(its + " '" + type.name + "' lacks a function that it needs, or markers and rows",
                     "fill its table as engine/plugin_abi.h says");
+    if (const std::string wrong = fields_problem(type.table.fields, type.table.field_count); !wrong.empty())
+      return refuse(its + " '" + type.name + "' has " + wrong, "fill its table as engine/plugin_abi.h says");
     if (is_too_large(type.table))
       return refuse(its + " '" + type.name + "' has more than " + std::to_string(kMaxMarkers) + " markers or " +
                         std::to_string(kMaxRows) + " rows",
@@ -88,7 +118,21 @@ struct Registry::Loading {
 };
 
 void Registry::load_plugin(const std::filesystem::path& path) {
-  Loading loading{types_, std::make_shared<const PluginLibrary>(path)};
+  const auto library = std::make_shared<const PluginLibrary>(path);
+  take(library, path.string(), [&](const lithe_host& host) { library->hand_over_types(host); });
+}
+
+void Registry::add_plugin(const std::string& name, int32_t (*entry)(const lithe_host*)) {
+  take(nullptr, name, [&](const lithe_host& host) {
+    if (const int32_t code = entry(&host); code != 0)
+      throw FileError("the plug-in will not serve this Lithe: its entry returned " + std::to_string(code), name,
+                      "build the plug-in anew against this Lithe");
+  });
+}
+
+void Registry::take(const std::shared_ptr<const PluginLibrary>& library, const std::string& source,
+                    const std::function<void(const lithe_host&)>& hand_over) {
+  Loading loading{types_, library};
   lithe_host host{};
   host.struct_size = sizeof host;
   host.context = &loading;
@@ -102,13 +146,14 @@ void Registry::load_plugin(const std::filesystem::path& path) {
   host.add_integrator = [](void* to, const lithe_integrator_type* t) {
     return static_cast<Loading*>(to)->add(&Types::integrators, t);
   };
-  loading.library->hand_over_types(host);
+  hand_over(host);
+  if (loading.thrown) std::rethrow_exception(loading.thrown);
   Types& fresh = loading.fresh;
   if (loading.problem.empty() &&
       fresh.joints.size() + fresh.forces.size() + fresh.bodies.size() + fresh.integrators.size() == 0)
     loading.refuse("the plug-in exports no type", "export one with LITHE_EXPORT_JOINT or its like");
   if (!loading.problem.empty())
-    throw FileError("the plug-in is refused: " + loading.problem, path.string(), loading.mend);
+    throw FileError("the plug-in is refused: " + loading.problem, source, loading.mend);
   types_.joints.merge(fresh.joints);
   types_.forces.merge(fresh.forces);
   types_.bodies.merge(fresh.bodies);

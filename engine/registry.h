@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -28,6 +29,8 @@ class Registry {
   /// Loads a library and registers its types: all of them, or none if it throws. Throws FileError: no such file, no
   /// plug-in, one of another interface, a table that is too small or not whole, a name in use.
   void load_plugin(const std::filesystem::path& library);
+  /// The same of a plug-in that is linked into the program, by its entry; `name` is for messages.
+  void add_plugin(const std::string& name, int32_t (*entry)(const lithe_host*));
   /// Registers a class that is compiled in: registry.add<MasslessRod>("massless_rod"). Throws SceneError: name in use.
   template <class T>
   void add(Located name);
@@ -49,6 +52,8 @@ class Registry {
     Named<IntegratorType> integrators;
   };
   struct Loading;
+  void take(const std::shared_ptr<const PluginLibrary>& library, const std::string& source,
+            const std::function<void(const lithe_host&)>& hand_over);
   template <class Type>
   void add_compiled(Named<Type>& types, const Located& name, Type type);
 
