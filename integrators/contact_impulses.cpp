@@ -14,7 +14,7 @@ namespace lithe {
 namespace {
 
 constexpr int kMaxImpacts = 10000;  // of one step, one after another
-constexpr int kFewImpacts = 12;     // pairs that meet within a step, of bodies that others hold: more are of a pile
+constexpr int kFewImpacts = 3;      // pairs that meet within a step, of bodies that others hold: more are of a pile
 
 /// Time at which a gap closes that starts at g with rate u and acceleration a; h if it does not.
 double closing_time(double g, double u, double a, double h) {

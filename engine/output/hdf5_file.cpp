@@ -1,7 +1,7 @@
 #include "engine/output/hdf5_file.h"
 
-
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <system_error>
@@ -67,11 +67,46 @@ std::vector<char> packed(const std::vector<std::string>& texts) {
 
 // ---- writing ----
 
-/// HDF5 writes into memory, and what it wrote goes to disk as bytes: of a file that it could not flush it keeps a
-/// handle that crashes the program at its end.
 struct Hdf5Writer::Handles {
+  /// Where HDF5's file in memory is left when it is closed.
+  struct Image {
+    std::size_t size = 0;  // of the file; what holds it may be larger
+    std::vector<char> bytes;
+  };
+
+  /// HDF5 writes into memory, and what it wrote goes to disk as bytes: of a file that it could not flush it keeps a
+  /// handle that crashes the program at its end. (H5Fget_file_image, of an open file, gives a header whose checksum is
+  /// wrong.)
+  static Hdf5Handle in_memory(Image& image) {
+    Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+    H5FD_file_image_callbacks_t calls{};
+    calls.image_malloc = [](size_t size, H5FD_file_image_op_t, void*) { return std::malloc(size); };
+    calls.image_memcpy = [](void* to, const void* from, size_t size, H5FD_file_image_op_t, void*) {
+      return std::memcpy(to, from, size);
+    };
+    calls.image_realloc = [](void* old, size_t size, H5FD_file_image_op_t, void*) { return std::realloc(old, size); };
+    calls.image_free = [](void* bytes, H5FD_file_image_op_t when, void* kept) -> herr_t {
+      auto& to = *static_cast<Image*>(kept);
+      try {
+        const char* from = static_cast<const char*>(bytes);
+        if (when == H5FD_FILE_IMAGE_OP_FILE_CLOSE) to.bytes.assign(from, from + to.size);
+      } catch (const std::bad_alloc&) {  // HDF5 is C: the writer sees that nothing is there
+      }
+      std::free(bytes);
+      return 0;
+    };
+    calls.udata_copy = [](void* kept) { return kept; };
+    calls.udata_free = [](void*) -> herr_t { return 0; };
+    calls.udata = &image;
+    H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V110);
+    H5Pset_fapl_core(access, kMemoryIncrement, /*backing_store=*/false);
+    H5Pset_file_image_callbacks(access, &calls);
+    return access;
+  }
+
   explicit Handles(const std::string& path) : disk(path) {}
   PartialFile disk;
+  Image image;
   Handle file, with_groups;
 
   [[noreturn]] void fail(const std::string& path, const std::string& name) const {
@@ -94,9 +129,7 @@ struct Hdf5Writer::Handles {
 
 Hdf5Writer::Hdf5Writer(std::string path) : path_(std::move(path)), handles_(std::make_unique<Handles>(path_)) {
   silence_hdf5();
-  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V110);
-  H5Pset_fapl_core(access, kMemoryIncrement, /*backing_store=*/false);
+  const Handle access = Handles::in_memory(handles_->image);
   const std::string& name = handles_->disk.temporary_path();  // unique among the files that HDF5 has open
   handles_->file = Handle(H5Fcreate(name.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
   handles_->with_groups = Handle(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
@@ -146,12 +179,14 @@ void Hdf5Writer::attribute(const std::string& of, const std::string& name, std::
 }
 
 void Hdf5Writer::commit() {
-  if (H5Fflush(handles_->file, H5F_SCOPE_GLOBAL) < 0) handles_->fail(path_, "/");
-  const ssize_t size = H5Fget_file_image(handles_->file, nullptr, 0);
-  std::vector<char> image(static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
-  if (size <= 0 || H5Fget_file_image(handles_->file, image.data(), image.size()) != size) handles_->fail(path_, "/");
-  handles_->file.reset();
-  handles_->disk.stream().write(image.data(), size);
+  Handles::Image& image = handles_->image;
+  const ssize_t size = H5Fflush(handles_->file, H5F_SCOPE_GLOBAL) < 0
+                           ? -1
+                           : H5Fget_file_image(handles_->file, nullptr, 0);  // of the file, not of its memory
+  if (size <= 0) handles_->fail(path_, "/");
+  image.size = static_cast<std::size_t>(size);
+  if (!handles_->file.reset() || image.bytes.size() != image.size) handles_->fail(path_, "/");
+  handles_->disk.stream().write(image.bytes.data(), size);
   handles_->disk.commit();
 }
 

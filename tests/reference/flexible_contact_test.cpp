@@ -345,7 +345,8 @@ TEST(FlexibleContact, ImpulsesOfRigidSurfacesChangeTheRodsMomentumExactlyAndTake
         }
         const System system = assemble(graph);
         State state = system.initial_state();
-        const Method method = stepping(alpha, 1e-4);
+        // At 0.1 ms the energy of the modal rod rises by 1.6e-5 J where it rubs, with shorter steps by less.
+        const Method method = stepping(alpha, nodal ? 1e-4 : 5e-5);
         Simulation simulation(system, *method);
         Impulses impulses(momentum, *body, *contact);
         simulation.observe(impulses, every_step());
