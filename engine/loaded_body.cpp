@@ -144,13 +144,15 @@ void LoadedBody::marker_kinematics(const BodyState& state, int marker, Level lev
   const auto read = [](const double* from) { return Eigen::Map<const Vector3>(from); };
   k.p = read(out.motion.p);
   k.R = Eigen::Map<const Matrix3>(out.motion.R);
-  k.v = read(out.motion.v);
-  k.w = read(out.motion.w);
-  k.bias_v = read(out.bias_v);
-  k.bias_w = read(out.bias_w);
   k.r = read(out.r);
   k.A = &state.cache->A;
   k.elastic = out.elastic;
+  if (level == Level::position) return;
+  k.v = read(out.motion.v);
+  k.w = read(out.motion.w);
+  if (level == Level::velocity) return;
+  k.bias_v = read(out.bias_v);
+  k.bias_w = read(out.bias_w);
 }
 
 BodyEnergy LoadedBody::energy(const BodyState& state, const Vector3& gravity) const {

@@ -116,6 +116,7 @@ int32_t marker_kinematics(const void* body, const lithe_body_state* s, int32_t m
                           lithe_marker_kinematics* out) noexcept {
   return guarded(s->error, s->error_size, [&] {
     MarkerKinematics k;
+    for (Vector3* x : {&k.v, &k.w, &k.bias_v, &k.bias_w}) x->setZero();  // not written at lower levels
     body_of<T>(body).T::marker_kinematics(state_of<T>(s), marker, static_cast<Level>(level), k);
     write_numbers(k.p, out->motion.p);
     write_numbers(k.R, out->motion.R);
