@@ -38,7 +38,7 @@ mathjax() {
   find "$to/jax/output/SVG/fonts" -mindepth 1 -maxdepth 1 ! -name TeX -exec rm -rf {} +
 }
 pages() {
-  rm -rf build/site
+  rm -rf build/site "$work/doctrees"
   mathjax || return
   LITHE_DOCS_SOURCE=$PWD/$work/source LITHE_DOXYGEN_XML=$PWD/$work/doxygen/xml \
     "$python" -B -m sphinx -q -W --keep-going -b html -c docs/site -d "$work/doctrees" "$work/source" build/site

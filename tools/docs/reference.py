@@ -42,34 +42,34 @@ TOPICS = [
     ("machinery", "Machinery", "What stands between a graph and an integrator; for those who work on the engine.",
      ["engine/*.h"]),
 ]
-SECTIONS = ("briefdescription detaileddescription innerclass func typedef enum var public-func public-attrib "
-            "public-type public-static-func public-static-attrib define user-defined")
 EXCLUDED = ["*_internal.h", "*/detail/*", "engine/plugin_abi.h", "engine/batch_of.h", "engine/block_kernels.h", "engine/plugin_tables.h"]
+# What readers and reductions are made of is not public (tools/cmake/package.cmake).
+EXCLUDED += [f"*/{name}.h" for name in (
+    "dof_table", "fixed_columns", "matrix_entries", "ansys_archive", "nastran_deck", "shape_functions",
+    "elastic_problem", "static_modes", "general_inertia", "eigen_modes", "quadratic_deflection", "text_file")]
+
+
+def excluded(header):
+    return any(fnmatch.fnmatch(header, pattern) for pattern in EXCLUDED)
 
 
 def public_headers(root):
     for folder in ("engine", "bodies", "joints", "integrators"):
-        for header in sorted((root / folder).rglob("*.h")):
-            name = header.relative_to(root).as_posix()
-            if not any(fnmatch.fnmatch(name, pattern) for pattern in EXCLUDED):
-                yield name
+        for path in sorted((root / folder).rglob("*.h")):
+            header = path.relative_to(root).as_posix()
+            if not excluded(header):
+                yield header
 
 
-def assign(headers):
-    """Topic page -> headers: a topic that names a header has it, else the topic of its folder."""
-    pages = {page: [] for page, *_ in TOPICS}
-    for header in headers:
-        for fits in (lambda pattern: pattern == header,
-                     lambda pattern: "*" in pattern and fnmatch.fnmatch(header, pattern)
-                     and pattern.count("/") == header.count("/"),
-                     lambda pattern: pattern.endswith("/*.h") and header.startswith(pattern[:-3])):
-            found = [page for page, _, _, patterns in reversed(TOPICS) if any(map(fits, patterns))]
-            if found:
-                pages[found[-1]].append(header)
-                break
-        else:
-            sys.exit(f"error: no topic has {header}\n  mend: name it in tools/docs/reference.py")
-    return pages
+def topic_of(header):
+    """The topic that names a header, else that of its folder, else that of a folder above."""
+    for fits in (lambda pattern: pattern == header,
+                 lambda pattern: fnmatch.fnmatch(header, pattern) and pattern.count("/") == header.count("/"),
+                 lambda pattern: pattern.endswith("/*.h") and header.startswith(pattern[:-3])):
+        for page, _, _, patterns in TOPICS:
+            if any(map(fits, patterns)):
+                return page
+    sys.exit(f"error: no topic has {header}\n  mend: name it in tools/docs/reference.py")
 
 
 def plain(element):
@@ -77,10 +77,9 @@ def plain(element):
 
 
 class Declarations:
-    """What each header declares, from Doxygen's XML: classes of the namespace, and its free functions, types, constants."""
+    """What Doxygen's XML says of each header's declarations: which have no comment."""
 
     def __init__(self, xml, root):
-        self.of = {}            # header -> names
         self.undocumented = {}  # header -> names
         self.root = root
         for path in sorted(xml.glob("*.xml")):
@@ -110,8 +109,6 @@ class Declarations:
             for member in section.findall("memberdef"):
                 if member.get("prot") == "public" and member.find("reimplements") is None:
                     self.told(member, header, name.removeprefix("lithe::") + "::" + plain(member.find("name")))
-        if name.count("::") == 1 and "<" not in name:  # those within others are shown with them
-            self.of.setdefault(header, set()).add(name)
 
     def add_namespace(self, compound):
         space = plain(compound.find("compoundname"))
@@ -123,21 +120,18 @@ class Declarations:
                 continue
             header = self.header(member)
             self.told(member, header, name)
-            self.of.setdefault(header, set()).add(name)
 
 
-def write_topics(root, out, declared):
-    pages = assign(public_headers(root))
+def write_topics(root, out):
+    headers = {page: [] for page, *_ in TOPICS}
+    for header in public_headers(root):
+        headers[topic_of(header)].append(header)
     for page, title, words, _ in TOPICS:
-        lines = [f"# {title}", "", words, ""]
-        for header in pages[page]:
-            if header not in declared.of:
-                continue
-            lines += [f"## {header}", ""]
-            lines += [f"```{{doxygenfile}} {header}", f":sections: {SECTIONS}", "```", ""]
-        (out / f"{page}.md").write_text("\n".join(lines))
+        (out / f"{page}.md").write_text("\n".join([
+            f"# {title}", "", words, "", "From " + ", ".join(f"`{header}`" for header in headers[page]) + ".", "",
+            f"```{{doxygengroup}} {page}", ":content-only:", ":members:", ":undoc-members:", "```", ""]))
     toc = "\n".join(page for page, *_ in TOPICS)
-    rows = "\n".join(f"| [{title}]({page}.md) | {words} | {len(pages[page])} |" for page, title, words, _ in TOPICS)
+    rows = "\n".join(f"| [{title}]({page}.md) | {words} | {len(headers[page])} |" for page, title, words, _ in TOPICS)
     (out / "index.md").write_text(
         "# API reference\n\nThe public headers of `engine/`, `bodies/`, `joints/` and `integrators/`, by topic, from "
         "their own comments. `#include \"lithe/lithe.h\"` has them all; namespace `lithe`.\n\n"
@@ -164,8 +158,8 @@ def main():
     root, out, xml = (pathlib.Path(argument).resolve() for argument in sys.argv[1:4])
     out.mkdir(parents=True, exist_ok=True)
     declared = Declarations(xml, root)
-    write_topics(root, out, declared)
-    print(f"reference: {len(TOPICS)} topics, {sum(map(len, declared.of.values()))} declarations, "
+    write_topics(root, out)
+    print(f"reference: {len(TOPICS)} topics, "
           f"{write_undocumented(root, out, declared)} names without a comment")
 
 
