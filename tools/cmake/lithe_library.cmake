@@ -27,9 +27,6 @@ function(lithe_library name)
   foreach(package lithe_flags ${ARG_HEADERS_ONLY})
     target_link_libraries(${name} PRIVATE $<BUILD_INTERFACE:${package}>)
   endforeach()
-  # GCC 12.2 passes a struct of doubles {x, x, 0, 0} by value as {x, x, x, x} where AVX is used and neighbouring stores
-  # were made one vector: a tolerance's two equal numbers would become the parameters after them.
-  target_compile_options(${name} PUBLIC $<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>)
   if(LITHE_NATIVE)
     # Eigen's alignment follows the instruction set, so users of the library must be compiled with the same one.
     target_compile_options(${name} PUBLIC -march=native)
