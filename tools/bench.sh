@@ -40,7 +40,7 @@ if [[ $install_peers == yes ]]; then
   stage_shown "peers' packages" tools/install_packages.sh tools/bench/peers/packages.txt
 fi
 stage "configure for counting" cmake -S . -B $counted -G Ninja -DCMAKE_BUILD_TYPE=Release -DLITHE_NATIVE=OFF \
-  -DCMAKE_CXX_FLAGS=-march=x86-64-v3 -DLITHE_TESTS=OFF -DLITHE_EXAMPLES=OFF -DLITHE_BENCH=ON
+  -DLITHE_ARCH=x86-64-v3 -DLITHE_TESTS=OFF -DLITHE_EXAMPLES=OFF -DLITHE_BENCH=ON
 build "build for counting" cmake --build $counted --parallel "$jobs" --target "${counted_programs[@]}"
 case $mode in
   check) exec python3 tools/bench/check.py --counted $counted/tools/bench ;;
