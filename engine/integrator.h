@@ -51,7 +51,7 @@ class Integrator {
   /// Whether it moves scenes with contacts of rigid surfaces; start() refuses them otherwise.
   virtual bool handles_rigid_contacts() const { return false; }
   /// Whether the v_dot and lambda that the last step left are the method's approximations (BDF: the slope of a
-  /// polynomial, and multipliers that no error test sees; a factor of near by), less exact than its q and v. Observers are then given those
+  /// polynomial, and multipliers that no error test sees; what Newton left, over h²), less exact than its q and v. Observers are then given those
   /// of the equations at (t, q, v) (Snapshot); the state, and with it the run, keeps the method's.
   virtual bool approximates_accelerations() const { return false; }
 

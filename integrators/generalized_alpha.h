@@ -37,6 +37,7 @@ class GeneralizedAlpha : public Integrator {
 
   std::string name() const override;
   const IntegratorStatistics& statistics() const override { return statistics_; }
+  bool approximates_accelerations() const override { return true; }  // as well as Newton has solved, times 1/h²
   double current_step() const { return h_; }
 
  protected:

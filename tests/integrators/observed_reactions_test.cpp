@@ -147,21 +147,20 @@ constexpr Named kScenes[] = {
 struct MethodOf {
   const char* name;
   Method (*make)();
-  bool approximates;  // what it leaves in the state is not good enough
+  bool approximates;  // what it leaves in the state breaks the laws by more than 1e-8
   double bound;       // of what observers see
 };
 const MethodOf kMethods[] = {
     {"bdf", [] { return bdf(1e-6); }, true, 1e-10},
-    {"bdf_fixed", [] { return bdf_fixed(1e-3, 2); }, true, 1e-10},
+    {"bdf_fixed", [] { return bdf_fixed(1e-3, 2); }, false, 1e-10},
     {"ida", [] { return ida(1e-6); }, true, 1e-10},
     {"adams", [] { return adams(1e-6); }, true, 1e-10},
     {"automatic", [] { return automatic(1e-6); }, false, 1e-10},
     {"radau", [] { return radau(1e-6); }, false, 1e-10},
     {"runge_kutta8", [] { return runge_kutta8(1e-6); }, false, 1e-10},
-    // v̇ and λ are the unknowns of their Newton iteration, here to 1e-12 of the coordinates.
-    {"index3", [] { return index3(1e-3); }, false, 3e-9},
-    {"index2", [] { return index2(1e-3); }, false, 3e-9},
-    {"hht", [] { return hht(1e-3); }, false, 3e-9},
+    {"index3", [] { return index3(1e-3); }, true, 1e-10},
+    {"index2", [] { return index2(1e-3); }, false, 1e-10},
+    {"hht", [] { return hht(1e-3); }, true, 1e-10},
 };
 
 TEST(ObservedReactions, obey_newton_and_euler_after_every_method) {
@@ -187,7 +186,7 @@ TEST(ObservedReactions, obey_newton_and_euler_after_every_method) {
       left = std::max({left, as_left.laws.newton, as_left.laws.euler, as_left.laws.generalised});
     }
     if (of.approximates) {
-      EXPECT_GT(left, 1e-8) << of.name << ": what it leaves would do";
+      EXPECT_GT(left, 1e-8) << of.name;
     }
   }
 }
@@ -198,7 +197,7 @@ void draw_stiff(SystemGraph& graph) {
   for (const auto& entry : graph.bodies())
     if (auto* body = dynamic_cast<RigidBody*>(entry.body); body && body->name() == "lower")
       graph.add<SpringDamper>("damper", {graph.ground().marker({1, 2, 1}), body->marker({0.2, 0.1, 0})},
-                              {.stiffness = 2e4, .damping = 3e4});
+                              {.damping = 1e6});
 }
 
 TEST(ObservedReactions, obey_newton_where_automatic_has_chosen_bdf) {
@@ -230,12 +229,12 @@ TEST(ObservedReactions, obey_newton_where_automatic_has_chosen_bdf) {
 
 TEST(ObservedReactions, do_not_touch_the_run) {
   for (const Named& scene : kScenes)
-    for (int k = 0; k < 4; ++k) {
+    for (const MethodOf& of : kMethods) {
       const auto run = [&](Observer& observer) {
         SystemGraph graph{{.gravity = kGravity}};
         scene.draw(graph);
         const System system = assemble(graph);
-        const Method method = kMethods[k].make();
+        const Method method = of.make();
         Simulation simulation(system, *method);
         simulation.observe(observer, every(0.01));
         State state = system.initial_state();
@@ -247,7 +246,7 @@ TEST(ObservedReactions, do_not_touch_the_run) {
         void observe(Snapshot&) override {}
       } blind;
       Laws laws;
-      EXPECT_TRUE(same(run(blind), run(laws))) << kMethods[k].name << ", " << scene.name;
+      EXPECT_TRUE(same(run(blind), run(laws))) << of.name << ", " << scene.name;
     }
 }
 
