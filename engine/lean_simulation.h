@@ -96,8 +96,8 @@ class LeanSimulation {
   bool reacts_;  // observers need multipliers: joints rub
 
   Watches watches_;
-  State last_;          // the last good state of all
-  bool begun_ = false;  // a run has started there
+  State last_;                // the last good state of all
+  bool begun_ = false;        // a run has started there
   State refined_, expanded_;  // scratch
   std::optional<Snapshot> snapshot_;
   bool evaluated_ = false;  // snapshot_ holds last_

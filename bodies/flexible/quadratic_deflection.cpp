@@ -109,10 +109,8 @@ void require_stiffness_of_elements(const FiniteElementModel& model, const std::s
 EnergyDerivatives differentiate(const FiniteElementModel& model, const ModalBasis& basis, bool whole) {
   const int nm = basis.mode_count(), pairs = nm * (nm + 1) / 2;
   const int quartic = whole ? pairs : 0;
-  EnergyDerivatives found{MatrixX::Zero(basis.modes.rows(), pairs),
-                          MatrixX::Zero(basis.modes.rows(), quartic),
-                          MatrixX::Zero(quartic, quartic),
-                          MatrixX::Zero(quartic, quartic),
+  EnergyDerivatives found{MatrixX::Zero(basis.modes.rows(), pairs), MatrixX::Zero(basis.modes.rows(), quartic),
+                          MatrixX::Zero(quartic, quartic), MatrixX::Zero(quartic, quartic),
                           MatrixX::Zero(quartic, quartic)};
   const MatrixX modes = turned(basis.modes, basis.rotation);
   for (const SolidElement& element : make_solid_elements(model)) add_element(element, modes, whole, found);

@@ -34,7 +34,8 @@ std::set<std::string> sections() {
 /// Numbers that follow the document's name in `text`: "2.3, 3.2", "section 9", "6, fixed interfaces".
 std::vector<std::string> cited(const std::string& text) {
   std::vector<std::string> numbers;
-  const std::regex citation(R"(docs/equations\.md (?:sections? )?(\d+(?:\.\d+)?(?:, \d+(?:\.\d+)?)*))"), number(R"([\d.]+)");
+  const std::regex citation(R"(docs/equations\.md (?:sections? )?(\d+(?:\.\d+)?(?:, \d+(?:\.\d+)?)*))"),
+      number(R"([\d.]+)");
   for (std::sregex_iterator m(text.begin(), text.end(), citation), end; m != end; ++m) {
     const std::string list = (*m)[1];
     for (std::sregex_iterator n(list.begin(), list.end(), number); n != end; ++n) numbers.push_back(n->str());
@@ -54,7 +55,8 @@ TEST(Citations, of_the_equations_meet_a_section) {
   ASSERT_GT(known.size(), 30U);
   const std::string old_name = std::string("EQUATIONS") + ".md";
   int count = 0;
-  for (const char* folder : {"engine", "bodies", "joints", "integrators", "plugins", "examples", "tests", "tools", "docs"})
+  for (const char* folder :
+       {"engine", "bodies", "joints", "integrators", "plugins", "examples", "tests", "tools", "docs"})
     for (const auto& entry : fs::recursive_directory_iterator(kRoot / folder)) {
       const std::string kind = entry.path().extension();
       if (!entry.is_regular_file() || (kind != ".h" && kind != ".cpp" && kind != ".md" && kind != ".py")) continue;

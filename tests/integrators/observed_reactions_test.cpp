@@ -19,8 +19,8 @@ namespace {
 
 const Vector3 kGravity(0.3, -0.2, -9.81);
 
-/// Newton's and Euler's laws of every rigid body, each force and moment as its sensor tells it; the generalised equation
-/// of every body, rigid or not.
+/// Newton's and Euler's laws of every rigid body, each force and moment as its sensor tells it; the generalised
+/// equation of every body, rigid or not.
 class Laws final : public Observer {
  public:
   void observe(Snapshot& now) override {
@@ -132,8 +132,8 @@ void draw_flexible(SystemGraph& graph) {
   static const auto basis = make_basis(model, MeanAxisFrame{}, 6);
   auto& link = graph.add<FlexibleBody>("link", {.basis = basis});
   auto& bob = graph.add<RigidBody>("bob", {.mass = 0.4, .inertia = {4e-4, 4e-4, 4e-4}, .position = {1.05, 0.01, 0.01}});
-  graph.add<RevoluteJoint>("pin", {graph.ground().marker({0, 0.01, 0.01}, kAcross),
-                                   link.average(model.node_set("x_min"), kAcross)});
+  graph.add<RevoluteJoint>(
+      "pin", {graph.ground().marker({0, 0.01, 0.01}, kAcross), link.average(model.node_set("x_min"), kAcross)});
   graph.add<SphericalJoint>("ball", {link.average(model.node_set("x_max")), bob.marker({-0.05, 0, 0})});
 }
 

@@ -1,8 +1,9 @@
-// Eight models of MSC ADAMS, drawn with our joints as they are printed in tests/data/adams/*.adm, and every column of the
-// results that ADAMS computed. The bounds are what ADAMS itself lacks: how far it is from an independent Newton-Euler
-// run at 1e-12 (tests/data/adams/README.md), and the next step of its second digit. Ours runs at 1e-12 too, so that it
-// must leave the same difference; measured, it leaves the same two digits. Columns that are zero: to round-off. They are a millionth to a thousandth of the quantities: a wrong sign, a
-// wrong axis or the other marker's reaction leaves the whole of them.
+// Eight models of MSC ADAMS, drawn with our joints as they are printed in tests/data/adams/*.adm, and every column of
+// the results that ADAMS computed. The bounds are what ADAMS itself lacks: how far it is from an independent
+// Newton-Euler run at 1e-12 (tests/data/adams/README.md), and the next step of its second digit. Ours runs at 1e-12
+// too, so that it must leave the same difference; measured, it leaves the same two digits. Columns that are zero: to
+// round-off. They are a millionth to a thousandth of the quantities: a wrong sign, a wrong axis or the other marker's
+// reaction leaves the whole of them.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -43,8 +44,7 @@ class Printed {
  public:
   Printed(const PrintedMarker& cm, const Vector3& ip)
       : cm_(cm),
-        part(graph.add<RigidBody>("part 02",
-                                  {.mass = 1, .inertia = ip, .position = cm.qp, .orientation = cm.axes})),
+        part(graph.add<RigidBody>("part 02", {.mass = 1, .inertia = ip, .position = cm.qp, .orientation = cm.axes})),
         centre(part.marker()) {}
 
   Marker on_ground(const PrintedMarker& m) { return graph.ground().marker(m.qp, m.axes); }
@@ -126,8 +126,8 @@ void compare(const std::string& name, Printed& model, const std::vector<Sensor>&
 const PrintedMarker kPin{{1, 2, 3}, reuler(180, 45, 180)}, kPendulum{{3, 2, 3}, reuler(180, 45, 180)};
 const Vector3 kInertia(0.04, 0.1, 0.1);
 
-// JOINT/1, ..., I = 0102 (ground), J = 0202 (part). A is J and B is I: what is measured of B against A is then that of I
-// against J, and reaction(joint, 1) is JOINT(1, 0, ...), the load on I.
+// JOINT/1, ..., I = 0102 (ground), J = 0202 (part). A is J and B is I: what is measured of B against A is then that of
+// I against J, and reaction(joint, 1) is JOINT(1, 0, ...), the load on I.
 
 TEST(Adams, revolute_case_02) {
   Printed model(kPendulum, kInertia);
@@ -175,8 +175,8 @@ struct Gyration {
   /// The joint's own markers are turned from those that are looked at.
   Gyration(const Matrix3& i_axes, const Matrix3& j_axes, const Matrix3& turn_i, const Matrix3& turn_j)
       : i(model.on_ground({{0, 0, 0}, i_axes})), j(model.on_part({{0, 0, 0}, j_axes})) {
-    model.graph.add<UniversalJoint>("cross", {model.on_ground({{0, 0, 0}, i_axes * turn_i}),
-                                              model.on_part({{0, 0, 0}, j_axes * turn_j})});
+    model.graph.add<UniversalJoint>(
+        "cross", {model.on_ground({{0, 0, 0}, i_axes * turn_i}), model.on_part({{0, 0, 0}, j_axes * turn_j})});
     model.graph.add<SpringDamper>("spring", {model.on_ground({{1, 2, 0.5}}), model.centre}, {.stiffness = 20});
   }
   /// Largest |column a of I · column b of J| over two seconds.
@@ -223,9 +223,8 @@ TEST(Adams, distance_case_03) {
 // SFORCE/1, TRANSLATIONAL: -k (DM - 2) - c VR, positive pushes I and J apart. The results are those of c = 5.
 TEST(Adams, translational_spring_case_02) {
   Printed model({{0, 2, 0}}, kInertia);
-  const auto& spring =
-      model.graph.add<SpringDamper>("1", {model.on_part({{0, 2, 0}}), model.on_ground({})},
-                                    {.stiffness = 100, .damping = 5, .natural_length = 2});
+  const auto& spring = model.graph.add<SpringDamper>("1", {model.on_part({{0, 2, 0}}), model.on_ground({})},
+                                                     {.stiffness = 100, .damping = 5, .natural_length = 2});
   compare("TranSpring_Case02", model, {applied_force(spring, 1)},
           {5.1e-7, 5.2e-7, 5.1e-6, 1e-11, 1e-11, 1e-11, 5.1e-6, 1e-11});
 }
