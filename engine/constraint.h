@@ -131,7 +131,7 @@ class Joint : public Constraint {
   int row_count() const final { return Rows; }
 };
 
-// ---- the rows joints are composed of (EQUATIONS.md 7.2); each brings its own stiffness under load ----
+// ---- the rows joints are composed of (docs/equations.md 7.2); each brings its own stiffness under load ----
 
 /// Three rows p_B - p_A = 0.
 void coincident(const MarkerView& A, const MarkerView& B, ConstraintRows& rows);

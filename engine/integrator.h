@@ -50,6 +50,11 @@ class Integrator {
   virtual const IntegratorStatistics& statistics() const = 0;
   /// Whether it moves scenes with contacts of rigid surfaces; start() refuses them otherwise.
   virtual bool handles_rigid_contacts() const { return false; }
+  /// Whether the v_dot and lambda that the last step left are the method's approximations (BDF: the slope of a
+  /// polynomial, and multipliers that no error test sees; what Newton left, over h²), less exact than its q and v.
+  /// Observers are then given those of the equations at (t, q, v) (Snapshot); the state, and with it the run, keeps the
+  /// method's.
+  virtual bool approximates_accelerations() const { return false; }
 
   /// Dense output: the motion within the last step, which led from `from` to `to`, at from.time <= time <= to.time.
   /// Fills time, q, v, v_dot, lambda; quadrants are those of `from`. The common one is the polynomial of degree 5

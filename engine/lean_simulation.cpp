@@ -362,12 +362,19 @@ void LeanSimulation::gather(State& state, double time) const {
                    [](const ContactTrace& a, const ContactTrace& b) { return a.element < b.element; });
 }
 
-/// As observers see it.
+/// As observers see it: of islands whose method approximates accelerations and multipliers, those of their equations.
 Snapshot& LeanSimulation::look(const State& state) {
   if (!snapshot_) snapshot_.emplace(observed());
   if (evaluated_) return *snapshot_;
-  if (expand_) expand_(state, expanded_);
-  snapshot_->evaluate(expand_ ? expanded_ : state);
+  refined_ = state;
+  for (const auto& island : islands_) {
+    if (!island->integrator->approximates_accelerations()) continue;
+    Snapshot& part = island->simulation.look(island->state);
+    lithe::gather(island->v, part.accelerations(), refined_.v_dot);
+    if (refined_.lambda.size() > 0) lithe::gather(island->rows, part.multipliers(), refined_.lambda);
+  }
+  if (expand_) expand_(refined_, expanded_);
+  snapshot_->evaluate(expand_ ? expanded_ : refined_);
   evaluated_ = true;
   return *snapshot_;
 }

@@ -96,9 +96,9 @@ class LeanSimulation {
   bool reacts_;  // observers need multipliers: joints rub
 
   Watches watches_;
-  State last_;          // the last good state of all
-  bool begun_ = false;  // a run has started there
-  State expanded_;      // scratch
+  State last_;                // the last good state of all
+  bool begun_ = false;        // a run has started there
+  State refined_, expanded_;  // scratch
   std::optional<Snapshot> snapshot_;
   bool evaluated_ = false;  // snapshot_ holds last_
   CheckpointSchedule checkpoints_;

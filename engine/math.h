@@ -67,7 +67,7 @@ inline Vector4 rotated(const Vector4& e, const Vector3& psi) {
 }
 
 /// Coefficients of the SO(3) series at t = |phi|²: a = (1 - cos)/t, b = (|phi| - sin)/(t |phi|) and their derivatives
-/// da, db with respect to |phi|, over |phi| (EQUATIONS.md section 1).
+/// da, db with respect to |phi|, over |phi| (docs/equations.md section 1).
 struct RotationSeries {
   double a, b, da, db;
   explicit RotationSeries(const Vector3& phi);

@@ -58,6 +58,8 @@ class ModeFreezing final : public Integrator {
 
   std::string name() const override { return method_->name() + ", quiet modes frozen"; }
   const IntegratorStatistics& statistics() const override { return statistics_; }
+  /// With modes frozen, the equations that observers could solve are not those that the scene moves by.
+  bool approximates_accelerations() const override { return held_.empty() && method_->approximates_accelerations(); }
   void interpolate(const Layout& layout, const State& from, const State& to, double time, State& out) const override;
 
  protected:

@@ -6,7 +6,7 @@
 namespace lithe {
 
 /// Index-1 work on the equations of motion, with scratch of its own: consistent accelerations, and projection onto the
-/// constraints along M⁻¹Gᵀ, the shortest way in the metric of the mass (EQUATIONS.md 8.3).
+/// constraints along M⁻¹Gᵀ, the shortest way in the metric of the mass (docs/equations.md 8.3).
 class Projector {
  public:
   explicit Projector(EquationsOfMotion& equations);

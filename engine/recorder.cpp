@@ -21,7 +21,7 @@ Recorder::Recorder(std::vector<Sensor> sensors, std::source_location where) try 
       if (!fresh)
         throw SceneError("two columns of a recorder are called '" + column + "': " + other->second + " has it too",
                          sensor.where() + ", recorder of " + to_string(where),
-                         "name one of the sensors, as in height(marker, \"tip\")");
+                         "name one of the sensors, as in height(marker, \"tip\"); give one of your own other columns");
       table_.columns.push_back(column);
     }
   row_.resize(table_.columns.size());

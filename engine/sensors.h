@@ -14,9 +14,9 @@ namespace lithe {
 /// What is read off a state: some named numbers, a pure function of a snapshot. A value, passed and kept by copy.
 /// The functions below make the usual ones; a scene may write its own:
 ///   Sensor{"sag", {"sag"}, [&](Snapshot& now, std::span<double> out) { out[0] = -now.marker(tip).p.z(); }}
-/// Columns bear the sensor's name: a vector called "tip" has "tip_x", "tip_y", "tip_z"; a single number is "tip"
-/// itself. Without a name it is told from the body or joint: "link_m3_x" (marker 3 of 'link', counted as it counts
-/// them).
+/// Columns of the usual ones bear the sensor's name: a vector called "tip" has "tip_x", "tip_y", "tip_z", a single
+/// number is "tip" itself; without a name it is told from the body or joint: "link_m3_x" (marker 3 of 'link', counted
+/// as it counts them). A scene's own sensor has its columns as written, without a prefix: its name is for messages.
 class Sensor {
  public:
   using Reading = std::function<void(Snapshot& snapshot, std::span<double> values)>;
@@ -70,7 +70,7 @@ Sensor modal_rates(const Body& body, Located name = "");
 inline constexpr Marker kWorldAxes{};
 
 /// Force (N) and moment (N m) of a joint on the body at its marker number `marker` (from 0, in the joint's list), about
-/// that marker's point:  -Σ_rows W λ  (EQUATIONS.md 7.4); in world axes, or in the axes of a marker as they turn now.
+/// that marker's point:  -Σ_rows W λ  (docs/equations.md 7.4); in world axes, or in those of a marker as they turn.
 /// Columns force_x … moment_z. Where rows are redundant the sharing among them is not unique: it is that of least λ.
 Sensor reaction(const Constraint& joint, int marker, Marker axes = kWorldAxes, Located name = "");
 /// What a joint transmits, in its own frame: force and moment on the body of its second marker, in the axes of the

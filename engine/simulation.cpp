@@ -176,7 +176,9 @@ void Simulation::advance(State& state, double stop) {
 }
 
 Snapshot& Simulation::look(const State& state) {
-  if (!evaluated_) snapshot_.evaluate(state);
+  if (!evaluated_)
+    snapshot_.evaluate(state,
+                       integrator_.approximates_accelerations() ? Accelerations::solved : Accelerations::as_left);
   evaluated_ = true;
   return snapshot_;
 }

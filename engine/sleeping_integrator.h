@@ -25,6 +25,7 @@ class SleepingIntegrator final : public Integrator {
   std::string name() const override { return method_->name(); }
   /// Of the method; zero while it has slept since start().
   const IntegratorStatistics& statistics() const override { return asleep_ ? none_ : method_->statistics(); }
+  bool approximates_accelerations() const override { return !asleep_ && method_->approximates_accelerations(); }
   void interpolate(const Layout& layout, const State& from, const State& to, double time, State& out) const override;
 
  protected:

@@ -5,7 +5,7 @@
 
 namespace lithe {
 
-void Snapshot::evaluate(const State& state) {
+void Snapshot::evaluate(const State& state, Accelerations accelerations) {
   const Layout& layout = assembler_.layout();
   if (state.q.size() != layout.q_count() || state.v.size() != layout.v_count() ||
       state.v_dot.size() != layout.v_count() || (state.lambda.size() > 0 && state.lambda.size() != layout.row_count()))
@@ -16,11 +16,24 @@ void Snapshot::evaluate(const State& state) {
                          std::to_string(layout.v_count()) + " and " + std::to_string(layout.row_count()),
                      "Snapshot", "start from system.initial_state(), or let an integrator start from the state first");
   state_ = state;
-  has_multipliers_ = false;
+  solves_ = accelerations == Accelerations::solved;
+  solved_ = has_multipliers_ = false;
   assembler_.recall(state_.quadrants);
   assembler_.recall(state_.contacts);
   assembler_.evaluate(state_.time, state_.q, state_.v, Level::acceleration);
-  if (assembler_.reacts()) assembler_.react(found_multipliers());
+  if (assembler_.reacts() && !solve()) assembler_.react(found_multipliers());
+}
+
+/// False: those of the state are to be used.
+bool Snapshot::solve() {
+  if (!solves_ || solved_) return solves_;
+  solved_ = true;
+  v_dot_ = state_.v_dot;
+  lambda_ = state_.lambda;
+  if (lambda_.size() != assembler_.layout().row_count()) lambda_.setZero(assembler_.layout().row_count());
+  Projector(assembler_).accelerations(state_.time, state_.q, state_.v, v_dot_, lambda_);
+  solves_ = v_dot_.allFinite() && lambda_.allFinite();
+  return solves_;
 }
 
 Vector6 Snapshot::acceleration(const Marker& marker) {
@@ -31,7 +44,7 @@ Vector6 Snapshot::acceleration(const Marker& marker) {
   const Layout::BodySlice& slice = assembler_.layout().slice(*marker.body);
   // J v_body_dot in body axes: ω̇ × r + B η̈ and ω̇ + T η̈; the frame's own acceleration is in world axes.
   Vector3 v_dot = Vector3::Zero(), w_dot = Vector3::Zero();
-  const double* v_body_dot = state_.v_dot.data() + slice.v;
+  const double* v_body_dot = accelerations().data() + slice.v;
   if (slice.frame) {
     const Eigen::Map<const Vector3> p_dot_dot(v_body_dot), omega_dot(v_body_dot + 3);
     result.head<3>() += p_dot_dot;
@@ -59,7 +72,7 @@ const VectorX& Snapshot::found_multipliers() {
 }
 
 const VectorX& Snapshot::multipliers() {
-  const VectorX& found = found_multipliers();
+  const VectorX& found = solve() ? lambda_ : found_multipliers();
   if (system().redundant_rows().empty()) return found;
   if (!has_multipliers_) {
     multipliers_ = found;

@@ -60,7 +60,11 @@ void SystemGraph::check_shared(const Element& element, const std::vector<Marker>
 void SystemGraph::check_name(const Located& name) const {
   if (name.text.empty())
     throw SceneError("an element has no name", to_string(name.where), "give a name: messages and outputs use it");
-  if (const Element* other = find(name.text))
+  const Element* other = find(name.text);
+  if (other && other == ground_)
+    throw SceneError("the name '" + name.text + "' is that of the fixed body, which every graph has",
+                     to_string(name.where), "give another name; the fixed body is graph.ground()");
+  if (other)
     throw SceneError("the name '" + name.text + "' is in use since " + other->where(), to_string(name.where),
                      "give every body, joint and force a name of its own");
 }

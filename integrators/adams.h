@@ -8,7 +8,7 @@
 namespace lithe {
 
 /// Variable-order, variable-step Adams-Moulton method of SUNDIALS (CVODE; Hindmarsh et al. 2005) with functional
-/// iteration, on the index-1 form behind projection (Eich 1993; EQUATIONS.md 8.3):
+/// iteration, on the index-1 form behind projection (Eich 1993; docs/equations.md 8.3):
 ///   ẏ = f(t, P(y)),   y = (q, v) with quaternions as four plain numbers e, ė = ½ e ∘ (0, ω).
 /// P makes e/|e| and moves q and v onto g = 0 and ġ = 0 along M⁻¹Gᵀ. What y drifts off the constraints in a step is set
 /// aside at its end, which a multistep method does not notice: its history is made of rates. So drift neither feeds
@@ -29,6 +29,7 @@ class Adams final : public Integrator {
 
   std::string name() const override { return "SUNDIALS CVODE, Adams"; }
   const IntegratorStatistics& statistics() const override { return statistics_; }
+  bool approximates_accelerations() const override { return true; }
 
   /// q, v and v̇ by CVODE's own polynomial of the order in use, λ linear.
   void interpolate(const Layout& layout, const State& from, const State& to, double time, State& out) const override;

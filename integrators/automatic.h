@@ -40,6 +40,7 @@ class Automatic final : public Integrator {
 
   std::string name() const override { return "automatic"; }
   const IntegratorStatistics& statistics() const override { return statistics_; }
+  bool approximates_accelerations() const override { return at_work().approximates_accelerations(); }
   Method method() const { return method_; }
   /// How often the scene passed to another method for good, since start().
   int switches() const { return switches_; }

@@ -62,7 +62,7 @@ void GeneralizedAlpha::restart(EquationsOfMotion& equations, State& state) {
 }
 
 /// Start values for steps of h from consistent v̇: a₀ = v̇₀ + (am - af) h v̈₀ and the shift of v₀ that spares the
-/// multipliers of index 3 their first-order transient (EQUATIONS.md 8.1).
+/// multipliers of index 3 their first-order transient (docs/equations.md 8.1).
 void GeneralizedAlpha::begin(EquationsOfMotion& equations, State& state, double h) {
   a_ = state.v_dot;
   h_offset_ = h;

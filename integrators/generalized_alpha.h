@@ -6,7 +6,7 @@
 namespace lithe {
 
 /// Lie-group generalized-alpha for constrained mechanical systems (Chung & Hulbert 1993; Arnold, Brüls & Cardona 2007,
-/// 2012; EQUATIONS.md 8.1, 8.2). Second order, unconditionally stable, damps unresolved modes by the spectral radius.
+/// 2012; docs/equations.md 8.1, 8.2). Second order, unconditionally stable, damps modes by the spectral radius.
 ///   (1 - am) a' + am a = (1 - af) v̇' + af v̇
 ///   d = h v + h² ((½ - β) a + β a'),   q' = q ⊕ d,   v' = v + h ((1 - γ) a + γ a')
 /// Two forms: index 3 solves g(q') = 0; stabilized index 2 (Gear, Gupta & Leimkuhler 1985) solves g(q') = 0 and
@@ -37,6 +37,7 @@ class GeneralizedAlpha : public Integrator {
 
   std::string name() const override;
   const IntegratorStatistics& statistics() const override { return statistics_; }
+  bool approximates_accelerations() const override { return true; }  // as well as Newton has solved, times 1/h²
   double current_step() const { return h_; }
 
  protected:

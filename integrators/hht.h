@@ -30,6 +30,7 @@ class Hht final : public Integrator {
   std::string name() const override { return "HHT-I3"; }
   const IntegratorStatistics& statistics() const override { return method_.statistics(); }
   double current_step() const { return method_.current_step(); }
+  bool approximates_accelerations() const override { return method_.approximates_accelerations(); }
 
  protected:
   void prepare(EquationsOfMotion& equations, State& state) override { method_.start(equations, state); }

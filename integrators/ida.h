@@ -25,6 +25,7 @@ class Ida final : public Integrator {
   std::string name() const override { return "SUNDIALS IDA, stabilized index 2"; }
   /// Also moves the state onto the constraints: IDA needs a consistent start.
   const IntegratorStatistics& statistics() const override { return statistics_; }
+  bool approximates_accelerations() const override { return true; }
 
  protected:
   void prepare(EquationsOfMotion& equations, State& state) override;

@@ -33,6 +33,7 @@ class LieBdf final : public Integrator {
 
   std::string name() const override { return "Lie-group BDF, stabilized index 2"; }
   const IntegratorStatistics& statistics() const override { return statistics_; }
+  bool approximates_accelerations() const override { return true; }
   double current_step() const { return h_; }
   int current_order() const { return order_; }
 

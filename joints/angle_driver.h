@@ -7,7 +7,7 @@
 namespace lithe {
 
 /// Prescribes the angle from x_A to x_B about the common z axis of a hinge.
-///   g = n · x_B,  n = y_A cos f - x_A sin f, one row; f(t) counts over 2 pi. (EQUATIONS.md 7.3)
+///   g = n · x_B,  n = y_A cos f - x_A sin f, one row; f(t) counts over 2 pi. (docs/equations.md 7.3)
 class AngleDriver final : public Joint</*markers=*/2, /*rows=*/1> {
  public:
   struct Parameters {

@@ -7,7 +7,7 @@
 namespace lithe {
 
 /// Sleeve on a shaft: the markers share their z axis as a line; B slides along it and turns about it, two freedoms.
-///   g = (x_A · z_B, y_A · z_B, x_A · d, y_A · d), d = p_B - p_A, four rows. (EQUATIONS.md 7.3)
+///   g = (x_A · z_B, y_A · z_B, x_A · d, y_A · d), d = p_B - p_A, four rows. (docs/equations.md 7.3)
 class CylindricalJoint final : public Joint</*markers=*/2, /*rows=*/4> {
  public:
   /// From x_A to x_B about z_A.

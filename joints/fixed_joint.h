@@ -6,7 +6,7 @@
 namespace lithe {
 
 /// Weld: the markers share their position and all axes; no freedom is left.
-///   g = (p_B - p_A, x_A · y_B, y_A · z_B, z_A · x_B), six rows. (EQUATIONS.md 7.3)
+///   g = (p_B - p_A, x_A · y_B, y_A · z_B, z_A · x_B), six rows. (docs/equations.md 7.3)
 class FixedJoint final : public Joint</*markers=*/2, /*rows=*/6> {
  public:
   void evaluate(double, std::span<const MarkerView> markers, ConstraintRows& rows) const override {

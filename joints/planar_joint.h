@@ -8,7 +8,7 @@ namespace lithe {
 
 /// Block on a table: B keeps in the plane through A normal to z_A, and its z axis along z_A; two slidings and the turn
 /// about z are left.
-///   g = (x_A · z_B, y_A · z_B, z_A · d), d = p_B - p_A, three rows. (EQUATIONS.md 7.3)
+///   g = (x_A · z_B, y_A · z_B, z_A · d), d = p_B - p_A, three rows. (docs/equations.md 7.3)
 class PlanarJoint final : public Joint</*markers=*/2, /*rows=*/3> {
  public:
   /// Displacements along x_A and y_A, and the angle from x_A to x_B about z_A.

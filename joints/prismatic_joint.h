@@ -7,7 +7,7 @@
 namespace lithe {
 
 /// Slider: all axes stay parallel and B moves along the z axis of A; one translation is left free.
-///   g = (x_A · y_B, y_A · z_B, z_A · x_B, x_A · d, y_A · d), d = p_B - p_A, five rows. (EQUATIONS.md 7.3)
+///   g = (x_A · y_B, y_A · z_B, z_A · x_B, x_A · d, y_A · d), d = p_B - p_A, five rows. (docs/equations.md 7.3)
 class PrismaticJoint final : public Joint</*markers=*/2, /*rows=*/5> {
  public:
   /// Of B along z_A.

@@ -7,7 +7,7 @@
 namespace lithe {
 
 /// Hinge: the markers share their position and their z axis; one rotation is left free.
-///   g = (p_B - p_A, x_A · z_B, y_A · z_B), five rows. (EQUATIONS.md 7.3)
+///   g = (p_B - p_A, x_A · z_B, y_A · z_B), five rows. (docs/equations.md 7.3)
 class RevoluteJoint final : public Joint</*markers=*/2, /*rows=*/5> {
  public:
   /// From x_A to x_B about z_A.

@@ -5,7 +5,7 @@
 
 namespace lithe {
 
-/// Ball joint: the two markers share their position. g = p_B - p_A, three rows. (EQUATIONS.md 7.3)
+/// Ball joint: the two markers share their position. g = p_B - p_A, three rows. (docs/equations.md 7.3)
 class SphericalJoint final : public Joint</*markers=*/2, /*rows=*/3> {
  public:
   void evaluate(double, std::span<const MarkerView> markers, ConstraintRows& rows) const override {

@@ -7,7 +7,7 @@
 namespace lithe {
 
 /// Prescribes the displacement along the z axis of marker A.
-///   g = z_A · (p_B - p_A) - f(t), one row. (EQUATIONS.md 7.3)
+///   g = z_A · (p_B - p_A) - f(t), one row. (docs/equations.md 7.3)
 class TranslationalDriver final : public Joint</*markers=*/2, /*rows=*/1> {
  public:
   struct Parameters {

@@ -8,7 +8,7 @@ namespace lithe {
 
 /// Cardan joint: the markers share their position, and the cross between them has one arm along x_A and the other along
 /// y_B, at right angles; turns about either arm are left, two rotations. With equal marker axes the shafts lie along z.
-///   g = (p_B - p_A, x_A · y_B), four rows. (EQUATIONS.md 7.3)
+///   g = (p_B - p_A, x_A · y_B), four rows. (docs/equations.md 7.3)
 class UniversalJoint final : public Joint</*markers=*/2, /*rows=*/4> {
  public:
   /// Turn about x_A, from y_A to y_B, and turn about y_B, from z_A to z_B.

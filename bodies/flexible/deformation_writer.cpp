@@ -27,7 +27,7 @@ DeformationWriter::DeformationWriter(const FlexibleBody& body, std::string path,
 void DeformationWriter::observe(Snapshot& snapshot) {
   const BodyState state = snapshot.assembler().body_state(body_);
   const auto& slice = snapshot.system().layout().slice(body_);
-  const auto motion = body_.nodal_motion(state, snapshot.state().v_dot.data() + slice.v);
+  const auto motion = body_.nodal_motion(state, snapshot.accelerations().data() + slice.v);
   const Eigen::Map<const Vector3> origin(state.q);
   const Matrix3X rigid = (state.cache->A * body_.basis().nodes).colwise() + Vector3(origin);
   if (series_.frame_count() == 0) start_ = motion.position;

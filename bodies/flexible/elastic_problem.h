@@ -29,7 +29,7 @@ MatrixX beside(const MatrixX& left, const MatrixX& right);
 /// K x = f and K a = λ M a of a body whose `rigid` motions (n x k, maybe no column) alone meet no stiffness: one sparse
 /// factor of K + shift M, shift = 1e-10 tr K / tr M, for all that is asked of it. Refers to K and M.
 /// SceneError if K + shift M is not positive definite (a mechanism); `where` names model and support.
-/// With held means (EQUATIONS.md 6, fixed interfaces) the free coordinates are those with Fᵀ x = 0, and K x = f + F λ.
+/// With held means (docs/equations.md 6, fixed interfaces): the free coordinates have Fᵀ x = 0, and K x = f + F λ.
 class ElasticProblem {
  public:
   ElasticProblem(const SparseMatrix& K, const SparseMatrix& M, const MatrixX& rigid, std::string where);

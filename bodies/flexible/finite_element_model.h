@@ -61,7 +61,7 @@ struct FiniteElementModel {
   const std::vector<int>& node_set(const std::string& set) const;
 };
 
-/// What is wrong or right with a model, each figure on its natural scale (EQUATIONS.md section 2.1).
+/// What is wrong or right with a model, each figure on its natural scale (docs/equations.md section 2.1).
 struct ModelCheck {
   std::string name;  // of the model
   int nodes = 0;

@@ -238,7 +238,7 @@ void FlexibleBody::add_tangent(const BodyState& state, const double* v_dot, cons
   else
     S.linear += a * modal_mass_ + d * damping_ + p * stiffness_;
 
-  if (d != 0) {  // EQUATIONS.md 3.3, left-hand side; the small modal-modal gyroscopic part is left to Newton
+  if (d != 0) {  // docs/equations.md 3.3, left-hand side; the small modal-modal gyroscopic part is left to Newton
     const Matrix3 W = skew(w);
     const Vector3 spin = t.J * w + t.h;
     const Matrix3X &G_omega = deflection_ ? map.G_omega : t.G_omega, &u_columns = deflection_ ? map.u : t.u,

@@ -32,7 +32,7 @@ struct NodalLoad {
 
 /// Flexible body in the floating frame of reference: a frame that moves far, and small deformation in it.
 ///   q_i = x0 + A (r0_i + B_i η),   M v̇ = f_v + f_gravity - K^ η - D η̇     (Vlasenko & Kasper eqs. 7-10, 23, 40;
-///   M and f_v with every coupling as corrected in EQUATIONS.md 2.3, 3.2)
+///   M and f_v with every coupling as corrected in docs/equations.md 2.3, 3.2)
 /// Three fidelities by one number, mode_count: all coordinates of a nodal basis, the first modes of a reduced one, or
 /// 0: rigid. Stiffening by spin and load, and moderately large deflection, come with the basis (Reduction::deflection):
 ///   u = [B, Ψ] ξ(η), so that each B above becomes [B, Ψ] P, P = ∂ξ/∂η (deflection_map.h).
@@ -95,7 +95,7 @@ class FlexibleBody final : public DeformableBody, public DrawableBody {
   /// The body frame itself; does not follow the deformation.
   Marker frame(const Matrix3& orientation = Matrix3::Identity());
   /// Any point with given modal Jacobians, body axes: c, Bm, Theta (3 x nm each, or a column for each field of a basis
-  /// with a quadratic deflection), R0 (EQUATIONS.md 7.1).
+  /// with a quadratic deflection), R0 (docs/equations.md 7.1).
   Marker modal_marker(const Vector3& c, const Matrix3X& Bm, const Matrix3X& Theta, const Matrix3& R0);
 
   /// The nodes (indices) that a marker follows, and how much each counts (sum 1); none for the frame and modal markers.
@@ -113,7 +113,7 @@ class FlexibleBody final : public DeformableBody, public DrawableBody {
   /// Linear momentum, and angular momentum about the world origin, world axes.
   Vector3 linear_momentum(const BodyState&) const;
   Vector3 angular_momentum(const BodyState&) const;
-  // The parts of the right-hand side, v_count long (EQUATIONS.md 3.2, 4.1, 4.4).
+  // The parts of the right-hand side, v_count long (docs/equations.md 3.2, 4.1, 4.4).
   VectorX quadratic_velocity_force(const BodyState&) const;
   VectorX gravity_force(const BodyState&, const Vector3& gravity) const;
   VectorX elastic_force(const BodyState&) const;

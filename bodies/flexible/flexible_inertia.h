@@ -8,7 +8,7 @@
 
 namespace lithe {
 
-/// What M and f_v need of the deformed body at one state, body axes (EQUATIONS.md 2.3, 3.2, 3.3).
+/// What M and f_v need of the deformed body at one state, body axes (docs/equations.md 2.3, 3.2, 3.3).
 struct InertiaTerms {
   Vector3 s = Vector3::Zero();       // first moment about the frame origin
   Vector3 s_rate = Vector3::Zero();  // Ct η̇
@@ -51,8 +51,8 @@ class ModalInertia final : public FlexibleInertia {
   InertiaIntegrals I_;
 };
 
-/// By nodes and scalar mass, for B that selects nodal coordinates (EQUATIONS.md 2.2, 3.1): linear in the entries of
-/// m_ij.
+/// By nodes and scalar mass, for B that selects nodal coordinates (docs/equations.md 2.2, 3.1): linear in the
+/// entries of m_ij.
 class NodalInertia final : public FlexibleInertia {
  public:
   explicit NodalInertia(std::shared_ptr<const ModalBasis> basis);

@@ -214,7 +214,7 @@ Marker FlexibleBody::modal_marker(const Vector3& c, const Matrix3X& Bm, const Ma
   });
 }
 
-/// EQUATIONS.md 7.1: r = c + Bm η, orientation A exp(φ~) R0 with φ = Θ η.
+/// docs/equations.md 7.1: r = c + Bm η, orientation A exp(φ~) R0 with φ = Θ η.
 void FlexibleBody::marker_kinematics(const BodyState& state, int marker, Level level, MarkerKinematics& k) const {
   auto& cache = static_cast<Cache&>(*state.cache);
   const MarkerShape& m = markers_[marker];

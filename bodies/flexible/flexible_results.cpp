@@ -47,7 +47,7 @@ VectorX FlexibleBody::field_coordinates(const BodyState& state) const {
   return deflection_ ? deflection_->coordinates(eta) : VectorX(eta);
 }
 
-/// EQUATIONS.md section 9: P = A (m A^T ẋ + ω × s + Ct η̇), H = s × A^T ẋ + J ω + Cr η̇ about the frame origin.
+/// docs/equations.md section 9: P = A (m A^T ẋ + ω × s + Ct η̇), H = s × A^T ẋ + J ω + Cr η̇ about the frame origin.
 Vector3 FlexibleBody::linear_momentum(const BodyState& state) const {
   const InertiaTerms& t = static_cast<const Cache&>(*state.cache).terms;
   const ConstVector3 v(state.v), w(state.v + 3);

@@ -6,7 +6,7 @@
 
 namespace lithe {
 
-/// Up to here max|S_ij - m_ij E| / max|S| is rounding: M is a scalar interpolation (EQUATIONS.md 2.1).
+/// Up to here max|S_ij - m_ij E| / max|S| is rounding: M is a scalar interpolation (docs/equations.md 2.1).
 inline constexpr double kIsotropyBound = 1e-10;
 
 /// Blocks S_ij = m_ij E, and no nodal rotations: the scalar masses m_ij say all about the inertia.
@@ -14,7 +14,7 @@ bool is_scalar_interpolation(const FiniteElementModel& model, const ModelCheck& 
 
 /// Rows and columns of the translations, 3n x 3n.
 SparseMatrix translations(const SparseMatrix& A, int node_count);
-/// m_i = tr(Σ_j S_ij)/3 of each node, a diagonal matrix n x n (EQUATIONS.md 2.4).
+/// m_i = tr(Σ_j S_ij)/3 of each node, a diagonal matrix n x n (docs/equations.md 2.4).
 SparseMatrix lumped_mass(const SparseMatrix& S, int node_count);
 
 /// Rigid motions about a point c, dofs x 6: unit translations e, unit rotations e x (r - c); nodal rotations turn by e.
@@ -35,7 +35,7 @@ SparseMatrix axes_turn(const FiniteElementModel& model, const Matrix3& rotation)
 /// The integrals of a basis with nodal rotations or another mass S (body axes, dofs x dofs) than a scalar
 /// interpolation: mass, s0, Ct, J0, C0, Mff by S, exact; J1, J2, C1 by the nodes' masses, basis.nodal_mass, the modes
 /// moved rigidly so that these see the same momentum in them as S does. Momentum and energy are conserved by any such
-/// set (EQUATIONS.md 2.4).
+/// set (docs/equations.md 2.4).
 InertiaIntegrals general_inertia_integrals(const ModalBasis& basis, const SparseMatrix& S);
 
 }  // namespace lithe

@@ -9,7 +9,7 @@ namespace lithe {
 InertiaIntegrals inertia_integrals(const ModalBasis& basis);
 
 /// From any nodal mass S (3n x 3n) whose row sums obey eqs. (19)-(20), blocks S_ij not multiples of E
-/// (EQUATIONS.md 2.4). nodes 3 x n and B 3n x nm in body axes. Dense in 3n x 3 (nm + 1): for small meshes.
+/// (docs/equations.md 2.4). nodes 3 x n and B 3n x nm in body axes. Dense in 3n x 3 (nm + 1): for small meshes.
 InertiaIntegrals inertia_integrals(const Matrix3X& nodes, const SparseMatrix& S, const MatrixX& B);
 
 /// The same of the first `modes` modes alone.

@@ -2,7 +2,7 @@
 
 namespace lithe {
 
-/// EQUATIONS.md 2.2, 2.4: with Y_k the stack of -psi_k,i~ and psi_0 = r0,
+/// docs/equations.md 2.2, 2.4: with Y_k the stack of -psi_k,i~ and psi_0 = r0,
 ///   J_kl = Y_kᵀ S Y_l,  C0 = Y_0ᵀ S B,  C1_k = Y_kᵀ S B.
 InertiaIntegrals inertia_integrals(const Matrix3X& nodes, const SparseMatrix& S, const MatrixX& B) {
   const Eigen::Index n = nodes.cols(), nm = B.cols();

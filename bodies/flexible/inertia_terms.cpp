@@ -23,7 +23,7 @@ Vector3 cross_bound(const Vector3& a, const Vector3& b) {
   return {a.y() * b.z() + a.z() * b.y(), a.z() * b.x() + a.x() * b.z(), a.x() * b.y() + a.y() * b.x()};
 }
 
-/// Bounds of the left-hand sides of the equations of motion (EQUATIONS.md 3.2), body axes.
+/// Bounds of the left-hand sides of the equations of motion (docs/equations.md 3.2), body axes.
 struct Load {
   Vector3 force = Vector3::Zero(), moment = Vector3::Zero();
   VectorX modal;
@@ -173,7 +173,7 @@ void MotionBounds::include(Snapshot& now, const Body& body) {
   using ConstVector = Eigen::Map<const VectorX>;
   const Layout::BodySlice& slice = now.system().layout().slice(body);
   const double *q = now.state().q.data() + slice.q, *v = now.state().v.data() + slice.v,
-               *v_dot = now.state().v_dot.data() + slice.v;
+               *v_dot = now.accelerations().data() + slice.v;
   const int modes = slice.linear;
   if (eta.size() != modes)
     for (VectorX* bound : {&eta, &eta_rate, &eta_acceleration}) bound->setZero(modes);

@@ -10,7 +10,7 @@
 namespace lithe {
 
 /// The groups of inertia terms that a body can do without; with any subset of them energy and momenta are conserved
-/// (EQUATIONS.md 2.4), as long as the mass matrix is positive definite.
+/// (docs/equations.md 2.4), as long as the mass matrix is positive definite.
 enum class InertiaGroup {
   Ct,  // the centre of mass moves with the deformation; gravity and acceleration load it
   C0,  // angular momentum of a deformation rate; angular acceleration loads the deformation

@@ -9,7 +9,7 @@
 
 namespace lithe {
 
-/// The inertia invariants of a floating-frame body (EQUATIONS.md 2.3): all that M and f_v need, independent of the
+/// The inertia invariants of a floating-frame body (docs/equations.md 2.3): all that M and f_v need, independent of the
 /// number of nodes. Symmetric 3x3 matrices are stored as (xx yy zz xy xz yz). k, l run over modes.
 struct InertiaIntegrals {
   double mass = 0;
@@ -17,7 +17,7 @@ struct InertiaIntegrals {
   Matrix3X Ct;                   // 3 x nm, Phiᵀ S B
   Vector6 J0 = Vector6::Zero();  // inertia about the frame origin
   Matrix6X J1;                   // 6 x nm, column k = J1_k
-  MatrixX J2;                    // (6 nm) x nm, rows 6k..6k+5 of column l = J2_kl
+  MatrixX J2;                    // (6 nm) x nm, rows 6k..6k+5 of column l = J2_kl; ∂J/∂η_k = J1_k + 2 η_l J2_kl
   Matrix3X C0;                   // 3 x nm
   MatrixX C1;                    // (3 nm) x nm, rows 3k..3k+2 of column l = C1_k e_l
   MatrixX Mff;                   // nm x nm
@@ -26,7 +26,7 @@ struct InertiaIntegrals {
   int mode_count() const { return static_cast<int>(Ct.cols()); }
 };
 
-/// How deformation of the second order moves the nodes and stores energy (EQUATIONS.md 4.5, 6). With the pairs
+/// How deformation of the second order moves the nodes and stores energy (docs/equations.md 4.5, 6). With the pairs
 /// w = ½ ηηᵀ packed by columns of the upper triangle (pair k <= l at l (l + 1)/2 + k; w_kk = ½ η_k², w_kl = η_k η_l):
 ///   u = [B, Ψ] ξ,   ξ = (η, 0) + C w,   V = ½ ηᵀ K^ η + ⅙ wᵀ Q w
 /// The body is the linear one of the modes [B, Ψ] whose coordinates follow η.
@@ -48,7 +48,7 @@ struct ModalBasis {
   std::vector<ElementBlock> elements;
   Matrix3X nodes;                        // r0, 3 x n, body axes
   std::vector<RotationalDof> rotations;  // rows 3n, 3n + 1, ... of the modes; about body axes
-  SparseMatrix nodal_mass;     // m_ij, n x n: S_ij = m_ij E; for other S the masses of the nodes (EQUATIONS.md 2.4)
+  SparseMatrix nodal_mass;     // m_ij, n x n: S_ij = m_ij E; for other S the nodes' masses (docs/equations.md 2.4)
   MatrixX modes;               // B, dofs x nm, body axes; empty when nodal
   bool nodal = false;          // B selects the free nodal coordinates: B = E(:, free_dofs)
   std::vector<int> free_dofs;  // when nodal

@@ -128,7 +128,7 @@ NodalLoads nodal_loads(const FlexibleBody& body, Snapshot& snapshot, LoadGeometr
   const BodyState state = snapshot.assembler().body_state(body);
   const Matrix3& A = state.cache->A;
   const auto motion =
-      body.nodal_motion(state, snapshot.state().v_dot.data() + snapshot.system().layout().slice(body).v);
+      body.nodal_motion(state, snapshot.accelerations().data() + snapshot.system().layout().slice(body).v);
 
   // Gravity and inertia, then what joints and force elements do to the nodes of their markers; body axes.
   const Matrix3X falling = A.transpose() * ((-motion.acceleration).colwise() + snapshot.system().gravity());

@@ -7,7 +7,7 @@
 
 namespace lithe {
 
-/// Nodes averaged with weights (RBE3; EQUATIONS.md 7.1). The mean motion of the nodes and the loads that work on it:
+/// Nodes averaged with weights (RBE3; docs/equations.md 7.1). Mean motion of the nodes, and the loads that work on it:
 ///   translation Σ w_i u_i,   rotation D⁻¹ Σ w_i ρ_i × u_i,   ρ_i = r_i - c,   D = Σ w_i (ρ_i·ρ_i E - ρ_i ρ_iᵀ)
 ///   force F and torque N give node i   f_i = w_i (F + (D⁻¹ N) × ρ_i).
 /// For nodes on a line D has no inverse about it: the pseudo-inverse leaves that rotation zero.

@@ -18,7 +18,7 @@ struct SupportedProblem {
 ///   K θ_kl = -s_kl, s_kl: v ↦ 2 ∫ C E2(φ_k, φ_l) : ∇v, E2 the quadratic part of the Green-Lagrange strain
 /// θ is what best relieves the stress of second order (a bent beam grows shorter, its sections turn without
 /// stretching). A load F, whatever it comes from (gravity, spin, joints), then meets the geometric stiffness -θ_klᵀ F =
-/// φ_kᵀ K_σ(K⁻¹ F) φ_l (EQUATIONS.md 4.5), and the strain energy has no third-order part: φ_kᵀ K θ_lm takes all of it.
+/// φ_kᵀ K_σ(K⁻¹ F) φ_l (docs/equations.md 4.5), and the strain energy has no third-order part: φ_kᵀ K θ_lm takes it.
 /// `stiffened` leaves it at ½ ηᵀ K^ η; `quadratic` adds the fourth order. (Quadratic manifolds: Jain, Tiso, Rutzmoser &
 /// Rixen 2017, Computers & Structures 188; their modal derivatives solve for more than s_kl.) Needs the elements and
 /// their materials, which must give the model's K; `stiffened` also takes the model's stress_stiffness instead, for

@@ -120,7 +120,7 @@ MatrixX unit_loads(const FiniteElementModel& model, const FramePlacement& placed
 /// Rows of A.
 MatrixX rows_of(const MatrixX& A, const std::vector<int>& rows) { return A(rows, Eigen::all); }
 
-/// B - R (L R)⁺ L B: the rigid motion that the held rows L see of each shape taken out (EQUATIONS.md 5.2).
+/// B - R (L R)⁺ L B: the rigid motion that the held rows L see of each shape taken out (docs/equations.md 5.2).
 MatrixX without_rigid_motion_of(const std::vector<int>& held, const MatrixX& R, const MatrixX& B) {
   if (held.empty()) return B;
   const Eigen::CompleteOrthogonalDecomposition<MatrixX> LR(rows_of(R, held));

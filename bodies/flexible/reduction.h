@@ -11,7 +11,7 @@
 
 namespace lithe {
 
-/// Where the body frame sits in the deforming body (EQUATIONS.md section 5.2). Nodes by label.
+/// Where the body frame sits in the deforming body (docs/equations.md section 5.2). Nodes by label.
 /// Origin at the first node, x axis to the second, the third in the x-y plane: rows a_xyz, b_yz, c_z of B vanish, eqs.
 /// (65)-(68).
 struct ThreeNodeFrame {
@@ -37,7 +37,7 @@ struct WeightedNodes {
   std::vector<double> weights{};
 };
 
-/// Static shapes for the interfaces that are `loaded`, six each (EQUATIONS.md 6).
+/// Static shapes for the interfaces that are `loaded`, six each (docs/equations.md 6).
 enum class InterfaceModes {
   attachment,     // free interfaces: deflections under unit forces and torques (Rubin, Craig-Chang)
   craig_bampton,  // fixed interfaces: rigid sets moved by unit displacements and rotations, modes with all of them held

@@ -16,7 +16,7 @@ MatrixX straining(const ElasticProblem& problem, MatrixX shapes);
 
 /// What `shapes` (n x k, without rigid content) add to the M-orthonormal columns `known`, M-orthonormal. Shapes are
 /// taken with unit strain energy; a pivoted Cholesky factor of their energies drops those of which less than 1e-10 is
-/// new (EQUATIONS.md 6).
+/// new (docs/equations.md 6).
 MatrixX added_directions(const ElasticProblem& problem, const MatrixX& known, MatrixX shapes);
 
 /// `modes` and what `shapes` add to them, as Ritz vectors of both: M-orthonormal, K diagonal, ascending.

@@ -134,8 +134,8 @@ void write_report(const std::vector<Outcome>& outcomes, const ErrorBudget& budge
       << " m.\n\n"
          "## A basis that ignores the hinge\n\n"
          "Nine eigenmodes of a three-node frame do not know the hinge. Held by the paper's three-node fixation they "
-         "lose up to\n"
-         "four of their nine coordinates (EQUATIONS 5.4), held by a five-row revolute they do not. Up to t = 0.2 s:\n\n"
+         "lose up to four of\n"
+         "their nine coordinates (docs/equations.md 5.4), held by a five-row revolute they do not. Up to t = 0.2 s:\n\n"
          "| hinge | dz (m) | dvz (m/s) |\n|---|---|---|\n";
   row("three-node fixation", budget.fixation_model_frame);
   row("revolute", budget.revolute_model_frame);

@@ -13,7 +13,17 @@ SpringDamper::SpringDamper(Parameters parameters) : parameters_(parameters), as_
 }
 
 void SpringDamper::initialize(std::span<const MarkerView> m) {
-  if (as_drawn_) parameters_.natural_length = (m[1].p - m[0].p).norm();
+  const double length = (m[1].p - m[0].p).norm();
+  if (as_drawn_) parameters_.natural_length = length;
+  // In one place a tension has no line to act along. Without one the force k d + c ḋ is the same along every line.
+  if (length > 1e-12 * (1 + m[0].p.norm() + m[1].p.norm())) return;
+  const double stretch = as_drawn_ ? 0 : -parameters_.natural_length;
+  const double tension =
+      parameters_.stiffness * stretch + parameters_.preload + (parameters_.law ? parameters_.law(stretch, 0).force : 0);
+  if (tension == 0) return;
+  throw SceneError(
+      "its markers are in one place as drawn, where its tension of " + std::to_string(tension) + " N has no direction",
+      "", "draw the markers apart, or give a natural_length of 0 and no preload; for forces along axes a Bushing");
 }
 
 template std::unique_ptr<ForceBatch> make_force_batch<SpringDamper>();

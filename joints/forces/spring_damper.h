@@ -8,7 +8,7 @@ namespace lithe {
 
 /// Spring and damper along the line between two markers.
 ///   σ = k (l - l₀) + c l̇ + σ₀,   l = |p_B - p_A|,   V = ½ k (l - l₀)² + σ₀ (l - l₀);   or σ(l - l₀, l̇) by a law
-/// σ > 0 pulls the markers together. Where they meet (l = 0) the line has no direction and the force is taken as zero.
+/// σ > 0 pulls the markers together. Where they meet (l = 0) the line has no direction: the force is taken as zero.
 class SpringDamper final : public Force</*markers=*/2, /*rows=*/1> {
  public:
   struct Parameters {
@@ -36,7 +36,7 @@ class SpringDamper final : public Force</*markers=*/2, /*rows=*/1> {
     rows.add({force(-n), force(n)}, k * stretch + c * speed + preload + more.force, k + more.stiffness,
              c + more.damping, (0.5 * k * stretch + preload) * stretch + more.energy);
   }
-  /// Takes the natural length from the drawing if none was given.
+  /// Takes the natural length from the drawing if none was given. Refuses markers in one place with a tension there.
   void initialize(std::span<const MarkerView> markers) override;
 
  private:

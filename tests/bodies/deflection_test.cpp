@@ -1,4 +1,4 @@
-// Geometric stiffening and quadratic deflection of reduced bodies (EQUATIONS.md 4.5).
+// Geometric stiffening and quadratic deflection of reduced bodies (docs/equations.md 4.5).
 #include <gtest/gtest.h>
 
 #include <fstream>

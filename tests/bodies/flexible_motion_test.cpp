@@ -1,4 +1,4 @@
-// Motion of one flexible body: what energy and momentum can see, and what they cannot (EQUATIONS.md 3.5).
+// Motion of one flexible body: what energy and momentum can see, and what they cannot (docs/equations.md 3.5).
 #include <gtest/gtest.h>
 
 #include <fstream>

@@ -74,7 +74,7 @@ TEST(SceneErrors, ANameIsGivenOnce) {
   auto& body = graph.add<RigidBody>("hub");
   expect_error([&] { graph.add<RigidBody>("hub"); }, {"'hub'", "in use since scene_errors_test.cpp"});
   expect_error([&] { graph.add<SphericalJoint>("hub", {graph.ground().marker(), body.marker()}); }, {"'hub'"});
-  expect_error([&] { graph.add<RigidBody>("ground"); }, {"'ground'"});
+  expect_error([&] { graph.add<RigidBody>("ground"); }, {"'ground'", "fixed body, which every graph has"});
   expect_error([&] { graph.add<RigidBody>(""); }, {"no name"});
 }
 

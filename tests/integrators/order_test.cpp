@@ -51,7 +51,7 @@ double start_transient(double h, bool correct_start) {
 }
 
 TEST(GeneralizedAlphaOrder, NeedsTheCorrectedStartForTheFirstMultipliers) {
-  // With exact v₀ and a₀ = v̇₀ the multiplier keeps a transient of first order (EQUATIONS.md 8.1).
+  // With exact v₀ and a₀ = v̇₀ the multiplier keeps a transient of first order (docs/equations.md 8.1).
   const double plain = start_transient(2e-3, false) / start_transient(1e-3, false);
   const double corrected = start_transient(2e-3, true) / start_transient(1e-3, true);
   expect_below("order of λ after four steps, plain start, off 1 by", std::abs(std::log2(plain) - 1), 0.15);

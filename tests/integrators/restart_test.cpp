@@ -258,7 +258,7 @@ struct Machine {
   /// A column of no meaning that all of the motion goes into.
   static Sensor coordinate_of_first() {
     return {"norm", {"norm"}, [](Snapshot& now, std::span<double> values) {
-              values[0] = now.state().q.norm() + now.state().v_dot.norm() + now.multipliers().norm();
+              values[0] = now.state().q.norm() + now.accelerations().norm() + now.multipliers().norm();
             }};
   }
   /// On through the times from `next` on, saving at each; returns all that there is to know at the last.

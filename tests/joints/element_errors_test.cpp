@@ -15,6 +15,7 @@
 #include "joints/forces/distributed_load.h"
 #include "joints/forces/joint_friction.h"
 #include "joints/forces/pid_controller.h"
+#include "joints/forces/spring_damper.h"
 #include "joints/gear_pair.h"
 #include "joints/planar_joint.h"
 #include "joints/rack_and_pinion.h"
@@ -100,6 +101,27 @@ TEST(ElementErrors, JointsAreDrawnTheRightWayRound) {
                             GearPair::Parameters{.radius_A = 0.1, .radius_B = 0.2});
   refuses_drawing<RollingDisc>({0, 0, 0.1}, Matrix3::Identity(), {"'bad'", "z"},
                                RollingDisc::Parameters{.radius = 0.1});
+}
+
+TEST(ElementErrors, SpringsInOnePlaceHaveNoTension) {
+  // 3 N/m from a free length of 2 m, and a preload: along which line?
+  const Matrix3 E = Matrix3::Identity();
+  refuses_drawing<SpringDamper>({0, 0, 0}, E, {"'bad'", "one place", "-6.0", "direction"},
+                                SpringDamper::Parameters{.stiffness = 3, .natural_length = 2});
+  refuses_drawing<SpringDamper>({0, 0, 0}, E, {"'bad'", "one place", "4.0"}, SpringDamper::Parameters{.preload = 4});
+  refuses_drawing<SpringDamper>({0, 0, 0}, E, {"'bad'", "one place", "-0.5"},
+                                SpringDamper::Parameters{.natural_length = 1, .law = [](double stretch, double) {
+                                                           return Tension{.force = 0.5 * stretch};
+                                                         }});
+  // k d needs no line: a spring of free length zero, or as drawn, and a damper.
+  const auto accepts = [](const Vector3& place, const SpringDamper::Parameters& parameters) {
+    SystemGraph graph;
+    auto& body = graph.add<RigidBody>("body", {.position = place});
+    graph.add<SpringDamper>("fine", {graph.ground().marker(), body.marker()}, parameters);
+    EXPECT_NO_THROW(assemble(graph));
+  };
+  for (double length : {0.0, -1.0}) accepts({0, 0, 0}, {.stiffness = 3, .damping = 1, .natural_length = length});
+  accepts({1e-9, 0, 0}, {.stiffness = 3, .natural_length = 2});
 }
 
 TEST(ElementErrors, CouplingsNeedAFactorForEachCoordinate) {

@@ -142,7 +142,7 @@ TEST(ThreeNodeFixation, HoldsBodyOnGroundWhereItWasDrawn) {
 }
 
 /// With modes that strain the triangle all nine rows count, and three strains are taken from the modes
-/// (EQUATIONS.md 5.4).
+/// (docs/equations.md 5.4).
 TEST(ThreeNodeFixation, AlsoHoldsTheStrainsOfAFlexibleBody) {
   for (int modes : {1, 2, 3, 5}) {
     SystemGraph graph;

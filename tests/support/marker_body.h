@@ -8,7 +8,7 @@
 
 namespace lithe::test {
 
-/// A marker that modes move and turn in the most general way (EQUATIONS.md 7.1), in body axes:
+/// A marker that modes move and turn in the most general way (docs/equations.md 7.1), in body axes:
 ///   point c + Bm eta,   orientation exp((Theta eta)~) R0.
 struct ModalMarker {
   Vector3 c{0, 0, 0};

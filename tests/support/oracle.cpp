@@ -152,7 +152,7 @@ Findings check_body(const nlohmann::json& data) {
 }
 
 Findings check_stiffness(const nlohmann::json& data) {
-  // Kw given: with it in J2, M and f_v hold the stiffening by spin in conserving form (EQUATIONS.md 4.5).
+  // Kw given: with it in J2, M and f_v hold the stiffening by spin in conserving form (docs/equations.md 4.5).
   Findings f;
   InertiaIntegrals I = integrals_of(data);
   const auto& Kw = data.at("Kgeo").at("Kw");

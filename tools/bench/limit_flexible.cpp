@@ -6,7 +6,7 @@
 //
 // The body comes from Lithe's own reduction and inertia integrals, copied into arrays of fixed size; the frame sits on
 // the hinge, whose nodes have no deformation. With l = Aᵀ(p̈ - g), s, J, Cr, h = Cr η̇, G_k = ∂J/∂η_k of
-// EQUATIONS.md 2.3:
+// docs/equations.md 2.3:
 //   m (p̈ - g) + A (ω̇ × s + Ct η̈ + ω × (ω × s) + 2 ω × Ct η̇) + λ_123                      = 0
 //   s × l + J ω̇ + Cr η̈ + J̇ ω + ω × (J ω + h) + n_x λ_4 + n_z λ_5                          = 0
 //   η̈ + Ω² η + Ctᵀ l + Crᵀ ω̇ - ½ ω G ω - 2 Uᵀ ω                                            = 0

@@ -266,4 +266,41 @@ void assemble_matrices(FiniteElementModel& model, MassIntegration integration) {
   });
 }
 
+StiffnessDifference stiffness_difference(const FiniteElementModel& model) {
+  // K less the elements' entries, in its own place; what it has no place for is gathered beside it.
+  SparseMatrix rest = model.stiffness, outside(rest.rows(), rest.cols());
+  rest.makeCompressed();
+  const VectorX diagonal = rest.diagonal();
+  std::vector<Eigen::Triplet<double>> entries;
+  at_elements(model, [&](const ElementBlock& block, const std::vector<int>& nodes) {
+    const MatrixX K = stiffness(make_solid_element(block.type, nodes, model.nodes, block.material));
+    for (Eigen::Index b = 0; b < K.cols(); ++b) {
+      const auto column = 3 * nodes[static_cast<size_t>(b / 3)] + static_cast<int>(b % 3);
+      const int *all = rest.innerIndexPtr(), *begin = all + rest.outerIndexPtr()[column],
+                *end = all + rest.outerIndexPtr()[column + 1];
+      for (Eigen::Index a = 0; a < K.rows(); ++a) {
+        const auto row = 3 * nodes[static_cast<size_t>(a / 3)] + static_cast<int>(a % 3);
+        const int* place = std::lower_bound(begin, end, row);
+        if (place != end && *place == row)
+          rest.valuePtr()[place - all] -= K(a, b);
+        else
+          entries.emplace_back(row, column, -K(a, b));
+      }
+    }
+  });
+  outside.setFromTriplets(entries.begin(), entries.end());
+
+  StiffnessDifference found;
+  for (const SparseMatrix* part : {&rest, &outside})
+    for (int column = 0; column < part->outerSize(); ++column)
+      for (SparseMatrix::InnerIterator entry(*part, column); entry; ++entry) {
+        if (entry.value() == 0) continue;
+        const double scale = std::sqrt(diagonal[entry.row()] * diagonal[column]);
+        const double difference = std::abs(entry.value()) / scale;
+        if (difference <= found.largest) continue;
+        found = {difference, static_cast<int>(entry.row()) / 3};
+      }
+  return found;
+}
+
 }  // namespace lithe

@@ -30,7 +30,7 @@ FoundBody read_any(const BodyOpening& file, const ImportOptions& options) {
                   "known are " + known + "; matrices want their deck (.inp) or nodes.csv beside them.");
 }
 
-/// Of the reduced body, free: its 6 + nm coordinates at rest (EQUATIONS.md 2.3).
+/// Of the reduced body, free: its 6 + nm coordinates at rest (docs/equations.md 2.3).
 VectorX free_frequencies(const ModalBasis& basis, int count) {
   const InertiaIntegrals& I = basis.integrals;
   const int nm = basis.mode_count();

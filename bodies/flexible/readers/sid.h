@@ -11,7 +11,7 @@ namespace lithe {
 /// A reduced flexible body as Standard Input Data: the text that FEMBS, Abaqus and Simpack exchange (.SID_FEM;
 /// O. Wallrapp, Standardization of flexible body modeling in multibody system codes, Mech. Struct. Mach. 22, 1994).
 /// Tables of Taylor series, m0(row, column) and m1(row, mode, column), in the axes of the body frame, against the
-/// inertia integrals of EQUATIONS.md 2.3 and the terms of 3.2 (k, l modes; all else zero):
+/// inertia integrals of docs/equations.md 2.3 and the terms of 3.2 (k, l modes; all else zero):
 ///   mdCM = s0 + η_k Ct_k   J = J0 + η_k J1_k   Ct = Ctᵀ   Cr = C0ᵀ + η_k C1_kᵀ   Me = Mff   Ke = K^   De
 ///   Gr_k = J1_k - C0_k~    row l of Ge_k = (C1_k e_l - C1_l e_k)ᵀ
 ///   row k of Oe = -½ J1_k - η_l J2_kl as coefficients of ω_x², ω_y², ω_z², ω_x ω_y, ω_y ω_z, ω_x ω_z
