@@ -12,12 +12,14 @@ namespace lithe {
 namespace {
 
 constexpr double kFarthest = 0.3;        // rad, or of the size of the scene: what a step may turn and move
+constexpr double kSmooth = 1e-5;         // of the size of the scene, or rad: for differences of the balance
 constexpr double kLeast = 1e-4;          // of the shift σ, 1/s²
 constexpr double kMost = 1e16;           // likewise; where it is reached nothing helps
 constexpr double kContraction = 0.5;     // of a correction beside the one before
 constexpr double kSettled = 1e-4;        // of corrections beside the step: the rest is left to the next one
 constexpr int kMaxCorrections = 15;      // a step
 constexpr double kLeastShare = 0.02;     // of a step; below, the shift grows
+constexpr int kMaxTries = 3;             // shares of a step, each 0.3 of the last
 constexpr double kGrowth = 10;           // of the shift where a step is refused without saying by how much
 constexpr double kRowsClosed = 1e-9;     // |g| of an equilibrium
 constexpr double kHardlyMoves = 1e-6;    // m, rad: too small a move to judge the energy by
@@ -114,7 +116,7 @@ class Search {
     look();  // round-off is known now
     step_ = -force_;
     step_lambda_ = -gap_;
-    if (!balance_.solve(step_, step_lambda_)) return false;
+    if (!balance_.solve_exactly(step_, step_lambda_, state_.lambda, kSmooth * size_)) return false;
     inertial_ = balance_.mass_times(step_, state_.lambda);
     return true;
   }
@@ -146,12 +148,10 @@ class Search {
   /// Moves on by the largest good share of the step, from the given one downwards; 0: none is good.
   double take(double share) {
     const State before = state_;
-    for (; share >= kLeastShare; share *= 0.3)
+    for (int tries = 0; tries < kMaxTries; ++tries, share *= 0.3)
       if (follow(before, share)) {
         last_q_ = before.q, last_lambda_ = before.lambda;
         return share;
-      } else if (balanced_) {
-        break;
       }
     state_ = before;
     balance_.evaluate(state_.time, state_.q, state_.lambda);
@@ -166,18 +166,20 @@ class Search {
     const double length = share * std::sqrt(step_.dot(inertial_));
     double last = length;
     int tangents = 0;
+    const bool polish = balanced_;
     for (int k = 0; k < kMaxCorrections; ++k) {
       layout_.retract(before.q, d, state_.q);
       balance_.evaluate(state_.time, state_.q, state_.lambda);
       if (!balance_.force.allFinite()) return false;
       double size = 0;
       for (bool again : {false, true}) {
-        if (again && balanced_) return k > 0;  // round-off ends progress
+        if (again && polish) return true;  // judged by what it leaves out of balance
         if (again && k > 0 && last <= kGood * length) return true;
         if (again && (!factorize() || ++tangents > kMaxTangents)) return false;
         c = (1 - share) * force_ - balance_.force - shift_ * balance_.mass_times(d, state_.lambda);
         c_lambda = (1 - share) * gap_ - balance_.gap;
-        const bool solved = balance_.solve(c, c_lambda);
+        const bool solved = again ? balance_.solve_exactly(c, c_lambda, state_.lambda, kSmooth * size_)
+                                  : balance_.solve(c, c_lambda);
         size = solved ? std::sqrt(std::max(0.0, c.dot(balance_.mass_times(c, state_.lambda)))) : 1e300;
         if (trace) std::printf("    share %.2e k %d size %.2e of %.2e %s\n", share, k, size / length, last / length, again ? "fresh" : "");
         if (size <= kContraction * (again ? length : last)) break;

@@ -5,6 +5,7 @@
 #include <sunlinsol/sunlinsol_klu.h>
 #include <sunmatrix/sunmatrix_sparse.h>
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <limits>
 
@@ -14,6 +15,8 @@ namespace lithe {
 namespace {
 
 constexpr double kRoundings = 4;  // of each term of a force, in units of its last bit
+constexpr int kKrylov = 12;       // vectors of GMRES
+constexpr double kKrylovTolerance = 0.02;
 
 }  // namespace
 
@@ -80,6 +83,7 @@ void StaticEquations::leave_out_redundant(VectorX& x) const {
 }
 
 void StaticEquations::evaluate(double time, ConstVectorRef q, ConstVectorRef lambda) {
+  time_ = time;
   q_ = q;
   equations_.evaluate(time, q, still_, Level::velocity);
   equations_.residual(still_, lambda, force);
@@ -94,6 +98,7 @@ VectorX StaticEquations::mass_times(ConstVectorRef d, ConstVectorRef lambda) con
 }
 
 bool StaticEquations::factorize(double shift, ConstVectorRef lambda) {
+  shift_ = shift;
   equations_.factorize({1, 0, shift}, still_, lambda, nullptr);
   collect();
   const int size = velocities_ + rows_;
@@ -106,6 +111,74 @@ bool StaticEquations::factorize(double shift, ConstVectorRef lambda) {
 }
 
 bool StaticEquations::solve(VectorX& d, VectorX& l) const { return factor_->solve(d, l); }
+
+/// out = [K + σM  Gᵀ; G  0] x by a central difference over `length`, in the norm of d. The pose evaluated last stays.
+void StaticEquations::product(const VectorX& x, ConstVectorRef lambda, double length, VectorX& out) {
+  const VectorX q = q_, here_force = force, here_gap = gap;
+  const double size = x.head(velocities_).lpNorm<Eigen::Infinity>(), h = size > 0 ? length / size : 1;
+  VectorX moved = q;
+  const auto evaluate_at = [&](double step) {
+    equations_.layout().retract(q, step * x.head(velocities_), moved);
+    evaluate(time_, moved, lambda + step * x.tail(rows_));
+    VectorX both(x.size());
+    both << force, gap;
+    return both;
+  };
+  out = evaluate_at(h);
+  out = (out - evaluate_at(-h)) / (2 * h);
+  evaluate(time_, q, lambda);
+  out.head(velocities_) += shift_ * mass_times(x.head(velocities_), lambda);
+  for (int i = 0; i < rows_; ++i)
+    if (redundant_[i]) out[velocities_ + i] = x[velocities_ + i];
+}
+
+bool StaticEquations::solve_exactly(VectorX& d, VectorX& l, ConstVectorRef lambda, double length) {
+  if (!solve(d, l)) return false;
+  // Unknowns of one size: motions by the largest, multipliers likewise.
+  const int n = velocities_ + rows_;
+  VectorX scale(n);
+  const auto largest = [](const VectorX& x) {
+    const double size = x.size() > 0 ? x.lpNorm<Eigen::Infinity>() : 0;
+    return size > 0 ? size : 1;
+  };
+  scale << VectorX::Constant(velocities_, largest(d)), VectorX::Constant(rows_, largest(l));
+  VectorX b(n), x(n), image(n);
+  b << d, l;
+  b.array() /= scale.array();
+  const auto apply = [&](const VectorX& of, VectorX& out) {
+    x = of.cwiseProduct(scale);
+    product(x, lambda, length, image);
+    VectorX top = image.head(velocities_), bottom = image.tail(rows_);
+    if (!top.allFinite() || !solve(top, bottom)) return false;
+    out.resize(n);
+    out << top, bottom;
+    out.array() /= scale.array();
+    return true;
+  };
+  const double norm = b.norm();
+  if (!(norm > 0)) return true;
+  MatrixX V(n, kKrylov + 1), H = MatrixX::Zero(kKrylov + 1, kKrylov);
+  V.col(0) = b / norm;
+  VectorX w, y, right = VectorX::Zero(kKrylov + 1);
+  right[0] = norm;
+  for (int k = 0; k < kKrylov; ++k) {
+    if (!apply(V.col(k), w)) return true;  // the factor's answer must do
+    for (int i = 0; i <= k; ++i) {
+      H(i, k) = V.col(i).dot(w);
+      w -= H(i, k) * V.col(i);
+    }
+    H(k + 1, k) = w.norm();
+    const MatrixX square = H.topLeftCorner(k + 2, k + 1);
+    y = square.colPivHouseholderQr().solve(right.head(k + 2));
+    const double left = (square * y - right.head(k + 2)).norm();
+    if (left <= kKrylovTolerance * norm || H(k + 1, k) <= 1e-12 * norm) break;
+    V.col(k + 1) = w / H(k + 1, k);
+  }
+  x = (V.leftCols(y.size()) * y).cwiseProduct(scale);
+  d = x.head(velocities_);
+  l = x.tail(rows_);
+  return x.allFinite();
+}
 
 /// |K| |q| + |Gᵀ| |λ| in units of the last bit: a stiff row is a small difference of large forces, and no search makes
 /// it smaller than that.

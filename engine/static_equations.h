@@ -26,6 +26,10 @@ class StaticEquations {
   bool factorize(double shift, ConstVectorRef lambda);
   /// (d, l) <- matrix⁻¹ (d, l). False: not finite.
   bool solve(VectorX& d, VectorX& l) const;
+  /// The same with what the bodies' tangents leave out (the stiffness that loads have through deformed markers): GMRES
+  /// (Saad & Schultz 1986) on the differenced equations, preconditioned by the factor. The factor is that of the pose
+  /// evaluated last, with these multipliers; `length`: a motion over which the equations are smooth.
+  bool solve_exactly(VectorX& d, VectorX& l, ConstVectorRef lambda, double length);
   /// M d at the pose evaluated last with these multipliers; force must still be that pose's.
   VectorX mass_times(ConstVectorRef d, ConstVectorRef lambda) const;
   /// Of each entry of force: how much it changes where coordinates and multipliers change by their last bits.
@@ -36,11 +40,13 @@ class StaticEquations {
 
  private:
   void collect();
+  void product(const VectorX& x, ConstVectorRef lambda, double length, VectorX& out);
   void find_round_off(ConstVectorRef q, ConstVectorRef lambda);
 
   Assembler& equations_;
   const int velocities_, rows_;
   std::vector<char> redundant_;
+  double time_ = 0, shift_ = 0;
   VectorX q_, still_, round_off_, magnitudes_;
   std::vector<Eigen::Triplet<double>> entries_;
   Eigen::SparseMatrix<double> sparse_;
