@@ -246,6 +246,7 @@ Equilibrium find_equilibrium(const System& system, const State& start, const Equ
       std::max({unloaded.lpNorm<Eigen::Infinity>(),
                 state.lambda.size() > 0 ? state.lambda.lpNorm<Eigen::Infinity>() : 0.0, 1e-12});
 
+  state.lambda.setZero();
   // 2. Newton, until the balance is as good as round-off lets it be.
   Search search(equations, state, force_scale, options.tolerance);
   search.run(options.max_load_steps, found);
