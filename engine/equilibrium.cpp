@@ -19,7 +19,7 @@ constexpr double kContraction = 0.5;     // of a correction beside the one befor
 constexpr double kSettled = 1e-4;        // of corrections beside the step: the rest is left to the next one
 constexpr int kMaxCorrections = 15;      // a step
 constexpr double kLeastShare = 0.02;     // of a step; below, the shift grows
-constexpr int kMaxTries = 3;             // shares of a step, each 0.3 of the last
+constexpr int kMaxTries = 2;             // shares of a step, each 0.3 of the last
 constexpr double kGrowth = 10;           // of the shift where a step is refused without saying by how much
 constexpr double kRowsClosed = 1e-9;     // |g| of an equilibrium
 constexpr double kHardlyMoves = 1e-6;    // m, rad: too small a move to judge the energy by
@@ -71,7 +71,7 @@ class Search {
       if (trace) std::printf("  shift %.2e stiffness %.2e |d| %.2e far %.2e share %.2e F %.2e -> %.2e it %d\n", shift_, stiffness, step_.lpNorm<Eigen::Infinity>(), far, share, out_of_balance_, balance_.force.lpNorm<Eigen::Infinity>(), iterations_);
       if (share == 0) {
         if (balanced_) break;
-        shift_ = std::max(kGrowth * shift_, stiffness);
+        shift_ = std::max(kGrowth * shift_, 3 * stiffness);
         continue;
       }
       const double before = out_of_balance_;
