@@ -1,242 +1,29 @@
 #include "engine/equilibrium.h"
 
-#include <kinsol/kinsol.h>
-#include <nvector/nvector_serial.h>
-#include <sundials/sundials_context.h>
-#include <sunlinsol/sunlinsol_klu.h>
-#include <sunmatrix/sunmatrix_sparse.h>
-
-#include <Eigen/SparseCore>
 #include <algorithm>
 #include <cstdio>
-#include <map>
 
-#include "engine/assembler.h"
 #include "engine/error.h"
 #include "engine/observer.h"
 #include "engine/projection.h"
+#include "engine/static_equations.h"
 
 namespace lithe {
 namespace {
 
-constexpr double kFirstMove = 0.05;    // m, rad: what the first load step lets the fastest body move
-constexpr double kFarthestTurn = 0.5;  // rad a load step
-constexpr double kGrowth = 4, kLateGrowth = 100, kShrink = 6;  // of τ; late: where bodies hardly move any more
-constexpr double kHardlyMoves = 1e-2;                          // m, rad
-constexpr double kLongest = 1e4, kShortest = 1e-16;            // τ, s²
-constexpr double kRowsClosed = 1e-9;                           // |g| of an equilibrium
-constexpr int kMaxIterations = 40;                             // of Newton, a load step
-
-/// The unknowns of one load step, (d, λ), and KINSOL's objects.
-class LoadStep {
- public:
-  LoadStep(Assembler& equations, double force_scale)
-      : equations_(equations),
-        velocities_(equations.layout().v_count()),
-        rows_(equations.layout().row_count()),
-        redundant_(rows_, 0) {
-    for (int row : equations.redundant_rows()) redundant_[row] = 1;
-    for (VectorX* x : {&still_, &acceleration_}) x->setZero(velocities_);
-    q_.setZero(equations.layout().q_count());
-    set_up(force_scale);
-  }
-  LoadStep(const LoadStep&) = delete;
-  ~LoadStep() {
-    if (kinsol_) KINFree(&kinsol_);
-    if (solver_) SUNLinSolFree(solver_);
-    if (matrix_) SUNMatDestroy(matrix_);
-    for (N_Vector x : {y_, unknown_scales_, equation_scales_})
-      if (x) N_VDestroy(x);
-    if (context_) SUNContext_Free(&context_);
-  }
-
-  /// Solves from `state` with pseudo-time tau; d and λ are the answer. False: not solved.
-  bool solve(const State& state, double tau) {
-    from_ = &state;
-    tau_ = tau;
-    map(y_) << still_, state.lambda;
-    for (int i = 0; i < rows_; ++i)
-      if (redundant_[i]) map(y_)[velocities_ + i] = 0;
-    const int flag = KINSol(kinsol_, y_, KIN_LINESEARCH, unknown_scales_, equation_scales_);
-    long iterations = 0;
-    KINGetNumNonlinSolvIters(kinsol_, &iterations);
-    iterations_ += static_cast<int>(iterations);
-    if (!thrown_.empty())
-      throw SimulationError("the forces cannot be evaluated: " + thrown_, "find_equilibrium",
-                            "look at the law of that force, or start nearer to the equilibrium");
-    // Where round-off ends the search the answer is as good as it gets: the caller judges it by its balance.
-    return (flag >= 0 || flag == KIN_LINESEARCH_NONCONV || flag == KIN_LINESEARCH_BCFAIL ||
-            flag == KIN_MAXITER_REACHED) &&
-           map(y_).allFinite() && (flag >= 0 || norm() < 1e-6);
-  }
-  Eigen::Map<VectorX> d() const { return {N_VGetArrayPointer(y_), velocities_}; }
-  Eigen::Map<VectorX> lambda() const { return {N_VGetArrayPointer(y_) + velocities_, rows_}; }
-  int iterations() const { return iterations_; }
-
- private:
-  static Eigen::Map<VectorX> map(N_Vector x) { return {N_VGetArrayPointer(x), N_VGetLength(x)}; }
-
-  void set_up(double force_scale) {
-    SUNContext_Create(nullptr, &context_);
-    const sunindextype size = velocities_ + rows_;
-    for (N_Vector* x : {&y_, &unknown_scales_, &equation_scales_}) *x = N_VNew_Serial(size, context_);
-    matrix_ = SUNSparseMatrix(size, size, 10 * size, CSC_MAT, context_);
-    solver_ = SUNLinSol_KLU(y_, matrix_, context_);
-    kinsol_ = KINCreate(context_);
-    bool done = y_ && unknown_scales_ && equation_scales_ && matrix_ && solver_ && kinsol_;
-    if (done) {
-      KINSetErrHandlerFn(
-          kinsol_, [](int, const char*, const char*, char*, void*) {}, nullptr);
-      done = KINInit(kinsol_, residual, y_) == KIN_SUCCESS && KINSetUserData(kinsol_, this) == KIN_SUCCESS &&
-             KINSetLinearSolver(kinsol_, solver_, matrix_) == KIN_SUCCESS &&
-             KINSetJacFn(kinsol_, jacobian) == KIN_SUCCESS;
-    }
-    if (!done) throw SimulationError("SUNDIALS cannot be set up", "find_equilibrium", "is the memory enough?");
-    KINSetMaxSetupCalls(kinsol_, 1);  // Newton proper: a Jacobian every iteration
-    KINSetNumMaxIters(kinsol_, kMaxIterations);
-    KINSetFuncNormTol(kinsol_, 1e-14);
-    KINSetScaledStepTol(kinsol_, 1e-15);
-    map(unknown_scales_) << VectorX::Ones(velocities_), VectorX::Constant(rows_, 1e-3 / force_scale);
-    map(equation_scales_) << VectorX::Constant(velocities_, 1 / force_scale), VectorX::Ones(rows_);
-    KINSetMaxNewtonStep(kinsol_, 2 * std::sqrt(static_cast<double>(size)));
-  }
-
-  /// q = q₀ ⊕ d, at rest, with the acceleration d/τ whose inertia holds back the load.
-  void load(N_Vector y) {
-    equations_.layout().retract(from_->q, map(y).head(velocities_), q_);
-    acceleration_ = map(y).head(velocities_) / tau_;
-    equations_.evaluate(from_->time, q_, still_, Level::velocity);
-  }
-
-  template <class Work>
-  int guarded(Work&& work) noexcept {
-    try {
-      return work() ? 0 : 1;
-    } catch (const std::exception& error) {
-      thrown_ = error.what();
-    }
-    return -1;
-  }
-
-  static int residual(N_Vector y, N_Vector F, void* user) {
-    auto& self = *static_cast<LoadStep*>(user);
-    return self.guarded([&] {
-      self.load(y);
-      self.equations_.residual(self.acceleration_, map(y).tail(self.rows_), map(F).head(self.velocities_));
-      self.equations_.constraint(Level::position, map(F).tail(self.rows_));
-      for (int i = 0; i < self.rows_; ++i)
-        if (self.redundant_[i]) map(F)[self.velocities_ + i] = map(y)[self.velocities_ + i];
-      return map(F).allFinite();
-    });
-  }
-
-  static int jacobian(N_Vector y, N_Vector, SUNMatrix J, void* user, N_Vector, N_Vector) {
-    auto& self = *static_cast<LoadStep*>(user);
-    return self.guarded([&] { return self.write_jacobian(y, J); });
-  }
-
-  bool write_jacobian(N_Vector y, SUNMatrix J) {
-    load(y);
-    equations_.factorize({1, 0, 1 / tau_}, acceleration_, map(y).tail(rows_), nullptr);
-    collect(map(y).head(velocities_));
-    const int size = velocities_ + rows_;
-    sparse_.resize(size, size);
-    sparse_.setFromTriplets(entries_.begin(), entries_.end());
-    sparse_.makeCompressed();
-    if (SUNSparseMatrix_NNZ(J) < sparse_.nonZeros()) SUNSparseMatrix_Reallocate(J, sparse_.nonZeros());
-    std::copy_n(sparse_.outerIndexPtr(), size + 1, SUNSparseMatrix_IndexPointers(J));
-    std::copy_n(sparse_.innerIndexPtr(), sparse_.nonZeros(), SUNSparseMatrix_IndexValues(J));
-    std::copy_n(sparse_.valuePtr(), sparse_.nonZeros(), SUNSparseMatrix_Data(J));
-    SUNLinSol_KLUReInit(solver_, J, sparse_.nonZeros(), SUNKLU_REINIT_PARTIAL);  // the pattern may have changed
-    return Eigen::Map<const VectorX>(sparse_.valuePtr(), sparse_.nonZeros()).allFinite();
-  }
-
-  /// The engine's blocks act on turns of the present state; those of d turn it by Jr(ψ). Compliant rows, which have no
-  /// unknown here, are eliminated: Gᵀ κ G.
-  void collect(ConstVectorRef d) {
-    std::map<int, Matrix3> turns;  // by first velocity of a frame
-    for (const auto& b : equations_.layout().bodies())
-      if (b.frame) turns[b.v] = left_jacobian(d.segment<3>(b.v + 3)).transpose();
-    const int constraints_end = velocities_ + rows_;
-    struct CompliantRow {
-      double compliance = 0;
-      std::vector<std::pair<int, double>> across, down;  // columns of G as the unknowns see it, rows of Gᵀ
-    };
-    std::vector<CompliantRow> compliant;
-    entries_.clear();
-    const auto is_left_out = [&](int i) { return i >= velocities_ && redundant_[i - velocities_]; };
-
-    equations_.visit_blocks([&](int row, int column, ConstMatrixRef block) {
-      MatrixX values = block;
-      if (column < velocities_ && block.cols() == 6)
-        if (const auto turn = turns.find(column); turn != turns.end())
-          values.rightCols<3>() = (block.rightCols<3>() * turn->second).eval();
-      for (int k = 0; k < block.cols(); ++k)
-        for (int i = 0; i < block.rows(); ++i) {
-          const int r = row + i, c = column + k;
-          if (r >= constraints_end || c >= constraints_end) {
-            const auto place = static_cast<std::size_t>(std::max(r, c) - constraints_end);
-            if (place >= compliant.size()) compliant.resize(place + 1);
-            if (r >= constraints_end && c >= constraints_end) {
-              compliant[place].compliance = -values(i, k);
-            } else if (values(i, k) != 0 && !is_left_out(std::min(r, c))) {
-              (r >= constraints_end ? compliant[place].across : compliant[place].down)
-                  .emplace_back(std::min(r, c), values(i, k));
-            }
-          } else if (!is_left_out(r) && !is_left_out(c) && (values(i, k) != 0 || r == c)) {
-            entries_.emplace_back(r, c, values(i, k));
-          }
-        }
-    });
-    for (const CompliantRow& row : compliant)
-      for (const auto& [r, down] : row.down)
-        for (const auto& [c, across] : row.across) entries_.emplace_back(r, c, down * across / row.compliance);
-    for (int i = 0; i < rows_; ++i)
-      if (redundant_[i]) entries_.emplace_back(velocities_ + i, velocities_ + i, 1.0);
-  }
-
-  double norm() const {
-    double value = 0;
-    KINGetFuncNorm(kinsol_, &value);
-    return value;
-  }
-
-  Assembler& equations_;
-  const int velocities_, rows_;
-  std::vector<char> redundant_;
-  const State* from_ = nullptr;
-  double tau_ = 1;
-  VectorX q_, still_, acceleration_;
-  std::vector<Eigen::Triplet<double>> entries_;
-  Eigen::SparseMatrix<double> sparse_;
-  std::string thrown_;  // by the engine within a callback
-  int iterations_ = 0;
-
-  SUNContext context_ = nullptr;
-  N_Vector y_ = nullptr, unknown_scales_ = nullptr, equation_scales_ = nullptr;
-  SUNMatrix matrix_ = nullptr;
-  SUNLinearSolver solver_ = nullptr;
-  void* kinsol_ = nullptr;
-};
-
-/// How far a state is from balance.
-struct Balance {
-  VectorX force;  // Gᵀ λ - f
-  double largest = 0, gap = 0;
-  int worst = 0;  // velocity index
-};
-Balance balance_of(Assembler& equations, const State& state) {
-  Balance balance;
-  const VectorX still = VectorX::Zero(state.v.size());
-  balance.force = still;
-  VectorX g(state.lambda.size());
-  equations.evaluate(state.time, state.q, still, Level::velocity);
-  equations.residual(still, state.lambda, balance.force);
-  equations.constraint(Level::position, g);
-  if (balance.force.size() > 0) balance.largest = balance.force.cwiseAbs().maxCoeff(&balance.worst);
-  if (g.size() > 0) balance.gap = g.lpNorm<Eigen::Infinity>();
-  return balance;
-}
+constexpr double kFarthest = 0.3;        // rad, or of the size of the scene: what a step may turn and move
+constexpr double kSmooth = 1e-5;         // of the size of the scene, or rad: for differences of the balance
+constexpr double kLeast = 1e-4;          // of the shift σ, 1/s²
+constexpr double kMost = 1e16;           // likewise; where it is reached nothing helps
+constexpr double kContraction = 0.5;     // of a correction beside the one before
+constexpr double kSettled = 1e-4;        // of corrections beside the step: the rest is left to the next one
+constexpr int kMaxCorrections = 15;      // a step
+constexpr double kLeastShare = 0.02;     // of a step; below, the shift grows
+constexpr int kMaxTries = 2;             // shares of a step, each 0.3 of the last
+constexpr double kGrowth = 10;           // of the shift where a step is refused without saying by how much
+constexpr double kRowsClosed = 1e-9;     // |g| of an equilibrium
+constexpr double kHardlyMoves = 1e-6;    // m, rad: too small a move to judge the energy by
+constexpr double kPerfect = 1e-15;       // out of balance, of the force scale
 
 std::string short_number(double x) {
   char text[32];
@@ -244,13 +31,193 @@ std::string short_number(double x) {
   return text;
 }
 
-/// Largest turn of a body and largest motion of any coordinate in d.
-std::pair<double, double> largest_move(const Layout& layout, ConstVectorRef d) {
-  double turn = 0;
-  for (const auto& b : layout.bodies())
-    if (b.frame) turn = std::max(turn, d.segment<3>(b.v + 3).norm());
-  return {turn, d.lpNorm<Eigen::Infinity>()};
-}
+/// Newton's way from a start at rest to the balance.
+class Search {
+ public:
+  Search(Assembler& equations, State& state, double force_scale, double tolerance)
+      : equations_(equations),
+        layout_(equations.layout()),
+        balance_(equations),
+        state_(state),
+        force_scale_(force_scale),
+        tolerance_(tolerance) {
+    balance_.leave_out_redundant(state_.lambda);
+    balance_.evaluate(state_.time, state_.q, state_.lambda);
+    size_ = size_of_scene();
+    look();
+  }
+
+  void run(int max_steps, Equilibrium& found) {
+    for (int steps = 0; steps < max_steps && shift_ < kMost && out_of_balance_ > kPerfect * force_scale_; ++steps) {
+      if (!find_step()) {
+        if (balanced_) break;
+        shift_ *= kGrowth * kGrowth;
+        continue;
+      }
+      // Stiffness along the step, and whether the energy is convex there.
+      const double convex = gap_.dot(step_lambda_) - force_.dot(step_), inertia = step_.dot(inertial_);
+      const double stiffness = convex / inertia - shift_;
+      if (!(convex > 0) && step_.lpNorm<Eigen::Infinity>() > kHardlyMoves) {
+        if (balanced_) break;
+        shift_ = std::max(1.2 * -stiffness, 2 * shift_);
+        continue;
+      }
+      const double far = farthest_move() / kFarthest;
+      if (far * kLeastShare > 1) {
+        shift_ = (stiffness + shift_) * far - stiffness;
+        continue;
+      }
+      const double share = take(std::min(1.0, 1 / far));
+      if (trace) std::printf("  shift %.2e stiffness %.2e |d| %.2e far %.2e share %.2e F %.2e -> %.2e it %d\n", shift_, stiffness, step_.lpNorm<Eigen::Infinity>(), far, share, out_of_balance_, balance_.force.lpNorm<Eigen::Infinity>(), iterations_);
+      if (share == 0) {
+        if (balanced_) break;
+        shift_ = std::max(kGrowth * shift_, 3 * stiffness);
+        continue;
+      }
+      const double before = out_of_balance_;
+      const bool was_balanced = balanced_;
+      look();
+      if (was_balanced && !(balanced_ && out_of_balance_ < 0.5 * before)) {  // round-off ends progress
+        if (!(balanced_ && out_of_balance_ <= before)) go_back();
+        break;
+      }
+      if (share < 1 || shift_ > kLeast) ++found.load_steps;
+      keep();
+      const double longer = std::clamp(share * far, 1e-2, 1.0);
+      shift_ = std::max(kLeast, (stiffness + shift_) * longer - stiffness);
+    }
+    found.iterations = iterations_;
+    found.out_of_balance = out_of_balance_;
+    found.round_off = balance_.round_off().size() > 0 ? balance_.round_off().maxCoeff() : 0;
+  }
+
+  bool balanced() const { return balanced_; }
+  int worst() const { return worst_; }
+  double gap() const { return balance_.largest_gap(); }
+
+ private:
+  /// How far the state is from balance; force and gap are that state's.
+  void look() {
+    force_ = balance_.force;
+    gap_ = balance_.gap;
+    out_of_balance_ = force_.size() > 0 ? force_.cwiseAbs().maxCoeff(&worst_) : 0;
+    balanced_ = force_.allFinite() && balance_.largest_gap() < kRowsClosed;
+    for (int i = 0; i < force_.size() && balanced_; ++i)
+      balanced_ = std::abs(force_[i]) <= std::max(tolerance_ * force_scale_, balance_.round_off()[i]);
+  }
+
+  bool factorize() {
+    ++iterations_;
+    return balance_.factorize(shift_, state_.lambda);
+  }
+
+  bool find_step() {
+    if (!factorize()) return false;
+    look();  // round-off is known now
+    step_ = -force_;
+    step_lambda_ = -gap_;
+    if (!balance_.solve_exactly(step_, step_lambda_, state_.lambda, kSmooth * size_)) return false;
+    inertial_ = balance_.mass_times(step_, state_.lambda);
+    return true;
+  }
+
+  /// Of the step: the largest turn of a frame or marker, and the largest way beside the size of the scene.
+  double farthest_move() {
+    double turn = 0, way = 0;
+    const auto add = [&](const Vector3& v, const Vector3& w) {
+      turn = std::max(turn, w.norm()), way = std::max(way, v.norm());
+    };
+    for (const auto& b : layout_.bodies())
+      if (b.frame) add(step_.segment<3>(b.v), step_.segment<3>(b.v + 3));
+    equations_.evaluate(state_.time, state_.q, step_, Level::acceleration);
+    for (const MarkerKinematics& marker : equations_.workspace().markers) add(marker.v, marker.w);
+    balance_.evaluate(state_.time, state_.q, state_.lambda);
+    return std::max(turn, way / size_);
+  }
+
+  /// Of the box around all markers and frames.
+  double size_of_scene() const {
+    Eigen::AlignedBox3d box;
+    for (const auto& b : layout_.bodies())
+      if (b.frame) box.extend(Vector3(state_.q.segment<3>(b.q)));
+    for (const MarkerKinematics& marker : equations_.workspace().markers) box.extend(marker.p);
+    const double size = box.isEmpty() ? 0 : box.sizes().maxCoeff();
+    return size > 0 ? size : 1;
+  }
+
+  /// Moves on by the largest good share of the step, from the given one downwards; 0: none is good.
+  double take(double share) {
+    const State before = state_;
+    for (int tries = 0; tries < kMaxTries; ++tries, share *= 0.3)
+      if (follow(before, share)) {
+        last_q_ = before.q, last_lambda_ = before.lambda;
+        return share;
+      }
+    state_ = before;
+    balance_.evaluate(state_.time, state_.q, state_.lambda);
+    return 0;
+  }
+
+  /// To the balance with what a share of the step leaves for later held back. Corrections are found with the step's own
+  /// factor as long as they contract; then with one made where they have come to. False: they do not contract.
+  bool follow(const State& before, double share) {
+    VectorX d = share * step_, c = d, c_lambda, inertial;
+    state_.lambda = before.lambda + share * step_lambda_;
+    const double length = share * std::sqrt(step_.dot(inertial_));
+    double last = length;
+    int tangents = 0;
+    const bool polish = balanced_;
+    for (int k = 0; k < kMaxCorrections; ++k) {
+      layout_.retract(before.q, d, state_.q);
+      balance_.evaluate(state_.time, state_.q, state_.lambda);
+      if (!balance_.force.allFinite()) return false;
+      double size = 0;
+      for (bool again : {false, true}) {
+        if (again && polish) return true;  // judged by what it leaves out of balance
+        if (again && k > 0 && last <= kGood * length) return true;
+        if (again && (!factorize() || ++tangents > kMaxTangents)) return false;
+        c = (1 - share) * force_ - balance_.force - shift_ * balance_.mass_times(d, state_.lambda);
+        c_lambda = (1 - share) * gap_ - balance_.gap;
+        const bool solved = again ? balance_.solve_exactly(c, c_lambda, state_.lambda, kSmooth * size_)
+                                  : balance_.solve(c, c_lambda);
+        size = solved ? std::sqrt(std::max(0.0, c.dot(balance_.mass_times(c, state_.lambda)))) : 1e300;
+        if (trace) std::printf("    share %.2e k %d size %.2e of %.2e %s\n", share, k, size / length, last / length, again ? "fresh" : "");
+        if (size <= kContraction * (again ? length : last)) break;
+        if (again) return false;
+      }
+      d += c;
+      state_.lambda += c_lambda;
+      last = size;
+      if (size <= kSettled * length) break;
+    }
+    layout_.retract(before.q, d, state_.q);
+    balance_.evaluate(state_.time, state_.q, state_.lambda);
+    return balance_.force.allFinite();
+  }
+
+  void keep() {
+    equations_.track(state_.quadrants);
+    equations_.recall(state_.quadrants);
+  }
+  void go_back() {
+    state_.q = last_q_, state_.lambda = last_lambda_;
+    balance_.evaluate(state_.time, state_.q, state_.lambda);
+    look();
+  }
+
+  Assembler& equations_;
+  const Layout& layout_;
+  StaticEquations balance_;
+  State& state_;
+  const double force_scale_, tolerance_;
+  double shift_ = kLeast, out_of_balance_ = 0, size_ = 1;  // of the scene, m
+  bool balanced_ = false;
+  int worst_ = 0, iterations_ = 0;
+  double kGood = std::getenv("GOOD") ? atof(std::getenv("GOOD")) : 1e-2;
+  int kMaxTangents = std::getenv("TAN") ? atoi(std::getenv("TAN")) : 8;
+  bool trace = std::getenv("TRACE") != nullptr;
+  VectorX force_, gap_, step_, step_lambda_, inertial_, last_q_, last_lambda_;
+};
 
 }  // namespace
 
@@ -271,61 +238,25 @@ Equilibrium find_equilibrium(const System& system, const State& start, const Equ
   state.v_dot.setZero(layout.v_count());
   state.lambda.setZero(layout.row_count());
   projector.position(state.time, state.q, 1e-13, 50);
-  const auto dynamics = [&] { projector.accelerations(state.time, state.q, state.v, state.v_dot, state.lambda); };
-  dynamics();
-  const Balance unloaded =
-      balance_of(equations, {state.time, state.q, state.v, {}, VectorX::Zero(layout.row_count()), {}});
+  VectorX unloaded = state.v;
+  equations.evaluate(state.time, state.q, state.v, Level::velocity);
+  equations.residual(state.v, state.lambda, unloaded);
+  projector.accelerations(state.time, state.q, state.v, state.v_dot, state.lambda);
   const double force_scale =
-      std::max({unloaded.largest, state.lambda.size() > 0 ? state.lambda.lpNorm<Eigen::Infinity>() : 0.0, 1e-12});
-  const double enough = options.tolerance * force_scale;
+      std::max({unloaded.lpNorm<Eigen::Infinity>(),
+                state.lambda.size() > 0 ? state.lambda.lpNorm<Eigen::Infinity>() : 0.0, 1e-12});
 
-  // 2. Load steps, until the balance is as good as round-off lets it be.
-  LoadStep step(equations, force_scale);
-  Balance balance = balance_of(equations, state), trial;
-  const double fastest = state.v_dot.lpNorm<Eigen::Infinity>();
-  double tau = std::min(fastest > 0 ? kFirstMove / fastest : kLongest, kLongest);
-  State moved = state;
-  for (int failures = 0; found.load_steps < options.max_load_steps && tau > kShortest;) {
-    if (balance.largest <= 1e-15 * force_scale) break;
-    ++found.load_steps;
-    bool good = step.solve(state, tau);
-    const VectorX d = step.d();
-    const auto [turn, move] = largest_move(layout, d);
-    // Forces, those of the constraints included, must have done work: else Newton has gone uphill.
-    good = good && turn <= kFarthestTurn && (move < 1e-6 || balance.force.dot(d) < 0);
-    if (good) {
-      moved = state;
-      layout.retract(state.q, d, moved.q);
-      moved.lambda = step.lambda();
-      trial = balance_of(equations, moved);
-      good = std::isfinite(trial.largest) && trial.gap < kRowsClosed;
-    }
-    const bool near_end = balance.largest <= enough && balance.gap < kRowsClosed;
-    if (near_end && (!good || trial.largest > 0.5 * balance.largest)) break;  // round-off ends progress
-    if (!good) {
-      tau /= kShrink;
-      ++failures;
-      continue;
-    }
-    state.q = moved.q, state.lambda = moved.lambda;
-    equations.track(state.quadrants);
-    equations.recall(state.quadrants);
-    balance = trial;
-    tau = std::min(kLongest, tau * (move < kHardlyMoves ? kLateGrowth : kGrowth));
-    if (move > kHardlyMoves) {  // what the constraints bear before they move on
-      dynamics();
-      balance = balance_of(equations, state);
-    }
-  }
-  found.iterations = step.iterations();
-  found.out_of_balance = balance.largest;
+  state.lambda.setZero();
+  // 2. Newton, until the balance is as good as round-off lets it be.
+  Search search(equations, state, force_scale, options.tolerance);
+  search.run(options.max_load_steps, found);
 
   // 3. Rest, or no rest.
-  if (!(balance.largest <= enough) || !(balance.gap < kRowsClosed))
-    throw SimulationError("no equilibrium was found in " + std::to_string(found.load_steps) +
-                              " load steps: " + layout.velocity_name(balance.worst) + " stays out of balance by " +
-                              short_number(balance.largest) + " (N or N m), joints are off by " +
-                              short_number(balance.gap),
+  if (!search.balanced())
+    throw SimulationError("no equilibrium was found in " + std::to_string(found.iterations) +
+                              " iterations: " + layout.velocity_name(search.worst()) + " stays out of balance by " +
+                              short_number(found.out_of_balance) + " (N or N m), joints are off by " +
+                              short_number(search.gap()),
                           "find_equilibrium, " + time_text(state.time),
                           "does anything hold it? Add a spring, a joint or a lock; or start nearer to the equilibrium");
   state.v.setZero();

@@ -13,22 +13,26 @@ struct EquilibriumOptions {
 
 struct Equilibrium {
   State state;                // v = 0, v_dot = 0, multipliers in balance: a simulation started from it stays at rest
-  int load_steps = 0;         // until the whole load was on
-  int iterations = 0;         // of Newton, all load steps together
+  int load_steps = 0;         // that left part of the load for later
+  int iterations = 0;         // of Newton: tangents factorised, those of steps refused among them
   double out_of_balance = 0;  // largest |Gᵀ λ - f| left, N or N m
+  double round_off = 0;       // what round-off makes of it at most, in the row where that is largest
 };
 
-/// Static equilibrium near a state: Gᵀ λ = f(q, 0, t), g(q, t) = 0 at the start's time, drives held there.
+/// Static equilibrium near a state: F(q, λ) = Gᵀ λ - f(q, 0, t) = 0, g(q, t) = 0 at the start's time, drives held there.
 ///
-/// Each load step solves, by KINSOL (SUNDIALS; Newton with line search, sparse Jacobian, KLU),
-///   M d/τ + Gᵀ λ - f(q₀ ⊕ d) = 0,   g(q₀ ⊕ d) = 0
-/// so -M d/τ is that part of the load which is held back: τ = 0 leaves everything where it is, τ = ∞ is the
-/// equilibrium. τ grows from step to step (pseudo-transient continuation: Kelley & Keyes 1998) and shrinks where Newton
-/// fails, bodies turn by more than half a radian, or would move against their forces. In this way
+/// Newton with K = ∂F/∂q, (K + σM) d + Gᵀ Δλ = -F, G d = -g, judged by its corrections (natural monotonicity: Deuflhard
+/// 2004, 3.3): a share s of the step is taken if the simplified correction c that the same factor finds behind it, for
+/// the load that the share was to leave, is a fraction of it; q ⊕ (s d + c) starts the next step. A residual would judge
+/// wrongly: a beam that bends by θ in one step is stretched by half θ² on the way, and its axial forces, EA θ²/2, hide
+/// that the step is good; its corrections, of θ²/2 its length, do not. They do not depend on how rows are scaled either.
+///
+/// The shift σ ("pseudo-transient continuation": Kelley & Keyes 1998) is as small as possible. It grows where the energy
+/// is concave along the step, dᵀ(K + σM) d <= 0, where bodies would turn too far, and where no share of a step is good:
 ///   - a mechanism far from rest sinks to a stable equilibrium, not to the nearest unstable one;
-///   - a motion that nothing holds and nothing drives (a pendulum's turn about the vertical) keeps its place: M/τ makes
-///     the matrix regular and does not move the solution;
-///   - the last steps are Newton's, and d = 0 there: the balance is exact whatever τ is.
+///   - a motion that nothing holds and nothing drives (a pendulum's turn about the vertical) keeps its place;
+///   - d = 0 at the end: the balance is exact whatever σ is.
+/// Balance is asked of each row down to `tolerance`, or to its round-off where that is larger: of stiff rows it may be.
 /// A start that is in balance already is returned as it is, stable or not: Linearization::lowest_stiffness() tells.
 /// Redundant rows are left out and their multipliers are those of least norm.
 /// Throws SimulationError naming the worst coordinate if no equilibrium is found (a body that nothing holds falls),
