@@ -23,7 +23,8 @@ Vector3 point(const Vector3& from, double length, double angle) {
 double rocker_angle(double crank) {
   const Vector3 d = point({-kBase, 0, 0}, kCrank, crank);
   const double s = d.norm();
-  return std::atan2(d.z(), d.x()) - std::acos((kRocker * kRocker + s * s - kCoupler * kCoupler) / (2 * kRocker * s));
+  return M_PI + std::atan2(-d.z(), -d.x()) -
+         std::acos((kRocker * kRocker + s * s - kCoupler * kCoupler) / (2 * kRocker * s));
 }
 
 }  // namespace
