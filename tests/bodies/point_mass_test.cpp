@@ -16,6 +16,7 @@
 #include "joints/revolute_joint.h"
 #include "joints/spherical_joint.h"
 #include "tests/joints/mechanisms.h"
+#include "tests/reference/contact_scene.h"
 #include "tests/support/body_checks.h"
 #include "tests/support/joint_checks.h"
 
@@ -81,6 +82,51 @@ TEST(PointMass, CirclesAsAConicalPendulumByEveryMethod) {
     const Vector3 F = read_vector(scene, reaction(*string, 1));
     EXPECT_LT((F + m * kGravity / (l * std::cos(lean)) * p).norm(), 1e-4);
   }
+}
+
+/// Steps of 0.1 ms: 1.6e-4 m by the method of first order, 2e-8 m by that of second.
+TEST(PointMass, CirclesByTheLinearlyImplicitMethods) {
+  const double l = 0.8, lean = 0.6, speed = std::sqrt(kGravity / (l * std::cos(lean))), r = l * std::sin(lean);
+  for (const auto& [order, bound] : {std::pair(1, 5e-4), std::pair(2, 1e-7)}) {
+    Scene scene({0, 0, -kGravity}, [&](SystemGraph& graph) {
+      auto& bob = graph.add<PointMass>(
+          "bob", {.mass = 0.4, .position = {r, 0, -l * std::cos(lean)}, .velocity = {0, speed * r, 0}});
+      graph.add<DistanceJoint>("string", {graph.ground().marker(), bob.marker()});
+    });
+    scene.run(*linearly_implicit(1e-4, order), 0.5);
+    const Vector3 p(r * std::cos(speed / 2), r * std::sin(speed / 2), -l * std::cos(lean));
+    expect_below("linearly implicit, order " + std::to_string(order), (scene.state.q - p).norm(), bound);
+  }
+}
+
+/// A small ball of no inertia on an incline: μ = 0.3 would make a solid one roll; it slides, ẍ = g (sin α - μ cos α),
+/// on rigid surfaces and on compliant ones.
+TEST(PointMass, SlidesAndNeverRollsOnAnIncline) {
+  const double slope = M_PI / 6, mu = 0.3, end = 0.5, m = 2;
+  const Matrix3 axes = rotation_about({0, 1, 0}, slope);
+  const double acceleration = kGravity * (std::sin(slope) - mu * std::cos(slope));
+  for (const Stepper stepper : {Stepper::moreau_jean, Stepper::generalized_alpha}) {
+    ContactScene scene;
+    auto& ball = scene.graph.add<PointMass>("ball", {.mass = m, .position = 0.1 * axes.col(2)});
+    const auto& contact = scene.contact({scene.plane({}, axes), {ball.marker(), shape::sphere(0.1)}}, mu);
+    scene.start(stepper, 1e-3);
+    scene.run(end);
+    const Vector3 p = 0.1 * axes.col(2) + 0.5 * acceleration * end * end * axes.col(0);
+    EXPECT_LT((scene.state().q - p).norm(), 2e-3 * p.norm());
+    EXPECT_LT((scene.state().v - acceleration * end * axes.col(0)).norm(), 1e-6);
+    const Sensor force = contact_force(contact, 1);
+    const Vector3 load(scene.read(force, 0), scene.read(force, 1), scene.read(force, 2));
+    EXPECT_LT((load - m * kGravity * std::cos(slope) * (axes.col(2) - mu * axes.col(0))).norm(), 1e-6);
+  }
+  Scene scene({0, 0, -kGravity}, [&](SystemGraph& graph) {
+    auto& ball = graph.add<PointMass>("ball", {.mass = m, .position = 0.1 * axes.col(2)});
+    graph.add<Contact>(
+        "contact", {{graph.ground().marker({}, axes), shape::half_space()}, {ball.marker(), shape::sphere(0.1)}},
+        {.law = Compliance{.stiffness = 1e6, .exponent = 1, .dissipation = Dissipation::fixed, .damping = 2},
+         .friction = {.coefficient = mu}});
+  });
+  scene.run(*runge_kutta(1e-9), end);
+  EXPECT_NEAR(scene.state.q.dot(axes.col(0)), 0.5 * acceleration * end * end, 2e-3);
 }
 
 /// m ẍ = -k x - c ẋ along the spring: a damped oscillation.
