@@ -23,6 +23,11 @@ Marker RigidBody::marker(const Point& position, const Matrix3& orientation) {
   return {this, marker_count() - 1};
 }
 
+Marker RigidBody::marker_at_world(const Point& point, const Matrix3& orientation) {
+  const Matrix3 to_body = parameters_.orientation.transpose();
+  return marker(to_body * (point.at - parameters_.position), to_body * orientation);
+}
+
 void RigidBody::initial_state(VectorRef q, VectorRef v) const {
   q << parameters_.position, quaternion_of(parameters_.orientation);
   v << parameters_.velocity, parameters_.angular_velocity;

@@ -38,6 +38,8 @@ class RigidBody final : public Body {
   const Parameters& parameters() const { return parameters_; }
   /// A frame at `position` from the centre of mass (body axes, m), with axes `orientation` (marker axes to body axes).
   Marker marker(const Point& position = {}, const Matrix3& orientation = Matrix3::Identity());
+  /// A frame at `point` of the world where the body is drawn (m), with axes `orientation` (marker axes to world axes).
+  Marker marker_at_world(const Point& point, const Matrix3& orientation = Matrix3::Identity());
 
   Coordinates coordinates() const override { return {.frame = true, .linear = 0}; }
   std::unique_ptr<BodyCache> make_cache() const override { return std::make_unique<Cache>(*this); }

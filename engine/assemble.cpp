@@ -6,6 +6,7 @@
 #include "engine/batch_of.h"
 #include "engine/error.h"
 #include "engine/log.h"
+#include "engine/point_body.h"
 #include "engine/projection.h"
 #include "engine/redundancy.h"
 #include "engine/system.h"
@@ -177,6 +178,7 @@ class SystemBuilder {
     } catch (const SceneError& error) {
       throw SceneError("'" + element.name() + "': " + error.problem(), element.where(), error.mend());
     }
+    refuse_moments(element, markers, poses);
   }
 
   void plan_blocks() {

@@ -15,6 +15,10 @@ class Ground final : public Body {
 
   /// A frame fixed in the world at `position` (m) with axes `orientation` (marker axes to world axes).
   Marker marker(const Point& position = {}, const Matrix3& orientation = Matrix3::Identity());
+  /// The same, under the name that other bodies have for it.
+  Marker marker_at_world(const Point& point, const Matrix3& orientation = Matrix3::Identity()) {
+    return marker(point, orientation);
+  }
 
   Coordinates coordinates() const override { return {.frame = false, .linear = 0}; }
   std::unique_ptr<BodyCache> make_cache() const override { return std::make_unique<Cache>(*this); }

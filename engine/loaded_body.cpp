@@ -88,6 +88,15 @@ Marker LoadedBody::marker(const Point& position, const Matrix3& orientation) {
   return made_marker(table_.place_marker, "positions", position.at.data(), orientation.data());
 }
 
+Marker LoadedBody::marker_at_world(const Point& point, const Matrix3& orientation) {
+  if (!coordinates_.frame)
+    throw SceneError("'" + name() + "' has no frame to place a marker in", where(), "make its markers at nodes");
+  VectorX q(coordinates_.q_count()), v(coordinates_.v_count());
+  initial_state(q, v);
+  const Matrix3 A = rotation_matrix(q.segment<4>(3));
+  return marker(A.transpose() * (point.at - q.head<3>()), A.transpose() * orientation);
+}
+
 Marker LoadedBody::node(int number, const Matrix3& orientation) {
   return made_marker(table_.node_marker, "nodes", number, orientation.data());
 }

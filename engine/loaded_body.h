@@ -30,6 +30,10 @@ class LoadedBody final : public Body {
   Marker node(int number, const Matrix3& orientation = Matrix3::Identity());
   Marker average(const std::vector<int>& nodes, const Matrix3& orientation = Matrix3::Identity());
 
+  /// A frame at `point` of the world as drawn (m), with axes `orientation` (marker axes to world axes). SceneError for
+  /// a body without frame: what is made of nodes has markers at nodes.
+  Marker marker_at_world(const Point& point, const Matrix3& orientation = Matrix3::Identity());
+
   Coordinates coordinates() const override { return coordinates_; }
   std::unique_ptr<BodyCache> make_cache() const override { return std::make_unique<Cache>(*this); }
   void initial_state(VectorRef q, VectorRef v) const override;

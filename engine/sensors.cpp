@@ -130,16 +130,19 @@ Wrench wrench_of(Snapshot& now, const ForceElement& force, int marker) {
   return sum;
 }
 
+void write_wrench(Snapshot& now, const Wrench& w, const Marker& axes, std::span<double> values) {
+  const Matrix3 R = axes == kWorldAxes ? Matrix3::Identity() : now.marker(axes).R;
+  Eigen::Map<Vector3>(values.data()) = R.transpose() * w.force;
+  Eigen::Map<Vector3>(values.data() + 3) = R.transpose() * w.torque;
+}
+
 template <class Connector>
 Sensor wrench_sensor(const Connector& connector, int marker, const Marker& axes, Located name) {
   check_place(connector, marker, connector.marker_count(), name);
   if (axes != kWorldAxes) check(axes, name);
   return make_sensor(std::move(name), connector.name() + "_m" + std::to_string(marker), kWrench, kWrenchUnits,
                      [&connector, marker, axes](Snapshot& now, std::span<double> values) {
-                       const Wrench w = wrench_of(now, connector, marker);
-                       const Matrix3 R = axes == kWorldAxes ? Matrix3::Identity() : now.marker(axes).R;
-                       Eigen::Map<Vector3>(values.data()) = R.transpose() * w.force;
-                       Eigen::Map<Vector3>(values.data() + 3) = R.transpose() * w.torque;
+                       write_wrench(now, wrench_of(now, connector, marker), axes, values);
                      });
 }
 
@@ -338,6 +341,32 @@ Sensor applied_force(const ForceElement& element, int marker, Marker axes, Locat
 Sensor joint_reaction(const Constraint& joint, Located name) {
   if (name.text.empty()) name.text = joint.name();
   return wrench_sensor(joint, 1, joint.markers().at(0), std::move(name));
+}
+
+Sensor total_reaction(const Body& body, std::vector<const Constraint*> joints, Marker about, Marker axes,
+                      Located name) {
+  check(about, name);
+  if (axes != kWorldAxes) check(axes, name);
+  if (joints.empty())
+    throw SceneError("no joint is to be summed", to_string(name.where), "list the joints that hold the body");
+  for (const Constraint* joint : joints)
+    if (!joint || std::none_of(joint->markers().begin(), joint->markers().end(),
+                               [&](const Marker& m) { return m.body == &body; }))
+      throw SceneError((joint ? "'" + joint->name() + "'" : "a null joint") + " does not hold '" + body.name() + "'",
+                       to_string(name.where), "list joints with a marker on the body");
+  return make_sensor(std::move(name), body.name() + "_reactions", kWrench, kWrenchUnits,
+                     [&body, joints = std::move(joints), about, axes](Snapshot& now, std::span<double> values) {
+                       const Vector3 point = now.marker(about).p;
+                       Wrench sum{Vector3::Zero(), Vector3::Zero()};
+                       for (const Constraint* joint : joints)
+                         for (int m = 0; m < joint->marker_count(); ++m) {
+                           const Marker& at = joint->markers()[static_cast<std::size_t>(m)];
+                           if (at.body != &body) continue;
+                           const Wrench w = wrench_of(now, *joint, m);
+                           sum = sum + w + torque((now.marker(at).p - point).cross(w.force));
+                         }
+                       write_wrench(now, sum, axes, values);
+                     });
 }
 
 Sensor power(const Constraint& joint, Located name) { return power_sensor(joint, std::move(name)); }

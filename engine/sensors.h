@@ -76,6 +76,11 @@ Sensor reaction(const Constraint& joint, int marker, Marker axes = kWorldAxes, L
 /// What a joint transmits, in its own frame: force and moment on the body of its second marker, in the axes of the
 /// first.
 Sensor joint_reaction(const Constraint& joint, Located name = "");
+/// What several joints together do to one body: the sum of their forces at all of their markers on it (N), and of their
+/// moments about the point of `about` (N m), in world axes or in the axes of a marker. Unique where rows are redundant,
+/// too: four feet carry the weight, however they share it. Throws SceneError for a joint that does not hold the body.
+Sensor total_reaction(const Body& body, std::vector<const Constraint*> joints, Marker about, Marker axes = kWorldAxes,
+                      Located name = "");
 /// λ of the joint's rows, 1 … n; of least norm where rows are redundant.
 Sensor multipliers(const Constraint& joint, Located name = "");
 /// Force and moment of a force element on the body at its marker number `marker`, likewise.

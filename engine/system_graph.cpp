@@ -3,6 +3,7 @@
 #include <map>
 
 #include "engine/checks.h"
+#include "engine/class_name.h"
 #include "engine/graph_topology.h"
 
 namespace lithe {
@@ -101,6 +102,12 @@ void SystemGraph::check_markers(const Element& element, const std::vector<Marker
 const Element* SystemGraph::find(const std::string& name) const {
   const auto at = by_name_.find(name);
   return at == by_name_.end() ? nullptr : at->second;
+}
+
+void SystemGraph::refuse_type(const Element& element, const std::type_info& wanted) {
+  throw SceneError(
+      "'" + element.name() + "' is a " + class_name(typeid(element).name()) + ", not a " + class_name(wanted.name()),
+      element.where(), "ask for its own type or a base of it, or look up another name");
 }
 
 std::string SystemGraph::graphviz() const {

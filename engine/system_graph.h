@@ -4,8 +4,10 @@
 #include <memory>
 #include <string>
 #include <typeindex>
+#include <typeinfo>
 #include <unordered_map>
 #include <unordered_set>
+#include <utility>
 #include <vector>
 
 #include "engine/batch.h"
@@ -126,6 +128,19 @@ class SystemGraph {
 
   /// Body, constraint or force of that name; null if there is none.
   const Element* find(const std::string& name) const;
+  /// The same as its own type or a base of it: graph.find<RevoluteJoint>("pin"), graph.find<Body>("link"). Null if
+  /// there is none; SceneError if that name is of something else.
+  template <class T>
+  const T* find(const std::string& name) const {
+    const Element* element = find(name);
+    const T* found = dynamic_cast<const T*>(element);
+    if (element && !found) refuse_type(*element, typeid(T));
+    return found;
+  }
+  template <class T>
+  T* find(const std::string& name) {
+    return const_cast<T*>(std::as_const(*this).template find<T>(name));
+  }
   /// The graph as Graphviz text: bodies are boxes, connectors ellipses.
   std::string graphviz() const;
 
@@ -161,6 +176,7 @@ class SystemGraph {
   };
   explicit SystemGraph(PartOf part);
   void check_name(const Located& name) const;
+  [[noreturn]] static void refuse_type(const Element& element, const std::type_info& wanted);
   void check_shared(const Element& element, const std::vector<Marker>& markers) const;
   void adopt(std::unique_ptr<Element> element, const Located& name);
   void check_markers(const Element& element, const std::vector<Marker>& markers, int expected);

@@ -78,6 +78,9 @@ class FlexibleBody final : public DeformableBody, public DrawableBody {
   // ---- markers; orientations are given in mesh axes ----
   /// A node by its label; translates with the deformation, turns with the body frame (solids have no nodal rotation).
   Marker node(int id, const Matrix3& orientation = Matrix3::Identity());
+  /// The node at `point` of the world where the body is drawn (m), its axes `orientation` (marker axes to world axes).
+  /// SceneError where no node is within 1e-6 of the body's size: only nodes follow the deformation.
+  Marker marker_at_world(const Point& point, const Matrix3& orientation = Matrix3::Identity());
   /// The mean of nodes (RBE3): mean position and, for three or more nodes off a line, mean rotation. Nodes on a line
   /// turn with the body frame about it, with the nodes otherwise. Weights, one a node or none, count by their ratios;
   /// those of the areas that the nodes of a face stand for spread a load evenly over it.

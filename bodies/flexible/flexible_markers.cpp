@@ -66,6 +66,26 @@ Marker FlexibleBody::node(int id, const Matrix3& orientation) {
   return add_marker([=, this] { return node_shape(node, orientation); });
 }
 
+Marker FlexibleBody::marker_at_world(const Point& point, const Matrix3& orientation) {
+  const Coordinates c = coordinates();
+  VectorX q(c.q_count()), v(c.v_count());
+  initial_state(q, v);
+  Cache cache(*this);
+  const BodyState drawn{q.data(), v.data(), &cache};
+  evaluate(drawn, Level::acceleration);
+  const VectorX at_rest = VectorX::Zero(c.v_count());
+  const Matrix3X nodes = nodal_motion(drawn, at_rest.data()).position;
+  Eigen::Index nearest = 0;
+  const double distance = (nodes.colwise() - point.at).colwise().norm().minCoeff(&nearest);
+  const int id = basis().node_ids[static_cast<size_t>(nearest)];
+  const double size = (nodes.rowwise().maxCoeff() - nodes.rowwise().minCoeff()).norm();
+  if (!(distance <= 1e-6 * size))
+    throw SceneError("'" + name() + "' has no node at that point of the world: the nearest, " + std::to_string(id) +
+                         ", is " + std::to_string(distance) + " m away",
+                     where(), "give the place of a node as drawn, or use node(id) or average({ids})");
+  return node(id, parameters_.orientation.transpose() * orientation);
+}
+
 FlexibleBody::MarkerShape FlexibleBody::node_shape(int node, const Matrix3& orientation) const {
   Matrix3X Theta(3, 0);  // of a beam's or shell's node
   if (modes_ > 0 && !basis().rotations.empty()) {

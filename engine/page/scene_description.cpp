@@ -1,10 +1,8 @@
-#include <cxxabi.h>
-
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 
+#include "engine/class_name.h"
 #include "engine/page/scene_plan_internal.h"
 #include "engine/stand_in.h"
 
@@ -13,16 +11,6 @@ namespace {
 
 using Json = nlohmann::json;
 constexpr int kMostLinear = 200;  // linear coordinates of a body that become charts
-
-/// "RevoluteJoint": the class without its namespaces and parameters.
-std::string class_name(const char* mangled) {
-  int status = 0;
-  const std::unique_ptr<char, void (*)(void*)> text(abi::__cxa_demangle(mangled, nullptr, nullptr, &status), std::free);
-  std::string name = status == 0 ? text.get() : mangled;
-  name = name.substr(0, name.find('<'));
-  const std::size_t colon = name.rfind(':');
-  return colon == std::string::npos ? name : name.substr(colon + 1);
-}
 
 Json vector_json(const Vector3& x) { return {x[0], x[1], x[2]}; }
 Json rotation_json(const Matrix3& R) {

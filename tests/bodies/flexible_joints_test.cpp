@@ -13,11 +13,16 @@
 #include "joints/cylindrical_joint.h"
 #include "joints/distance_joint.h"
 #include "joints/fixed_joint.h"
+#include "joints/orientation_joint.h"
+#include "joints/parallel_axes_joint.h"
+#include "joints/perpendicular_axes_joint.h"
 #include "joints/planar_joint.h"
+#include "joints/planar_pin_joint.h"
 #include "joints/point_on_line_joint.h"
 #include "joints/point_on_plane_joint.h"
 #include "joints/prismatic_joint.h"
 #include "joints/revolute_joint.h"
+#include "joints/revolute_spherical_joint.h"
 #include "joints/screw_joint.h"
 #include "joints/spherical_joint.h"
 #include "joints/universal_joint.h"
@@ -32,6 +37,7 @@ struct Type {
   int rank;
   Vector3 gap;  // from A to B as drawn
   std::function<void(SystemGraph&, const std::string&, std::vector<Marker>)> add;
+  Matrix3 turn_B = Matrix3::Identity();  // axes of B to those of A
 };
 
 template <class T, class... Parameters>
@@ -39,6 +45,11 @@ Type type(const std::string& name, int rank, const Vector3& gap, const Parameter
   return {name, rank, gap, [=](SystemGraph& graph, const std::string& joint, std::vector<Marker> markers) {
             graph.add<T>(joint, std::move(markers), parameters...);
           }};
+}
+
+Type turned(Type type) {
+  type.turn_B = rotation_about({1, 0, 0}, M_PI / 2);
+  return type;
 }
 
 const std::vector<Type> kTypes = {
@@ -53,6 +64,12 @@ const std::vector<Type> kTypes = {
     type<PointOnLineJoint>("point on line", 2, {0, 0, 0.02}),
     type<PointOnPlaneJoint>("point on plane", 1, {0.02, 0.01, 0}),
     type<ScrewJoint>("screw", 5, {0, 0, 0}, ScrewJoint::Parameters{.lead = 0.02}),
+    type<PlanarPinJoint>("planar pin", 2, {0, 0, 0.02}),
+    type<ParallelAxesJoint>("parallel axes", 2, {0.02, 0.01, 0.03}),
+    type<OrientationJoint>("orientation", 3, {0.02, 0.01, 0.03}),
+    type<RevoluteSphericalJoint>("revolute-spherical", 2, {0.03, 0.04, 0},
+                                 RevoluteSphericalJoint::Parameters{.length = 0.05}),
+    turned(type<PerpendicularAxesJoint>("perpendicular axes", 1, {0.02, 0.01, 0.03})),
     type<DistanceJoint>("distance", 1, {0.03, 0, 0.04}, DistanceJoint::Parameters{.length = 0.05}),
 };
 
@@ -80,8 +97,8 @@ TEST_P(BarBetweenJoints, OfEveryTypeMovesWithinThemAndKeepsItsEnergy) {
       return kind == Kind::rigid_faces ? bar.rigid(nodes, turn) : bar.average(nodes, turn);
     };
     const Vector3 shift = turn * joint.gap, tip = Vector3(-0.1, 0, 0) + shift;
-    joint.add(graph, "root", {graph.ground().marker(-shift, turn), face(start)});
-    joint.add(graph, "tip", {face(end), bob.marker(tip, turn)});
+    joint.add(graph, "root", {graph.ground().marker(-shift, turn * joint.turn_B.transpose()), face(start)});
+    joint.add(graph, "tip", {face(end), bob.marker(tip, turn * joint.turn_B)});
     const System system = assemble(graph);
     EXPECT_EQ(system.rank(), 2 * joint.rank);
     EXPECT_EQ(system.redundant_rows().size(), 0u);

@@ -9,12 +9,17 @@
 #include "joints/forces/bushing.h"
 #include "joints/forces/spring_damper.h"
 #include "joints/gear_pair.h"
+#include "joints/orientation_joint.h"
+#include "joints/parallel_axes_joint.h"
+#include "joints/perpendicular_axes_joint.h"
 #include "joints/planar_joint.h"
+#include "joints/planar_pin_joint.h"
 #include "joints/point_on_line_joint.h"
 #include "joints/point_on_plane_joint.h"
 #include "joints/prismatic_joint.h"
 #include "joints/rack_and_pinion.h"
 #include "joints/revolute_joint.h"
+#include "joints/revolute_spherical_joint.h"
 #include "joints/rolling_disc.h"
 #include "joints/screw_joint.h"
 #include "joints/spherical_joint.h"
@@ -111,12 +116,43 @@ TEST_F(CatalogueEquations, OfJointsThatGuide) {
   expect_reaction(0, l[0] * A.z(), -l[0] * A.z().cross(d()));
 }
 
+TEST_F(CatalogueEquations, OfJointsOfAFewRows) {
+  evaluate(PlanarPinJoint());
+  EXPECT_NEAR(g(0), A.x().dot(d()), 1e-15);
+  EXPECT_NEAR(g(1), A.y().dot(d()), 1e-15);
+  expect_reaction(1, -l[0] * A.x() - l[1] * A.y(), none);
+  expect_reaction(0, l[0] * A.x() + l[1] * A.y(), -l[0] * A.x().cross(d()) - l[1] * A.y().cross(d()));
+  evaluate(ParallelAxesJoint());
+  EXPECT_NEAR(g(0), A.x().dot(B.z()), 1e-15);
+  EXPECT_NEAR(g(1), A.y().dot(B.z()), 1e-15);
+  const Vector3 tilting = l[0] * A.x().cross(B.z()) + l[1] * A.y().cross(B.z());
+  expect_reaction(1, none, tilting);
+  expect_reaction(0, none, -tilting);
+  evaluate(PerpendicularAxesJoint());
+  EXPECT_NEAR(g(0), A.z().dot(B.z()), 1e-15);
+  expect_reaction(1, none, l[0] * A.z().cross(B.z()));
+  expect_reaction(0, none, -l[0] * A.z().cross(B.z()));
+  evaluate(OrientationJoint());
+  expect_near(g3(0), {A.x().dot(B.y()), A.y().dot(B.z()), A.z().dot(B.x())});
+  const Vector3 turning = l[0] * A.x().cross(B.y()) + l[1] * A.y().cross(B.z()) + l[2] * A.z().cross(B.x());
+  expect_reaction(1, none, turning);
+  expect_reaction(0, none, -turning);
+  evaluate(RevoluteSphericalJoint({.length = 0.4}));
+  EXPECT_NEAR(g(0), 0.5 * (d().squaredNorm() - 0.16), 1e-15);
+  EXPECT_NEAR(g(1), A.z().dot(d()), 1e-15);
+  EXPECT_NEAR(bias(0), (B.v - A.v).squaredNorm(), 1e-14);
+  expect_reaction(1, -l[0] * d() - l[1] * A.z(), none);
+  expect_reaction(0, l[0] * d() + l[1] * A.z(), -l[1] * A.z().cross(d()));
+}
+
 TEST_F(CatalogueEquations, OfClosedJointsInTheAxesOfA) {
   turn_B_about_common_z(0);
   evaluate(RevoluteJoint());
   expect_reaction(1, -l3(0), l[4] * A.x() - l[3] * A.y());
   evaluate(FixedJoint());
   expect_reaction(1, -l3(0), l[4] * A.x() + l[5] * A.y() + l[3] * A.z());
+  evaluate(OrientationJoint());
+  expect_reaction(1, none, l[1] * A.x() + l[2] * A.y() + l[0] * A.z());
   turn_B_about_common_z(0.8);
   evaluate(ScrewJoint({.lead = 0.7}));
   EXPECT_NEAR(g(4), A.z().dot(d()) - 0.7 / (2 * M_PI) * 0.8, 1e-14);

@@ -6,6 +6,7 @@
 #include "engine/batch_of.h"
 #include "engine/recorder.h"
 #include "engine/simulation.h"
+#include "engine/snapshot.h"
 #include "integrators/generalized_alpha.h"
 #include "joints/cylindrical_joint.h"
 #include "joints/distance_joint.h"
@@ -164,6 +165,19 @@ auto draw_box(SystemGraph& graph, AddBody&& add) -> decltype(add(graph)) {
 }
 RattleBox& add_compiled(SystemGraph& graph) {
   return graph.add<RattleBox>("box", {.stiffness = 80, .position = {0.5, 0, 0}});
+}
+
+TEST(LoadedBody, takes_a_marker_where_it_is_put_in_the_world) {
+  Registry registry;
+  registry.load_plugin(library("rattle_box"));
+  SystemGraph graph;
+  auto& box = graph.add(registry.body("rattle_box"), "box", {{"position", {0.5, -1, 2}}});
+  const Matrix3 axes = rotation_about({1, 2, 3}, 0.4);
+  const Marker marker = box.marker_at_world({1, 1, 1}, axes);
+  const System system = assemble(graph);
+  Snapshot now{system, system.initial_state()};
+  EXPECT_LT((now.marker(marker).p - Vector3(1, 1, 1)).norm(), 1e-15);
+  EXPECT_LT((now.marker(marker).R - axes).norm(), 1e-15);
 }
 
 TEST(LoadedBody, passes_the_checks_of_a_body) {

@@ -10,6 +10,8 @@
 #include <fstream>
 
 #include "bodies/flexible/basis_file.h"
+#include "bodies/flexible/elements/meshes.h"
+#include "bodies/flexible/readers/calculix_deck.h"
 #include "bodies/flexible/reduction.h"
 #include "tools/bench/brick_mesh.h"
 
@@ -47,29 +49,13 @@ std::vector<WeightedNodes> interfaces_of(const FiniteElementModel& model, int co
   return found;
 }
 
-void write_deck(const bench::BrickMesh& mesh, const FiniteElementModel& model, int modes, const char* path) {
-  const auto [nx, ny, nz] = mesh.bricks;
-  const auto node_at = [&, ny = ny, nz = nz](int x, int y, int z) {
-    return x * (ny + 1) * (nz + 1) + z * (ny + 1) + y + 1;
-  };
-  std::FILE* deck = std::fopen(path, "w");
-  if (!deck) std::exit(1);
-  std::fprintf(deck, "*NODE, NSET=NALL\n");
-  for (int i = 0; i < model.node_count(); ++i)
-    std::fprintf(deck, "%d,%.12g,%.12g,%.12g\n", i + 1, model.nodes(0, i), model.nodes(1, i), model.nodes(2, i));
-  std::fprintf(deck, "*ELEMENT, TYPE=C3D8, ELSET=EALL\n");
-  int element = 0;
-  for (int x = 0; x < nx; ++x)
-    for (int y = 0; y < ny; ++y)
-      for (int z = 0; z < nz; ++z)
-        std::fprintf(deck, "%d,%d,%d,%d,%d,%d,%d,%d,%d\n", ++element, node_at(x, y, z), node_at(x + 1, y, z),
-                     node_at(x + 1, y + 1, z), node_at(x, y + 1, z), node_at(x, y, z + 1), node_at(x + 1, y, z + 1),
-                     node_at(x + 1, y + 1, z + 1), node_at(x, y + 1, z + 1));
-  std::fprintf(deck,
-               "*MATERIAL, NAME=STEEL\n*ELASTIC\n%g,%g\n*DENSITY\n%g\n*SOLID SECTION, ELSET=EALL, MATERIAL=STEEL\n"
-               "*STEP\n*FREQUENCY\n%d\n*NODE FILE\nU\n*END STEP\n",
-               mesh.young, mesh.poisson, mesh.density, modes + 6);
-  std::fclose(deck);
+void write_deck(const bench::BrickMesh& mesh, int modes, const char* path) {
+  write_calculix_deck(path, brick_mesh({.size = mesh.size,
+                                        .divisions = mesh.bricks,
+                                        .type = "C3D8",
+                                        .material = {mesh.young, mesh.poisson, mesh.density},
+                                        .name = "block"}));
+  std::ofstream(path, std::ios::app) << "*STEP\n*FREQUENCY\n" << modes + 6 << "\n*NODE FILE\nU\n*END STEP\n";
 }
 
 }  // namespace
@@ -79,11 +65,11 @@ int main(int count, char** words) {
   const int modes = number(2, 30), interfaces = number(3, 4);
   const bench::BrickMesh mesh = block_of(number(1, 30000));
   auto start = Clock::now();
-  const FiniteElementModel model = bench::brick_model(mesh);
   if (count > 4) {
-    write_deck(mesh, model, modes, words[4]);
+    write_deck(mesh, modes, words[4]);
     return 0;
   }
+  const FiniteElementModel model = bench::brick_model(mesh);
   const double assembly = seconds_since(start), before = peak_gib();
   start = Clock::now();
   const auto basis = make_basis(model, MeanAxisFrame{}, modes, {.loaded = interfaces_of(model, interfaces)});

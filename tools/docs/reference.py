@@ -13,7 +13,8 @@ from xml.etree import ElementTree
 TOPICS = [
     ("scene", "Drawing a scene", "The graph, its bodies, joints and markers, and what `assemble` makes of it.",
      ["engine/system_graph.h", "engine/marker.h", "engine/ground.h", "engine/element.h", "engine/system.h",
-      "engine/snapshot.h", "engine/state.h", "engine/math.h", "engine/motion_law.h", "engine/joint_coordinate.h",
+      "engine/snapshot.h", "engine/state.h", "engine/math.h", "engine/rotations.h",
+      "engine/world_placement.h", "engine/motion_law.h", "engine/joint_coordinate.h",
       "engine/simplification.h", "engine/deformable_body.h", "engine/error.h", "engine/checks.h", "engine/drawn.h",
       "engine/log.h", "engine/located.h", "engine/version.h"]),
     ("running", "Running it", "The loop, what watches it, what happens on the way.",
@@ -36,7 +37,7 @@ TOPICS = [
      ["engine/study/*.h"]),
     ("output", "Results", "Tables, charts, files; the run as one page.", ["engine/output/*.h", "engine/page/*.h"]),
     ("extending", "Interfaces for your own", "What a body, joint, force, integrator or plug-in implements.",
-     ["engine/body.h", "engine/constraint.h", "engine/force_element.h", "engine/connector.h", "engine/batch.h",
+     ["engine/body.h", "engine/point_body.h", "engine/constraint.h", "engine/force_element.h", "engine/connector.h", "engine/batch.h",
       "engine/equations_of_motion.h", "engine/plugin*.h", "engine/registry.h", "engine/loaded_*.h",
       "engine/parameters.h", "engine/field.h", "engine/memory*.h"]),
     ("machinery", "Machinery", "What stands between a graph and an integrator; for those who work on the engine.",

@@ -29,4 +29,11 @@ CalculixDeck read_calculix_deck(const std::string& path);
 /// for an element type or material that assemble_matrices() does not know.
 FiniteElementModel read_calculix_mesh(const std::string& deck, MassIntegration mass = MassIntegration::exact);
 
+/// Writes the mesh of a model as a deck: nodes, elements with their materials, node sets; lengths in 17 digits, so that
+/// read_calculix_mesh() finds the same K and M to the last bit. For a code that is to check a part, and for the plug-in
+/// `inertial_body` (C3D8 and C3D8I). Steps and supports are yours: a deck of your own takes this one in by
+/// *INCLUDE, INPUT=path. Throws SceneError for a model without elements, of other elements than those of
+/// solid_element.h, without material, or with a set name that no deck can hold; FileError where it cannot be written.
+void write_calculix_deck(const std::string& path, const FiniteElementModel& model);
+
 }  // namespace lithe

@@ -25,7 +25,7 @@ FILES = ["engine/ground.h", "engine/mode_freezing.h", "engine/sleeping_integrato
 FILES += ["engine/analysis/campbell.h", "engine/analysis/linearization.h", "engine/equilibrium.h", "engine/event.h"]
 
 # What is derived from one of these is a thing of the catalogue: it has a heading and a picture of its own.
-BASES = r"\b(Joint<|Constraint|Force<|ForceElement|ContactElement|Body|DeformableBody|Integrator|MomentumBalance)"
+BASES = r"\b(Joint<|Constraint|Force<|ForceElement|ContactElement|Body|DeformableBody|PointBody|Integrator|MomentumBalance)"
 BASES += r"|\b(GeneralizedAlpha|Observer|ConeSolver)\b"
 BASES_THEMSELVES = {"ContactElement": "the engine's side of Contact", "MomentumBalance": "what two integrators share"}
 

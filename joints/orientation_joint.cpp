@@ -1,0 +1,12 @@
+#include "joints/orientation_joint.h"
+
+#include "engine/batch_of.h"
+#include "engine/drawn.h"
+
+namespace lithe {
+
+void OrientationJoint::initialize(std::span<const MarkerView> m) { drawn::same_axes(m[0], m[1]); }
+
+template std::unique_ptr<ConstraintBatch> make_constraint_batch<OrientationJoint>();
+
+}  // namespace lithe

@@ -1,0 +1,12 @@
+#include "joints/parallel_axes_joint.h"
+
+#include "engine/batch_of.h"
+#include "engine/drawn.h"
+
+namespace lithe {
+
+void ParallelAxesJoint::initialize(std::span<const MarkerView> m) { drawn::same_direction(m[0].z(), m[1].z(), "z"); }
+
+template std::unique_ptr<ConstraintBatch> make_constraint_batch<ParallelAxesJoint>();
+
+}  // namespace lithe

@@ -1,0 +1,28 @@
+#pragma once
+
+#include "engine/batch.h"
+#include "engine/constraint.h"
+#include "engine/joint_coordinate.h"
+
+namespace lithe {
+
+/// The z axes of the markers stay parallel; all translations and the turn about z are left, four freedoms.
+///   g = (x_A · z_B, y_A · z_B), two rows. (EQUATIONS.md 7.3, the rows of a hinge that hold its axis)
+class ParallelAxesJoint final : public Joint</*markers=*/2, /*rows=*/2> {
+ public:
+  /// From x_A to x_B about z_A.
+  JointCoordinate angle() const { return {JointCoordinate::Kind::angle, markers()[0], markers()[1]}; }
+  std::vector<MeasuredAngle> angles() const override { return {{0, 1, 2}}; }
+  bool depends_on_time() const override { return false; }
+  void evaluate(double, std::span<const MarkerView> markers, ConstraintRows& rows) const override {
+    const auto &A = markers[0], &B = markers[1];
+    perpendicular(A, A.x(), B, B.z(), rows);
+    perpendicular(A, A.y(), B, B.z(), rows);
+  }
+  /// The rows also vanish with the axes turned by 180 degrees: refused.
+  void initialize(std::span<const MarkerView> markers) override;
+};
+
+extern template std::unique_ptr<ConstraintBatch> make_constraint_batch<ParallelAxesJoint>();
+
+}  // namespace lithe

@@ -1,0 +1,14 @@
+#include "joints/perpendicular_axes_joint.h"
+
+#include "engine/batch_of.h"
+#include "engine/drawn.h"
+
+namespace lithe {
+
+void PerpendicularAxesJoint::initialize(std::span<const MarkerView> m) {
+  drawn::not_parallel(m[0].z(), m[1].z(), "z", "z");
+}
+
+template std::unique_ptr<ConstraintBatch> make_constraint_batch<PerpendicularAxesJoint>();
+
+}  // namespace lithe

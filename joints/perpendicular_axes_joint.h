@@ -1,0 +1,24 @@
+#pragma once
+
+#include "engine/batch.h"
+#include "engine/constraint.h"
+#include "engine/joint_coordinate.h"
+
+namespace lithe {
+
+/// The z axes of the markers stay at right angles; five freedoms are left.
+///   g = z_A · z_B, one row.
+class PerpendicularAxesJoint final : public Joint</*markers=*/2, /*rows=*/1> {
+ public:
+  bool depends_on_time() const override { return false; }
+  void evaluate(double, std::span<const MarkerView> markers, ConstraintRows& rows) const override {
+    const auto &A = markers[0], &B = markers[1];
+    perpendicular(A, A.z(), B, B.z(), rows);
+  }
+  /// Refuses axes that are nearly parallel as drawn: the row would restrain nothing there.
+  void initialize(std::span<const MarkerView> markers) override;
+};
+
+extern template std::unique_ptr<ConstraintBatch> make_constraint_batch<PerpendicularAxesJoint>();
+
+}  // namespace lithe

@@ -1,0 +1,12 @@
+#include "joints/planar_pin_joint.h"
+
+#include "engine/batch_of.h"
+#include "engine/drawn.h"
+
+namespace lithe {
+
+void PlanarPinJoint::initialize(std::span<const MarkerView> m) { drawn::same_direction(m[0].z(), m[1].z(), "z"); }
+
+template std::unique_ptr<ConstraintBatch> make_constraint_batch<PlanarPinJoint>();
+
+}  // namespace lithe
