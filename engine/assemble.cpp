@@ -4,6 +4,7 @@
 
 #include "engine/assembler.h"
 #include "engine/batch_of.h"
+#include "engine/drawn.h"
 #include "engine/error.h"
 #include "engine/log.h"
 #include "engine/point_body.h"
@@ -42,6 +43,7 @@ class SystemBuilder {
     plan_blocks();
     fill_batches();
     count_quadrants();
+    for (double& quadrants : system_.initial_.quadrants) quadrants = drawn::quadrants(quadrants);
     if (options_.start == AssembleOptions::Start::as_drawn) {
       system_.initial_ = {
           0, q_, v_, VectorX::Zero(v_.size()), VectorX::Zero(system_.layout_.row_count()), system_.initial_.quadrants};
@@ -101,7 +103,7 @@ class SystemBuilder {
             {used_.at({A.body, A.index}).place, used_.at({B.body, B.index}).place, a.axis, a.to_point, A, B});
       }
     };
-    // Counted from the drawing on, where initialize() measures too: half a turn gets the same sign.
+    // Counted from the drawing on, where initialize() measures too: drawn::angle() gives half a turn the same sign.
     for (const auto& c : graph_.constraints()) gather(*c.constraint, c.markers);
     for (const auto& f : graph_.forces()) gather(*f.force, f.markers);
     system_.initial_.quadrants.setZero(static_cast<int>(system_.angles_.size()));

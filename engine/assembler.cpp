@@ -136,7 +136,7 @@ void Assembler::track(VectorX& quadrants) const {
     const double c = u.dot(A.R.col(next)), s = u.dot(A.R.col((angle.axis + 2) % 3));
     const double sum = std::abs(c) + std::abs(s);
     const double part = sum > 0 ? s / sum : 0, within = c >= 0 ? part : std::copysign(2, s) - part;
-    // Half a turn from zero keeps its sign, as initialize() measured it: ties go to even, here no turn.
+    // Half a turn from the last count keeps its sign: ties go to even, here no turn.
     quadrants[i] = within + 4 * std::nearbyint((work_.quadrants[i] - within) / 4);
   }
 }

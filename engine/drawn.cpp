@@ -12,7 +12,12 @@ std::string degrees_between(const Vector3& a, const Vector3& b) {
   return std::to_string(std::acos(std::clamp(a.dot(b), -1.0, 1.0)) * 180 / M_PI) + " degrees";
 }
 
+constexpr double kHalfTurn = 1e-9;  // what a drawing of it may be off: far above round-off, far below what is drawn
+
 }  // namespace
+
+double angle(double measured) { return measured < kHalfTurn - M_PI ? measured + 2 * M_PI : measured; }
+double quadrants(double counted) { return counted < kHalfTurn - 2 ? counted + 4 : counted; }
 
 void same_direction(const Vector3& a, const Vector3& b, const std::string& axis) {
   if (a.dot(b) > 0.1) return;

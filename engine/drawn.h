@@ -5,8 +5,15 @@
 #include "engine/marker.h"
 #include "engine/math.h"
 
-/// Checks that joints make of their markers as drawn; each throws SceneError. assemble() puts the joint's name first.
+/// What joints make of their markers as drawn.
 namespace lithe::drawn {
+
+/// An angle, or a count of quadrants, as drawn: half a turn counts as +1/2, though round-off calls it -1/2 as often.
+/// What a connector's initialize() measures and what the engine's count begins with must agree on that.
+double angle(double measured);
+double quadrants(double counted);
+
+// ---- checks: each throws SceneError; assemble() puts the joint's name first ----
 
 /// Axis `axis` of both markers points the same way, clearly: within 84 degrees. (Rows of three axes also vanish with
 /// the axes exchanged in a circle, all 90 degrees off.)

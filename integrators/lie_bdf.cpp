@@ -179,8 +179,10 @@ LieBdf::Newton LieBdf::iterate(EquationsOfMotion& equations, const State& start,
       fresh = true;
     }
     // 1. Dynamics, and G v + ∂g/∂t = 0. A factor of another step is balanced for inertia, the larger part.
-    rv_ *= -2 / (1 + w * w / (factor_weight_ * factor_weight_));
     equations.constraint(Level::velocity, rl2_);
+    // Before the factor spreads it over all coordinates, what is no number tells where it comes from.
+    if (!rv_.allFinite() || !rl2_.allFinite()) return Newton::no_number;
+    rv_ *= -2 / (1 + w * w / (factor_weight_ * factor_weight_));
     rl2_ /= -w;
     equations.constraint(Level::position, rl_);
     rl_ = -rl_ - rl2_;

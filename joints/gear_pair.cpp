@@ -33,8 +33,8 @@ void GearPair::initialize(std::span<const MarkerView> m) {
     throw SceneError("the centres are " + std::to_string(apart) + " m apart; gears of these radii mesh at " +
                          std::to_string(mesh) + " m",
                      "", "move the markers or mend the radii (that of a ring gear is negative)");
-  offset_ = a * measure(JointCoordinate::Kind::bearing, 2, m[0], m[1]).value +
-            b * measure(JointCoordinate::Kind::bearing, 2, m[1], m[0]).value;
+  offset_ = a * drawn::angle(measure(JointCoordinate::Kind::bearing, 2, m[0], m[1]).value) +
+            b * drawn::angle(measure(JointCoordinate::Kind::bearing, 2, m[1], m[0]).value);
 }
 
 template std::unique_ptr<ConstraintBatch> make_constraint_batch<GearPair>();

@@ -23,7 +23,7 @@ void RackAndPinion::evaluate(double, std::span<const MarkerView> markers, Constr
 void RackAndPinion::initialize(std::span<const MarkerView> m) {
   drawn::same_direction(m[0].z(), m[1].z(), "z");
   offset_ = measure(JointCoordinate::Kind::displacement, 0, m[1], m[0]).value +
-            radius_ * measure(JointCoordinate::Kind::angle, 2, m[1], m[0]).value;
+            radius_ * drawn::angle(measure(JointCoordinate::Kind::angle, 2, m[1], m[0]).value);
 }
 
 template std::unique_ptr<ConstraintBatch> make_constraint_batch<RackAndPinion>();

@@ -27,7 +27,7 @@ void ScrewJoint::evaluate(double, std::span<const MarkerView> markers, Constrain
 void ScrewJoint::initialize(std::span<const MarkerView> m) {
   drawn::same_direction(m[0].z(), m[1].z(), "z");
   offset_ = measure(JointCoordinate::Kind::displacement, 2, m[0], m[1]).value -
-            rise_ * measure(JointCoordinate::Kind::angle, 2, m[0], m[1]).value;
+            rise_ * drawn::angle(measure(JointCoordinate::Kind::angle, 2, m[0], m[1]).value);
 }
 
 template std::unique_ptr<ConstraintBatch> make_constraint_batch<ScrewJoint>();

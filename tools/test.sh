@@ -2,8 +2,13 @@
 # Installs what is missing, builds the release preset, runs every test. A second call rebuilds only what changed.
 #   LITHE_JOBS=2       jobs at once; all processors by default
 #   LITHE_SANITIZE=1   afterwards the same under AddressSanitizer and UndefinedBehaviorSanitizer
+# --everywhere[=NAME,...]: builds and tests for other processors, compilers and sanitizers instead; tools/everywhere.sh
 set -euo pipefail
 cd "$(dirname "$0")/.."
+case ${1:-} in
+  --everywhere) exec tools/everywhere.sh ;;
+  --everywhere=*) exec tools/everywhere.sh "${1#--everywhere=}" ;;
+esac
 
 jobs=${LITHE_JOBS:-$(nproc)}
 presets=(release)

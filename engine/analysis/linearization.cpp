@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "engine/error.h"
 #include "engine/log.h"
@@ -14,6 +15,7 @@ namespace {
 
 constexpr double kOnConstraints = 1e-6;  // of g and ġ at the base
 constexpr double kSteady = 1e-6;         // turning of Z beside the speed of the bodies
+constexpr double kRoundOff = std::numeric_limits<double>::epsilon();
 
 void check(const System& system, const State& state) {
   Assembler equations(system);
@@ -38,17 +40,30 @@ void check(const System& system, const State& state) {
   }
 }
 
-/// Lowest `count` eigenpairs of K x = ω² M x, K and M symmetric, Φᵀ M Φ = E.
+/// Whether A is positive definite by more than round-off: Cholesky's pivots, of which round-off leaves some n ε of the
+/// diagonal where the matrix is singular, stay a hundred times above that.
+bool surely_positive(const MatrixX& A) {
+  const Eigen::LLT<MatrixX> factor(A);
+  if (factor.info() != Eigen::Success) return false;
+  const VectorX pivots = factor.matrixLLT().diagonal().cwiseAbs2();
+  return (pivots.array() > 100 * kRoundOff * static_cast<double>(A.rows()) * A.diagonal().array()).all();
+}
+
+/// Eigenpairs of K x = ω² M x, K and M symmetric, lowest first, Φᵀ M Φ = E.
 void undamped_modes(const MatrixX& K, const MatrixX& M, VectorX& values, MatrixX& vectors) {
-  // A positive K is the better one to factorise: then low frequencies keep all digits beside very high ones.
-  if (Eigen::LLT<MatrixX>(K).info() == Eigen::Success) {
-    const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixX> solver(M, K);  // M x = μ K x
-    if (solver.info() == Eigen::Success && solver.eigenvalues()[0] > 0) {
-      const VectorX mu = solver.eigenvalues().reverse();
-      values = mu.cwiseInverse();
-      vectors = solver.eigenvectors().rowwise().reverse() * mu.cwiseSqrt().cwiseInverse().asDiagonal();
-      return;
-    }
+  // A positive K is the better one to factorise: then low frequencies keep all digits beside very high ones. What
+  // moves freely makes K singular: with K + σ M the frequencies are those of ω² + σ. Were a K that only round-off
+  // makes positive taken as it is, M x = μ K x would have a μ beyond 1/ε of the others, and those its round-off.
+  const double stiffest = (K.diagonal().array() / M.diagonal().array()).maxCoeff();
+  for (const double shift : {0.0, 1e3 * kRoundOff * static_cast<double>(K.rows()) * stiffest}) {
+    const MatrixX shifted = K + shift * M;
+    if (!surely_positive(shifted)) continue;
+    const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixX> solver(M, shifted);  // M x = μ (K + σ M) x
+    if (solver.info() != Eigen::Success || !(solver.eigenvalues()[0] > 0)) continue;
+    const VectorX mu = solver.eigenvalues().reverse();
+    values = mu.cwiseInverse().array() - shift;
+    vectors = solver.eigenvectors().rowwise().reverse() * mu.cwiseSqrt().cwiseInverse().asDiagonal();
+    return;
   }
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixX> solver(K, M);
   values = solver.eigenvalues();

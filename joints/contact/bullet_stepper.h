@@ -30,7 +30,8 @@ class BulletStepper final : public Integrator {
     int iterations = 10;      // sweeps; of direct solvers, over what these leave
     Solver solver = Solver::sequential_impulse;
     double margin = 0.04;  // m: hulls and cones are this much larger, boxes and cylinders rounded by it, a tenth of
-                           // their half width at most
+                           // their half width at most; triangles hold off by it. Of some shapes Bullet lets none rest
+                           // on triangles with more than 0.02
     bool split_impulse = true;           // deep overlaps are pushed out without giving speed
     double restitution_threshold = 0.2;  // m/s: closing more slowly bodies do not bounce
   };
