@@ -22,6 +22,12 @@ const Layout::RowSlice& System::rows(const Constraint& constraint) const {
                    "use a joint of the graph that was assembled, added before assemble()");
 }
 
+bool System::may_leave_out(const std::vector<int>& rows) const {
+  if (rows.empty()) return true;
+  return rows.size() == redundant_.size() && rows.front() >= 0 && rows.back() < layout_.row_count() &&
+         std::is_sorted(rows.begin(), rows.end(), std::less_equal<>());
+}
+
 /// Turns a graph into a system, in the order of its functions.
 class SystemBuilder {
  public:
@@ -460,9 +466,22 @@ class SystemBuilder {
       }
     }
     for (int row : dependent) system_.redundant_.push_back({row, system_.layout_.row_name(row), ""});
-    // Which row each of them repeats: the largest partner in its null vector z, Gᵀ z = 0.
+    if (!dependent.empty())
+      system_.row_scales_ =
+          row_compliances(system_.blocks_, assembler.work_.values).cwiseSqrt().unaryExpr([](double scale) {
+            return scale > 0 ? scale : 1;
+          });
+    if (dependent.empty()) return;
+    log::warn(dependent_rows_text(graph_, system_.layout_, dependent));
+    // Which row each of them repeats: the largest partner in its null vector z, Gᵀ z = 0. A solution each: some only.
+    constexpr std::size_t kCompared = 100;
     VectorX rv = still, rl = no_load;
-    for (RedundantRow& r : system_.redundant_) {
+    for (std::size_t k = 0; k < dependent.size(); ++k) {
+      RedundantRow& r = system_.redundant_[k];
+      if (k >= kCompared) {
+        r.repeats = "other rows";
+        continue;
+      }
       rv.setZero(), rl.setZero();
       rl[r.row] = 1;
       assembler.add_row_forces(rl.data(), nullptr, rv.data());
@@ -471,14 +490,6 @@ class SystemBuilder {
       int partner = 0;
       if (rl.cwiseAbs().maxCoeff(&partner) > 1e-8) r.repeats = system_.layout_.row_name(partner);
     }
-    if (system_.redundant_.empty()) return;
-    std::ostringstream message;
-    message << "dependent constraint rows at t = 0 (rank " << system_.rank() << " of " << system_.layout_.row_count()
-            << "):";
-    for (const RedundantRow& r : system_.redundant_)
-      message << "\n  " << r.name << (r.repeats.empty() ? " restrains nothing." : " repeats " + r.repeats + ".");
-    message << "\n  mend: drop these rows, or keep them: they are borne, and reactions are those of least norm.";
-    log::warn(message.str());
   }
 
   void make_initial_state() {

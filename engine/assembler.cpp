@@ -6,6 +6,7 @@
 #include "engine/contact/contact_correction.h"
 #include "engine/contact/rigid_contacts.h"
 #include "engine/error.h"
+#include "engine/least_norm.h"
 
 namespace lithe {
 namespace {
@@ -258,16 +259,20 @@ void Assembler::constraint(Level which, VectorRef out) const {
     return;
   }
   out = work_.rate;
+  add_rates(work_.v.data(), out);
+}
+
+void Assembler::add_rates(const double* v, VectorRef rates) const {
   const auto& blocks = system_.blocks_;
   for (const auto& G : blocks.jacobians) {
     const auto& row = blocks.rows[G.rows];
-    if (row.first >= out.size()) continue;  // compliant
-    double* to = out.data() + row.first;
-    const double* v = work_.v.data() + G.velocity;
+    if (row.first >= rates.size()) continue;  // compliant
+    double* to = rates.data() + row.first;
+    const double* from = v + G.velocity;
     const auto add = [&](const double* values, int columns) {
       for (int c = 0; c < columns; ++c)
-        for (int i = 0; i < row.count; ++i) to[i] += values[i + row.count * c] * v[c];
-      v += columns;
+        for (int i = 0; i < row.count; ++i) to[i] += values[i + row.count * c] * from[c];
+      from += columns;
     };
     if (G.frame >= 0) add(work_.values.data() + G.values, 6);
     if (G.linear >= 0) add(work_.values.data() + G.linear_values, blocks.linears[G.linear].size);
@@ -333,9 +338,50 @@ void Assembler::factorize(const TangentWeights& weights, ConstVectorRef v_dot, C
   const bool many = stiff && contacts_->stiff_rows() > kMostContactRows;
   if (many) add_contact_diagonals(weights);
   factor_.factorize(work_.values);
+  if (!factor_.weak_rows().empty()) exchange_weak_rows();
   if (!stiff || many) return;
   contact_correction_->form(*contacts_, weights.position, weights.velocity, static_cast<int>(unknowns_.size()),
                             [&](double* x) { factor_.solve(x); });
+}
+
+/// A kept row e that comes to depend on the other kept ones must be left out instead of a row d that no longer depends
+/// on them. The motion x with G x = 0 in all kept rows but e, where it is 1, tells: g_d = a g_e + (other kept rows)
+/// with a = g_d x, so that the volume that the kept rows span grows by |a|, in rows of equal compliance.
+void Assembler::exchange_weak_rows() {
+  constexpr double kGain = 2;  // less is not worth a new factor, nor going back and forth
+  const int velocities = layout().v_count(), rows = layout().row_count();
+  for (int exchanges = 0; exchanges < static_cast<int>(redundant_rows_.size()); ++exchanges) {
+    int weakest = -1, stronger = -1;
+    double gain = kGain;
+    for (int e : factor_.weak_rows()) {
+      unknowns_.setZero();
+      unknowns_[velocities + e] = 1;
+      factor_.solve(unknowns_.data());
+      weak_rates_.setZero(rows);
+      add_rates(unknowns_.data(), weak_rates_);
+      for (std::size_t k = 0; k < redundant_rows_.size(); ++k) {
+        const int d = redundant_rows_[k];
+        const double a = std::abs(weak_rates_[d] / weak_rates_[e]) * system_.row_scales_[e] / system_.row_scales_[d];
+        if (a > gain) gain = a, weakest = e, stronger = static_cast<int>(k);
+      }
+    }
+    if (weakest < 0) break;
+    redundant_rows_[stronger] = weakest;
+    std::sort(redundant_rows_.begin(), redundant_rows_.end());
+    factor_.drop_rows(redundant_rows_);
+    factor_.factorize(work_.values);
+  }
+}
+
+void Assembler::recall_rows(const std::vector<int>& left_out) {
+  if (left_out == redundant_rows_) return;
+  if (left_out.empty()) {
+    redundant_rows_.clear();
+    for (const RedundantRow& r : system_.redundant_) redundant_rows_.push_back(r.row);
+  } else {
+    redundant_rows_ = left_out;
+  }
+  factor_.drop_rows(redundant_rows_);
 }
 
 /// S is linear in the weights: twice the real form gives its real and imaginary part. Compliant rows are not: -1/(k w).
@@ -344,7 +390,6 @@ void Assembler::factorize_complex(const ComplexTangentWeights& weights, ConstVec
   const auto& blocks = system_.blocks_;
   if (!complex_) {
     complex_ = std::make_unique<ComplexPart>(blocks);
-    complex_->factor.drop_rows(redundant_rows_);
     complex_->unknowns.setZero(unknowns_.size());
     complex_->values.resize(work_.values.size());
   }
@@ -380,6 +425,7 @@ void Assembler::factorize_complex(const ComplexTangentWeights& weights, ConstVec
       values[c.values + i] = work_.values[c.values + i] / work_.values[k] * values[k];
     }
   }
+  complex_->factor.drop_rows(redundant_rows_);
   complex_->factor.factorize(values);
   complex_->contacts.clear();
   if (!contacts_) return;
@@ -493,25 +539,9 @@ BodyEnergy Assembler::energy() {
 }
 
 void Assembler::minimum_norm(VectorRef lambda) {
-  const auto& redundant = system_.redundant_;
-  if (redundant.empty()) return;
-  // z with Gᵀ z = 0, one for each redundant row d: M x + G_aᵀ y = g_d gives x = 0 and z = e_d - y.
-  factorize({0, 0, 1}, zero_v_, zero_rows_, nullptr);
-  MatrixX Z(lambda.size(), static_cast<int>(redundant.size()));
-  VectorX rv(layout().v_count()), rl(lambda.size());
-  for (int k = 0; k < Z.cols(); ++k) {
-    rl.setZero();
-    rl[redundant[k].row] = 1;
-    rv.setZero();
-    add_row_forces(rl.data(), nullptr, rv.data());
-    rl.setZero();
-    solve(rv, rl);
-    Z.col(k) = -rl;
-    Z(redundant[k].row, k) = 1;
-    for (int j = 0; j < k; ++j) Z.col(k) -= Z.col(j).dot(Z.col(k)) * Z.col(j);
-    Z.col(k).normalize();
-  }
-  lambda -= Z * (Z.transpose() * lambda);
+  if (redundant_rows_.empty()) return;
+  if (!least_norm_) least_norm_ = std::make_unique<LeastNorm>(system_.blocks_);
+  least_norm_->apply(work_.values, lambda);
 }
 
 }  // namespace lithe

@@ -12,6 +12,7 @@
 namespace lithe {
 
 class ContactForces;
+class LeastNorm;
 template <class Scalar>
 class ContactCorrection;
 
@@ -23,6 +24,8 @@ class Assembler final : public EquationsOfMotion {
 
   const Layout& layout() const override { return system_.layout(); }
   const std::vector<int>& redundant_rows() const override { return redundant_rows_; }
+  void recall_rows(const std::vector<int>& left_out) override;
+  void track_rows(std::vector<int>& left_out) const override { left_out = redundant_rows_; }
   bool reacts() const override { return system_.reacts_; }
   const std::vector<int>& velocity_rows() const override { return system_.velocity_rows(); }
   void recall(const VectorX& quadrants) override;
@@ -63,13 +66,15 @@ class Assembler final : public EquationsOfMotion {
   /// Place of an angle in State::quadrants; -1 if no connector of the system measures it.
   int find_angle(const JointCoordinate& coordinate) const;
 
-  /// Adds Gᵀ lambda's null part out: the multipliers of least norm with the same Gᵀ lambda. Does nothing without
-  /// redundant rows. Factorises M at the state evaluated last.
+  /// The multipliers of least norm with the same Gᵀ lambda, at the state evaluated last. Does nothing without redundant
+  /// rows.
   void minimum_norm(VectorRef lambda);
 
  private:
   friend class SystemBuilder;
   void add_row_forces(const double* lambda, const double* tension, double* r) const;  // Gᵀ (lambda, tension)
+  void add_rates(const double* v, VectorRef rates) const;                             // G v of the constraints
+  void exchange_weak_rows();
   void form(const TangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda, const VectorX* increment);
   void release_from_joints();
   bool has_forces() const { return !system_.batches_.forces.empty() || contacts_; }
@@ -90,6 +95,8 @@ class Assembler final : public EquationsOfMotion {
   std::unique_ptr<ContactCorrection<double>> contact_correction_;  // likewise
   std::unique_ptr<RigidContacts> rigid_contacts_;
   std::vector<int> redundant_rows_;
+  VectorX weak_rates_;                     // of exchange_weak_rows()
+  std::unique_ptr<LeastNorm> least_norm_;  // once asked for
   /// Linear coordinates that stand still, and what that leaves of the blocks.
   struct Held {
     std::vector<int> velocities;

@@ -132,6 +132,7 @@ void BlockFactorOf<Scalar>::plan() {
   }
   is_dropped_.assign(s.row_count, 0);
   compliance_.setZero(s.row_count);
+  weak_rows_.reserve(s.row_count);
 }
 
 template <class Scalar>
@@ -205,6 +206,7 @@ void BlockFactorOf<Scalar>::eliminate(const Step& s) {
 template <class Scalar>
 void BlockFactorOf<Scalar>::factorize(const std::vector<Scalar>& values) {
   load(values);
+  weak_rows_.clear();
   if (!guarded_) {
     for (const Step& s : steps_) {
       s.invert(blocks_.data() + s.diagonal, s.dimension);
@@ -234,10 +236,15 @@ void BlockFactorOf<Scalar>::add_compliances(const Step& s) {
   }
 }
 
-/// Gaussian elimination on a copy of minus the pivot block: a pivot that is round-off gets a little compliance.
+/// Gaussian elimination on a copy of minus the pivot block, with pivots held above a floor; small ones are noted where
+/// another row may take the place of theirs.
+///
+/// Where branches of the motion meet, a row's pivot is about δ², δ the angle to that pose, and an error c in g turns
+/// the straight way through, x y = 0, into the hyperbola x y = c: exact solutions of that would turn into the other
+/// branch at δ = √c. Below the floor the row gives way instead, and the motion goes on as its velocity tells.
 template <class Scalar>
 void BlockFactorOf<Scalar>::guard(const Step& s) {
-  constexpr double kRoundOff = 1e-13, kGives = 1e-10;  // of the row's own compliance
+  constexpr double kFloor = 1e-8, kWeak = 1e-3;  // of the row's own compliance: squared sines of angles to other rows
   constexpr int kLargest = 16;
   const int n = s.dimension;
   if (n > kLargest) return;
@@ -245,10 +252,15 @@ void BlockFactorOf<Scalar>::guard(const Step& s) {
   Scalar* P = blocks_.data() + s.diagonal;
   for (int i = 0; i < n * n; ++i) A[i] = -P[i];
   for (int p = 0; p < n; ++p) {
-    const double reference = compliance_[s.first_row + p];
-    if (std::abs(A[p + n * p]) < kRoundOff * reference) {
-      A[p + n * p] += kGives * reference;
-      P[p + n * p] -= kGives * reference;
+    const int row = s.first_row + p;
+    const double reference = compliance_[row];
+    const double pivot = std::abs(A[p + n * p]);
+    if (!is_dropped_[row] && pivot < kWeak * reference) {
+      if (!dropped_.empty()) weak_rows_.push_back(row);
+      if (pivot < kFloor * reference) {
+        P[p + n * p] -= kFloor * reference - A[p + n * p];
+        A[p + n * p] = kFloor * reference;
+      }
     }
     const Scalar inverse = 1.0 / A[p + n * p];
     for (int i = p + 1; i < n; ++i) {

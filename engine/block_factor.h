@@ -19,9 +19,12 @@ class BlockFactorOf {
 
   /// Leaves rows (by number) out from the next factorisation on: their solution is zero.
   void drop_rows(const std::vector<int>& rows);
-  /// Where closed loops pass a singular position and a row's pivot is round-off, that row gives way a little: the
-  /// solution stays finite, and Newton or the next step, off that position, puts it right.
+  /// Where branches of the motion of closed loops meet, rows give way whose pivot falls below 1e-8 of their compliance:
+  /// the motion goes on as its velocity tells, and the next step, off that position, is on the constraints again.
   void factorize(const std::vector<Scalar>& values);
+  /// Rows whose pivot in the last factorisation was small beside their compliance: they nearly depend on other rows
+  /// that are kept. Found only where loops close and rows are dropped.
+  const std::vector<int>& weak_rows() const { return weak_rows_; }
   /// In place; x holds velocities, then rows.
   void solve(Scalar* x) const;
 
@@ -76,6 +79,7 @@ class BlockFactorOf {
   std::vector<Scalar> blocks_;
   bool guarded_ = false;  // the graph has loops: rows may lose rank on the way
   VectorX compliance_;    // g S⁻¹ gᵀ of each row, while a guarded factor is made
+  std::vector<int> weak_rows_;
   std::vector<int> dropped_;
   std::vector<char> is_dropped_;
   std::vector<int> diagonal_;                  // of each vertex

@@ -40,8 +40,14 @@ class EquationsOfMotion {
   virtual ~EquationsOfMotion() = default;
 
   virtual const Layout& layout() const = 0;
-  /// Rows that repeat others, sorted: borne by solve(), to be left out by codes that factorise for themselves.
+  /// Rows that repeat others, sorted: handled by solve(), to be left out by codes that factorise for themselves. Their
+  /// number is that of the scene; which they are depends on the pose: factorize() leaves out a row that comes to depend
+  /// on the others instead of one that no longer does.
   virtual const std::vector<int>& redundant_rows() const = 0;
+  /// Takes these rows from a state (State::left_out), and writes them there: the choice has a memory, and a step depends
+  /// on nothing but its state.
+  virtual void recall_rows(const std::vector<int>& /*left_out*/) {}
+  virtual void track_rows(std::vector<int>& /*left_out*/) const {}
   /// Whether f depends on lambda (friction by reactions).
   virtual bool reacts() const = 0;
   /// Rows on velocities alone (rolling), sorted: their g is zero always.

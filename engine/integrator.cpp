@@ -46,6 +46,7 @@ void Integrator::start(EquationsOfMotion& equations, State& state) {
                      "take MoreauJean or NonsmoothGeneralizedAlpha, or give the contact a compliant law: "
                      "{.law = Compliance{...}}");
   equations.recall(state.quadrants);
+  equations.recall_rows(state.left_out);
   equations.recall(state.contacts);
   equations.track_contacts(state);
   equations.recall(state.contacts);
@@ -54,17 +55,20 @@ void Integrator::start(EquationsOfMotion& equations, State& state) {
   last_length_ = 0;
   longest_ = std::numeric_limits<double>::infinity();
   prepare(equations, state);
+  equations.track_rows(state.left_out);
 }
 
 StepResult Integrator::step(EquationsOfMotion& equations, State& state, double t_stop, Multipliers multipliers) {
   multipliers_ = multipliers;
   equations.recall(state.quadrants);
+  equations.recall_rows(state.left_out);
   equations.recall(state.contacts);
   quadrants_ = state.quadrants;
   const double begin = state.time;
   StepResult result = advance(equations, state, std::min(t_stop, begin + longest_));
   if (!result.ok()) return result;
   equations.track(state.quadrants);
+  equations.track_rows(state.left_out);
   equations.track_contacts(state);
   if (turn_rates_.size() > 0 && turn_rates_.size() == state.quadrants.size())
     limit_turn(state.quadrants, state.time - begin);
@@ -110,6 +114,7 @@ void Integrator::interpolate(const Layout& layout, const State& from, const Stat
   else
     out.lambda.resize(0);  // one end was left without
   out.quadrants = from.quadrants;
+  out.left_out = to.left_out;
   out.contacts = from.contacts;
   for (const Layout::BodySlice& b : layout.bodies()) {
     int iq = b.q, iv = b.v;

@@ -9,6 +9,23 @@
 namespace lithe {
 namespace {
 
+Topology topology_of(const SystemGraph& graph, const Layout& layout) {
+  Topology topology{static_cast<int>(layout.bodies().size()), {}};
+  std::map<const Body*, int> number;
+  for (const auto& s : layout.bodies()) number.emplace(s.body, static_cast<int>(number.size()));
+  for (const auto& c : graph.constraints()) {
+    std::vector<int> tie;
+    for (const Marker& m : c.markers) {
+      const auto at = number.find(m.body);  // ground is no body of the layout
+      tie.push_back(at == number.end() ? -1 : at->second);
+    }
+    std::sort(tie.begin(), tie.end());
+    tie.erase(std::unique(tie.begin(), tie.end()), tie.end());
+    topology.ties.push_back(tie);
+  }
+  return topology;
+}
+
 VectorX linear_mass(const BlockStructure::Linear& linear, const double* values) {
   if (!linear.pattern) return Eigen::Map<const VectorX>(values + linear.values, linear.size);
   VectorX mass = VectorX::Zero(linear.size);
@@ -41,21 +58,38 @@ std::vector<MatrixX> compliances(const BlockStructure& blocks, const std::vector
 }  // namespace
 
 bool is_tree(const SystemGraph& graph, const Layout& layout) {
-  Topology topology{static_cast<int>(layout.bodies().size()), {}};
-  std::map<const Body*, int> number;
-  for (const auto& s : layout.bodies()) number.emplace(s.body, static_cast<int>(number.size()));
-  for (const auto& c : graph.constraints()) {
-    std::vector<int> tie;
-    for (const Marker& m : c.markers) {
-      const auto at = number.find(m.body);  // ground is no body of the layout
-      if (at != number.end() && !m.body->coordinates().frame) return false;
-      tie.push_back(at == number.end() ? -1 : at->second);
-    }
-    std::sort(tie.begin(), tie.end());
-    tie.erase(std::unique(tie.begin(), tie.end()), tie.end());
-    topology.ties.push_back(tie);
+  for (const auto& c : graph.constraints())
+    for (const Marker& m : c.markers)
+      if (const Coordinates has = m.body->coordinates(); has.v_count() > 0 && !has.frame) return false;
+  return !has_loops(topology_of(graph, layout));
+}
+
+std::string dependent_rows_text(const SystemGraph& graph, const Layout& layout, const std::vector<int>& dependent) {
+  constexpr std::size_t kNamed = 3;
+  const Topology topology = topology_of(graph, layout);
+  const std::vector<int> mechanism = islands(topology);
+  // 1. The mechanism of each dependent row: that of any body that its constraint holds.
+  std::map<int, int> counts;
+  std::size_t constraint = 0;
+  for (int row : dependent) {
+    while (layout.rows()[constraint].first + layout.rows()[constraint].count <= row) ++constraint;
+    const auto& tie = topology.ties[constraint];
+    const auto body = std::find_if(tie.begin(), tie.end(), [](int b) { return b >= 0; });
+    ++counts[mechanism[*body]];
   }
-  return !has_loops(topology);
+  // 2. A line for each.
+  std::string text;
+  for (const auto& [number, count] : counts) {
+    std::vector<std::string> names;
+    for (std::size_t b = 0; b < mechanism.size(); ++b)
+      if (mechanism[b] == number) names.push_back("'" + layout.bodies()[b].name + "'");
+    text += (text.empty() ? "mechanism of " : "\nmechanism of ");
+    for (std::size_t i = 0; i < std::min(kNamed, names.size()); ++i) text += (i > 0 ? ", " : "") + names[i];
+    if (names.size() > kNamed) text += " and " + std::to_string(names.size() - kNamed) + " more";
+    text += ": " + std::to_string(count) + (count == 1 ? " dependent constraint row" : " dependent constraint rows") +
+            "; the motion is unaffected, reactions are those of least norm";
+  }
+  return text;
 }
 
 VectorX row_compliances(const BlockStructure& blocks, const std::vector<double>& values) {

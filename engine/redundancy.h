@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "engine/block_structure.h"
@@ -12,6 +13,9 @@ namespace lithe {
 /// Whether bodies and constraints make a tree: then rows of one joint never depend on those of another, however small a
 /// pivot of a long chain becomes. Bodies without a frame count as loops: they may lack what a joint asks of them.
 bool is_tree(const SystemGraph& graph, const Layout& layout);
+
+/// Rows that depend on others, a line a mechanism (bodies that constraints connect).
+std::string dependent_rows_text(const SystemGraph& graph, const Layout& layout, const std::vector<int>& dependent);
 
 /// g M⁻¹ gᵀ of each row, bodies' couplings of frame and elastic coordinates left out: the scale on which its pivot is
 /// judged.

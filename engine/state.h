@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "engine/contact/contact_memory.h"
 #include "engine/math.h"
 
@@ -14,6 +16,8 @@ struct State {
   VectorX lambda;     // Lagrange multipliers: M v_dot + Gᵀ lambda = f; empty: not found yet (Multipliers)
   VectorX quadrants;  // that each measured angle of a joint has passed since it was zero: where whole turns are kept
   ContactMemory contacts;  // what surfaces in touch remember; of rigid ones, what they did in the last step
+  std::vector<int> left_out;  // rows that repeat others here, sorted (EquationsOfMotion::redundant_rows); empty: those
+                              // that assemble() found
 };
 
 /// Bit for bit, but for the turns of angles.

@@ -16,11 +16,11 @@
 
 namespace lithe {
 
-/// A row that repeats others: named, left out of the factor, and borne.
+/// A row that depends on others as drawn.
 struct RedundantRow {
   int row;              // number in lambda
   std::string name;     // "'guide' row 2"
-  std::string repeats;  // "'pin' row 5"
+  std::string repeats;  // "'pin' row 5"; "other rows" beyond the first hundred; empty: it restrains nothing
 };
 
 /// The assembled, unchanging system: layout, batches, sparsity. const, so threads share it; borrows the graph.
@@ -31,7 +31,10 @@ class System {
   const SystemGraph& graph() const { return *graph_; }
   int rank() const { return layout_.row_count() - static_cast<int>(redundant_.size()); }
   int degrees_of_freedom() const { return layout_.v_count() - rank(); }
+  /// As drawn. Where the pose changes which rows repeat others, EquationsOfMotion::redundant_rows() follows.
   const std::vector<RedundantRow>& redundant_rows() const { return redundant_; }
+  /// Whether State::left_out may be this: empty, or as many rows as at the start, in order.
+  bool may_leave_out(const std::vector<int>& rows) const;
   /// Rows on velocities alone (rolling), sorted numbers in lambda.
   const std::vector<int>& velocity_rows() const { return velocity_rows_; }
 
@@ -68,6 +71,7 @@ class System {
   int marker_count_ = 0, compliant_count_ = 0;
   std::vector<ContactRecord> contacts_;
   std::vector<RedundantRow> redundant_;
+  VectorX row_scales_;  // √(g M⁻¹ gᵀ) of each row as drawn, 1 where nothing moves; empty without redundant rows
   std::vector<int> velocity_rows_;
   struct Angle {
     int A, B;  // places of the markers in the table

@@ -186,6 +186,7 @@ void Archive::operator()(std::string_view name, State& state) {
     (*this)("v_dot", state.v_dot);
     (*this)("lambda", state.lambda);
     (*this)("quadrants", state.quadrants);
+    (*this)("left_out", state.left_out);
     (*this)("contacts", state.contacts);
   });
 }

@@ -24,6 +24,7 @@ void KeptFactor::make(EquationsOfMotion& equations, const TangentWeights& weight
   else
     increment_.resize(0);
   factorize(equations);
+  equations.track_rows(at_.left_out);
 }
 
 void KeptFactor::make_complex(EquationsOfMotion& equations, const TangentWeights& weights,
@@ -34,6 +35,7 @@ void KeptFactor::make_complex(EquationsOfMotion& equations, const TangentWeights
   complex_ = complex;
   increment_.resize(0);
   factorize(equations);
+  equations.track_rows(at_.left_out);
 }
 
 void KeptFactor::factorize(EquationsOfMotion& equations) const {
@@ -61,6 +63,7 @@ void KeptFactor::history(Archive& archive, EquationsOfMotion& equations) {
         at_.lambda.size() != layout.row_count() || (increment_.size() > 0 && increment_.size() != layout.v_count()))
       throw FileError("the checkpoint's factor does not fit the scene", archive.source(), "resume from an older one");
     equations.recall(at_.quadrants);
+    equations.recall_rows(at_.left_out);
     equations.recall(at_.contacts);
     equations.evaluate(at_.time, at_.q, at_.v, Level::velocity);
     VectorX unused(at_.v.size());

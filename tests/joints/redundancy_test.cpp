@@ -57,10 +57,9 @@ TEST(RedundantRows, OfTwoHingesOnOneLineAreNamed) {
   EXPECT_EQ(system.degrees_of_freedom(), 1);
   ASSERT_EQ(system.redundant_rows().size(), 5u);
   const std::string warning = log::last_warning();
-  EXPECT_NE(warning.find("rank 5 of 10"), std::string::npos) << warning;
-  EXPECT_NE(warning.find("mend: "), std::string::npos) << warning;
-  for (const RedundantRow& row : system.redundant_rows())
-    EXPECT_NE(warning.find(row.name + " repeats " + row.repeats), std::string::npos) << warning;
+  EXPECT_NE(warning.find("5 dependent constraint rows"), std::string::npos) << warning;
+  EXPECT_EQ(warning.find('\n'), std::string::npos) << "one line a mechanism: " << warning;
+  for (const RedundantRow& row : system.redundant_rows()) EXPECT_FALSE(row.repeats.empty()) << row.name;
 }
 
 TEST(RedundantRows, DoNotChangeTheMotion) {
@@ -151,7 +150,7 @@ TEST(RedundantRows, OfAFourBarAreThreeOfTwenty) {
   EXPECT_EQ(system.layout().row_count(), 20);
   EXPECT_EQ(system.rank(), 17);
   EXPECT_EQ(system.degrees_of_freedom(), 1);
-  EXPECT_NE(log::last_warning().find("rank 17 of 20"), std::string::npos) << log::last_warning();
+  EXPECT_NE(log::last_warning().find("3 dependent constraint rows"), std::string::npos) << log::last_warning();
   expect_least_norm(system, 1e-10);
 
   Assembler assembler(system);
