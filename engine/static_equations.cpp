@@ -171,7 +171,6 @@ bool StaticEquations::solve_exactly(VectorX& d, VectorX& l, ConstVectorRef lambd
     const MatrixX square = H.topLeftCorner(k + 2, k + 1);
     y = square.colPivHouseholderQr().solve(right.head(k + 2));
     const double left = (square * y - right.head(k + 2)).norm();
-    if (std::getenv("TRACE")) std::printf("      krylov %d left %.2e\n", k, left / norm);
     if (left <= kKrylovTolerance * norm || H(k + 1, k) <= 1e-12 * norm) break;
     V.col(k + 1) = w / H(k + 1, k);
   }
