@@ -161,7 +161,7 @@ class Search {
     return 0;
   }
 
-  /// To the balance with what a share of the step leaves for later held back. Corrections are found with the last factor
+  /// To the balance with what a share of the step leaves for later held back. Corrections come from the last factor
   /// as long as they contract; then with one made where they have come to. False: they do not contract.
   bool follow(const State& before, double share) {
     VectorX d = share * step_, c, c_lambda;

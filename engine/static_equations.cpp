@@ -29,7 +29,8 @@ class StaticEquations::Factor {
     b_ = N_VNew_Serial(size, context_);
     matrix_ = SUNSparseMatrix(size, size, 10 * size + 1, CSC_MAT, context_);
     if (x_ && matrix_) solver_ = SUNLinSol_KLU(x_, matrix_, context_);
-    if (!b_ || !solver_) throw SimulationError("SUNDIALS cannot be set up", "find_equilibrium", "is the memory enough?");
+    if (!b_ || !solver_)
+      throw SimulationError("SUNDIALS cannot be set up", "find_equilibrium", "is the memory enough?");
   }
   Factor(const Factor&) = delete;
   ~Factor() {

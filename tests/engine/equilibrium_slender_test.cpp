@@ -44,7 +44,8 @@ struct Structure {
     r.tip = now.marker(tip).p;
     r.moved = r.tip - drawn.marker(tip).p;
     EXPECT_LE(r.found.iterations, most) << name;
-    std::printf("| %s | %d | %d | %.1e |\n", name.c_str(), r.found.load_steps, r.found.iterations, r.found.out_of_balance);
+    std::printf("| %s | %d | %d | %.1e |\n", name.c_str(), r.found.load_steps, r.found.iterations,
+                r.found.out_of_balance);
     return r;
   }
 };
@@ -62,8 +63,8 @@ struct Bricks : Structure {
       graph.add<SphericalJoint>("root " + std::to_string(id),
                                 {graph.ground().marker(mesh->nodes.col(mesh->node_index(id))), rod.node(id)});
     tip = rod.average(mesh->node_set("x1"));
-    graph.add<PointForce>("load", {tip},
-                          {.force = {0, 0, load_over_bending * bending}, .torque = {0, -moment_over_bending * bending, 0}});
+    graph.add<PointForce>("load", {tip}, {.force = {0, 0, load_over_bending * bending},
+                                          .torque = {0, -moment_over_bending * bending, 0}});
   }
 };
 
@@ -207,7 +208,8 @@ TEST(EquilibriumOfSlenderStructures, ReducedBarsAreTheElastica) {
   // the arc by second order, which a linear frame leaves out.
   for (const bool mean_axes : {false, true}) {
     Bars bars(10, mean_axes, 0, 0, 10);
-    const auto rest = bars.rest(mean_axes ? "ten modal bodies on mean axes, elastica 10" : "ten modal bodies, elastica 10");
+    const auto rest =
+        bars.rest(mean_axes ? "ten modal bodies on mean axes, elastica 10" : "ten modal bodies, elastica 10");
     EXPECT_NEAR(rest.tip.z(), 0.81060902488029645323, 6e-3);
     EXPECT_NEAR(1 - rest.tip.x(), 0.55499559775375126957, 4e-3);
   }
