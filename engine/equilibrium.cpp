@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <limits>
 
 #include "engine/error.h"
 #include "engine/observer.h"
@@ -17,6 +18,8 @@ constexpr double kLeast = 1e-4;          // of the shift σ, 1/s²
 constexpr double kMost = 1e16;           // likewise; where it is reached nothing helps
 constexpr double kContraction = 0.5;     // of a correction beside the one before
 constexpr double kSettled = 1e-4;        // of corrections beside the step: the rest is left to the next one
+constexpr double kGood = 1e-2;           // likewise, where they do not contract any more
+constexpr int kMaxTangents = 8;          // a step, besides its own
 constexpr int kMaxCorrections = 15;      // a step
 constexpr double kLeastShare = 0.02;     // of a step; below, the shift grows
 constexpr int kMaxTries = 2;             // shares of a step, each 0.3 of the last
@@ -55,7 +58,8 @@ class Search {
         continue;
       }
       // Stiffness along the step, and whether the energy is convex there.
-      const double convex = gap_.dot(step_lambda_) - force_.dot(step_), inertia = step_.dot(inertial_);
+      const double convex = gap_.dot(step_lambda_) - force_.dot(step_);
+      const double inertia = std::max(step_.dot(inertial_), std::numeric_limits<double>::min());
       const double stiffness = convex / inertia - shift_;
       if (!(convex > 0) && step_.lpNorm<Eigen::Infinity>() > kHardlyMoves) {
         if (balanced_) break;
@@ -68,7 +72,6 @@ class Search {
         continue;
       }
       const double share = take(std::min(1.0, 1 / far));
-      if (trace) std::printf("  shift %.2e stiffness %.2e |d| %.2e far %.2e share %.2e F %.2e -> %.2e it %d\n", shift_, stiffness, step_.lpNorm<Eigen::Infinity>(), far, share, out_of_balance_, balance_.force.lpNorm<Eigen::Infinity>(), iterations_);
       if (share == 0) {
         if (balanced_) break;
         shift_ = std::max(kGrowth * shift_, 3 * stiffness);
@@ -158,10 +161,10 @@ class Search {
     return 0;
   }
 
-  /// To the balance with what a share of the step leaves for later held back. Corrections are found with the step's own
-  /// factor as long as they contract; then with one made where they have come to. False: they do not contract.
+  /// To the balance with what a share of the step leaves for later held back. Corrections come from the last factor
+  /// as long as they contract; then with one made where they have come to. False: they do not contract.
   bool follow(const State& before, double share) {
-    VectorX d = share * step_, c = d, c_lambda, inertial;
+    VectorX d = share * step_, c, c_lambda;
     state_.lambda = before.lambda + share * step_lambda_;
     const double length = share * std::sqrt(step_.dot(inertial_));
     double last = length;
@@ -181,7 +184,6 @@ class Search {
         const bool solved = again ? balance_.solve_exactly(c, c_lambda, state_.lambda, kSmooth * size_)
                                   : balance_.solve(c, c_lambda);
         size = solved ? std::sqrt(std::max(0.0, c.dot(balance_.mass_times(c, state_.lambda)))) : 1e300;
-        if (trace) std::printf("    share %.2e k %d size %.2e of %.2e %s\n", share, k, size / length, last / length, again ? "fresh" : "");
         if (size <= kContraction * (again ? length : last)) break;
         if (again) return false;
       }
@@ -213,9 +215,6 @@ class Search {
   double shift_ = kLeast, out_of_balance_ = 0, size_ = 1;  // of the scene, m
   bool balanced_ = false;
   int worst_ = 0, iterations_ = 0;
-  double kGood = std::getenv("GOOD") ? atof(std::getenv("GOOD")) : 1e-2;
-  int kMaxTangents = std::getenv("TAN") ? atoi(std::getenv("TAN")) : 8;
-  bool trace = std::getenv("TRACE") != nullptr;
   VectorX force_, gap_, step_, step_lambda_, inertial_, last_q_, last_lambda_;
 };
 
@@ -230,7 +229,8 @@ Equilibrium find_equilibrium(const System& system, const State& start, const Equ
   equations.recall(start.quadrants);
   Projector projector(equations);
 
-  // 1. Rest at the start: positions on the constraints, multipliers and accelerations that the loads would cause.
+  // 1. Rest at the start: positions on the constraints; the scale of forces from the loads, and from the reactions that
+  // they would cause in motion.
   Equilibrium found;
   State& state = found.state;
   state = start;
@@ -245,8 +245,8 @@ Equilibrium find_equilibrium(const System& system, const State& start, const Equ
   const double force_scale =
       std::max({unloaded.lpNorm<Eigen::Infinity>(),
                 state.lambda.size() > 0 ? state.lambda.lpNorm<Eigen::Infinity>() : 0.0, 1e-12});
+  state.lambda.setZero();  // so that what is held back is a share of the loads alone
 
-  state.lambda.setZero();
   // 2. Newton, until the balance is as good as round-off lets it be.
   Search search(equations, state, force_scale, options.tolerance);
   search.run(options.max_load_steps, found);

@@ -19,16 +19,18 @@ struct Equilibrium {
   double round_off = 0;       // what round-off makes of it at most, in the row where that is largest
 };
 
-/// Static equilibrium near a state: F(q, λ) = Gᵀ λ - f(q, 0, t) = 0, g(q, t) = 0 at the start's time, drives held there.
+/// Static equilibrium near a state: F(q, λ) = Gᵀ λ - f(q, 0, t) = 0, g(q, t) = 0 at the start's time, with drives held
+/// there.
 ///
 /// Newton with K = ∂F/∂q, (K + σM) d + Gᵀ Δλ = -F, G d = -g, judged by its corrections (natural monotonicity: Deuflhard
-/// 2004, 3.3): a share s of the step is taken if the simplified correction c that the same factor finds behind it, for
-/// the load that the share was to leave, is a fraction of it; q ⊕ (s d + c) starts the next step. A residual would judge
-/// wrongly: a beam that bends by θ in one step is stretched by half θ² on the way, and its axial forces, EA θ²/2, hide
-/// that the step is good; its corrections, of θ²/2 its length, do not. They do not depend on how rows are scaled either.
+/// 2004, 3.3) in the metric of the mass. A share s of the step is taken, with (1 - s) F held back, and corrected until
+/// corrections c are small beside it: with the step's factor while they contract, with new ones where bodies turned
+/// too far for it. A residual would judge wrongly: a beam that bends by θ in one step is stretched by half θ² on the
+/// way, and its axial forces, EA θ²/2, hide that the step is good; its corrections, of θ²/2 its length, do not.
+/// What bodies' tangents leave out is made up for by a few vectors of GMRES on the differenced balance.
 ///
-/// The shift σ ("pseudo-transient continuation": Kelley & Keyes 1998) is as small as possible. It grows where the energy
-/// is concave along the step, dᵀ(K + σM) d <= 0, where bodies would turn too far, and where no share of a step is good:
+/// The shift σ ("pseudo-transient continuation": Kelley & Keyes 1998) is as small as possible. It grows where energy
+/// is concave along the step, dᵀ(K + σM) d <= 0, where bodies would move too far, and where no share of a step is good:
 ///   - a mechanism far from rest sinks to a stable equilibrium, not to the nearest unstable one;
 ///   - a motion that nothing holds and nothing drives (a pendulum's turn about the vertical) keeps its place;
 ///   - d = 0 at the end: the balance is exact whatever σ is.

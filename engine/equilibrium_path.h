@@ -21,7 +21,7 @@ struct EquilibriumPath {
   int iterations = 0;         // of Newton: tangents factorised
 };
 
-/// The equilibria that a start in balance leads through while loads and drives go on: F(q, λ, t) = 0, g(q, t) = 0, where
+/// The equilibria that a start in balance leads through while loads and drives go on: F(q, λ, t) = 0, g(q, t) = 0. Here
 /// time is nothing but the parameter of their laws (DistributedLoad::amplitude, UserForce, drives). It may turn round:
 /// past a limit point the path goes on with less load, to where find_equilibrium() would jump or fail.
 ///

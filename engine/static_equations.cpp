@@ -29,7 +29,8 @@ class StaticEquations::Factor {
     b_ = N_VNew_Serial(size, context_);
     matrix_ = SUNSparseMatrix(size, size, 10 * size + 1, CSC_MAT, context_);
     if (x_ && matrix_) solver_ = SUNLinSol_KLU(x_, matrix_, context_);
-    if (!b_ || !solver_) throw SimulationError("SUNDIALS cannot be set up", "find_equilibrium", "is the memory enough?");
+    if (!b_ || !solver_)
+      throw SimulationError("SUNDIALS cannot be set up", "find_equilibrium", "is the memory enough?");
   }
   Factor(const Factor&) = delete;
   ~Factor() {
@@ -171,7 +172,6 @@ bool StaticEquations::solve_exactly(VectorX& d, VectorX& l, ConstVectorRef lambd
     const MatrixX square = H.topLeftCorner(k + 2, k + 1);
     y = square.colPivHouseholderQr().solve(right.head(k + 2));
     const double left = (square * y - right.head(k + 2)).norm();
-    if (std::getenv("TRACE")) std::printf("      krylov %d left %.2e\n", k, left / norm);
     if (left <= kKrylovTolerance * norm || H(k + 1, k) <= 1e-12 * norm) break;
     V.col(k + 1) = w / H(k + 1, k);
   }

@@ -36,7 +36,7 @@ const std::vector<Package>& packages() {
   const std::string ida = R"(integrators/(.*/)?ida\w*\.cpp)";
   const std::string cvode = R"(integrators/(.*/)?adams\w*\.cpp)";
   const std::string shared = R"(integrators/sundials_internal\.h)";
-  const std::string kinsol = R"(engine/(.*/)?(equilibrium|initial_conditions)\.cpp)";
+  const std::string statics = R"(engine/(.*/)?static_equations\.cpp)";
   static const std::vector<Package> all = {
       {"Boost.Math", std::regex(R"(boost/math/.*)"), std::regex(R"(engine/event_finder\.cpp)"),
        "engine/event_finder.cpp"},
@@ -46,10 +46,9 @@ const std::vector<Package>& packages() {
       {"spdlog, fmt", std::regex(R"((spdlog|fmt)/.*)"), std::regex(R"(engine/log\.cpp)"), "engine/log.cpp"},
       {"IDA", std::regex(R"(idas?/.*|klu\.h|Eigen/KLUSupport)"), std::regex(ida), "integrators/ida*.cpp"},
       {"CVODE", std::regex(R"(cvodes?/.*)"), std::regex(cvode), "integrators/adams*.cpp"},
-      {"KINSOL", std::regex(R"(kinsol/.*)"), std::regex(kinsol), "engine/.../equilibrium.cpp, initial_conditions.cpp"},
-      {"SUNDIALS", std::regex(R"((sundials|nvector|sunmatrix|sunlinsol|sunnonlinsol|arkode)/.*)"),
-       std::regex(ida + "|" + cvode + "|" + shared + "|" + kinsol),
-       "integrators/ida*.cpp, adams*.cpp, sundials_internal.h, engine/.../equilibrium.cpp, initial_conditions.cpp"},
+      {"SUNDIALS", std::regex(R"((kinsol|sundials|nvector|sunmatrix|sunlinsol|sunnonlinsol|arkode)/.*)"),
+       std::regex(ida + "|" + cvode + "|" + shared + "|" + statics),
+       "integrators/ida*.cpp, adams*.cpp, sundials_internal.h, engine/.../static_equations.cpp"},
       {"Bullet", std::regex(R"(bt[A-Z]\w*\.h|(BulletCollision|BulletDynamics|BulletSoftBody|LinearMath|bullet)/.*)"),
        std::regex(R"(bodies/shapes\.cpp|joints/contact/.*)"), "bodies/shapes.cpp, joints/contact/"},
       {"Spectra", std::regex(R"(Spectra/.*)"), std::regex(R"(bodies/flexible/.*\.cpp)"), "bodies/flexible/*.cpp"},
