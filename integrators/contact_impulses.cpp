@@ -259,19 +259,19 @@ void ContactImpulses::solve(const ConeProblem& problem, VectorX& r) {
   log::warn(message.str());
 }
 
-/// A gap that an impact of others closes: were its surfaces only kept from passing each other, the speed with which
-/// they meet would be lost. Newton's restitution at the time of that impact instead, as of surfaces in touch.
+/// Impacts of several pairs that push each other are one impact, at the time of the fastest: Newton's restitution of
+/// the velocities then keeps the energy of elastic bodies, of velocities each at a time of its own it would not. A gap
+/// that such an impact closes takes part: were its surfaces only kept from passing each other, the speed with which
+/// they meet would be lost.
 bool ContactImpulses::join_impacts(RigidContacts& contacts, double h) {
   ConeProblem& problem = contacts.problem();
-  const int n = static_cast<int>(contacts.points().size());
-  const auto pushes = [&](int i) { return r_[contacts.points()[i].first] > 0; };
+  const auto& points = contacts.points();
+  const int n = static_cast<int>(points.size());
+  const auto pushes = [&](int i) { return r_[points[i].first] > 0; };
   const auto joins = [&](int i) {
-    return free_gaps_[i] > 0 && pushes(i) && contacts.points()[i].law.restitution > 0 && held_until_[i] < 0;
+    return pushes(i) && points[i].law.restitution > 0 && held_until_[i] < 0 && (impacts_[i] || free_gaps_[i] > 0);
   };
-  bool any = false, met = false;
-  for (int i = 0; i < n; ++i) any |= joins(i), met |= impacts_[i] && pushes(i);
-  if (!any || !met) return false;
-  // 1. When bodies that push each other meet first.
+  // 1. Bodies that push each other, by how many pairs, and the fastest impact among them.
   island_.resize(problem.groups.size());
   std::iota(island_.begin(), island_.end(), 0);
   const auto island_of = [&](int i) {
@@ -283,24 +283,27 @@ bool ContactImpulses::join_impacts(RigidContacts& contacts, double h) {
     if (pushes(i) && sides[0].group >= 0 && sides[1].group >= 0)
       island_[root(island_, sides[0].group)] = root(island_, sides[1].group);
   }
-  constexpr double kNever = std::numeric_limits<double>::infinity();
-  first_impact_.assign(problem.groups.size(), kNever);
-  for (int i = 0; i < n; ++i)
-    if (impacts_[i] && pushes(i))
-      first_impact_[island_of(i)] = std::min(first_impact_[island_of(i)], impacts_[i]->time);
-  // 2. Its aim, from its motion then.
-  any = false;
+  meeting_.assign(problem.groups.size(), 0);
+  fastest_.assign(problem.groups.size(), Impact{});
+  for (int i = 0, pair = -1; i < n; ++i) {
+    if (!pushes(i)) continue;
+    if (std::exchange(pair, points[i].pair) != points[i].pair) ++meeting_[island_of(i)];
+    Impact& fastest = fastest_[island_of(i)];
+    if (impacts_[i] && impacts_[i]->speed > fastest.speed) fastest = *impacts_[i];
+  }
+  // 2. Their aims, from their motion at its time.
+  bool any = false;
   for (int i = 0; i < n; ++i) {
-    if (!joins(i) || first_impact_[island_of(i)] == kNever) continue;
-    const RigidContacts::Point& point = contacts.points()[i];
-    const double time = first_impact_[island_of(i)], rest = h - time, a = closings_[i].acceleration;
+    if (!joins(i) || meeting_[island_of(i)] < 2 || !(fastest_[island_of(i)].speed > 0)) continue;
+    const RigidContacts::Point& point = points[i];
+    const double time = fastest_[island_of(i)].time, rest = h - time, a = closings_[i].acceleration;
     const double before = point.before[0] - growth_[point.first];
     const double after = -point.law.restitution * (before + a * time);
+    const double gap = gaps_[i] + time * (before + 0.5 * a * time) + rest * (after + 0.5 * a * rest);
     problem.free[point.first] = u_[point.first] - (after + a * rest);
     weights_[i] = rest;
-    least_gaps_[i] =
-        std::max(0.0, gaps_[i] + time * (before + 0.5 * a * time) + rest * (after + 0.5 * a * rest));
-    closings_[i].time = time;
+    least_gaps_[i] = std::max(0.0, gap);
+    if (!impacts_[i]) closings_[i].time = time;
     any = true;
   }
   return any;

@@ -66,8 +66,8 @@ class ContactImpulses {
   };
   /// An impact of a point within the step.
   struct Impact {
-    double time, speed;
-    double share;  // of the step's impulse; the rest holds the bodies afterwards
+    double time = 0, speed = 0;
+    double share = 1;  // of the step's impulse; the rest holds the bodies afterwards
   };
   Closing closing(const RigidContacts::Point& point, double gap, double velocity, double h) const;
   Aim aim(const RigidContacts::Point& point, const Closing& closing, double free_velocity, double gap, double free_gap,
@@ -90,6 +90,7 @@ class ContactImpulses {
   long unconverged_ = 0;
   std::vector<Closing> closings_;
   std::vector<std::optional<Impact>> impacts_;
+  std::vector<Impact> fastest_;  // by group
   VectorX held_until_;  // time of the impact that ends what holds the point; -1: none
   ConeProblem some_;    // contacts that hold
   std::vector<int> some_points_, island_;
