@@ -107,7 +107,8 @@ void Simulation::history(Archive& archive, State& state) {
           {times[i],
            names[i],
            numbers[i],
-           {static_cast<ContactChange>(contacts[3 * i]), contacts[3 * i + 1], contacts[3 * i + 2], speeds[i], impulses[i]}});
+           {static_cast<ContactChange>(contacts[3 * i]), contacts[3 * i + 1], contacts[3 * i + 2], speeds[i],
+            impulses[i]}});
     archive("approached", approach_.watched);
     archive("tries", approach_.tries);
     archive("approach_time", approach_.time);

@@ -124,7 +124,8 @@ std::string ModesLeftOut::text() const {
                     body.name.c_str(), body.candidates);
     text += line;
   }
-  std::snprintf(line, sizeof line, "  lowest stiffness: %.5g 1/s² with the modes in use, %.5g with all (frequency %.2g %%)\n",
+  std::snprintf(line, sizeof line,
+                "  lowest stiffness: %.5g 1/s² with the modes in use, %.5g with all (frequency %.2g %%)\n",
                 lowest_stiffness, richer_stiffness, 100 * frequency_error);
   return text + line;
 }

@@ -142,8 +142,9 @@ TEST_P(EventsBy, a_flexible_rods_impact_is_told_at_its_time) {
   const FiniteElementModel model =
       brick_mesh({.size = {0.4, 0.04, 0.04}, .divisions = {8, 1, 1}, .type = "C3D20", .material = {2e9, 0.3, 1000}});
   ContactScene scene;
-  auto& rod = scene.graph.add<FlexibleBody>(
-      "rod", {.basis = make_basis(model, MeanAxisFrame{}, 6), .damping = {.modal_ratios = {0.02}}, .position = {0, 0, 0.5}});
+  auto& rod = scene.graph.add<FlexibleBody>("rod", {.basis = make_basis(model, MeanAxisFrame{}, 6),
+                                                    .damping = {.modal_ratios = {0.02}},
+                                                    .position = {0, 0, 0.5}});
   const SurfaceMesh skin = surface(rod);
   scene.contact({scene.plane(), {skin.frame, shape::surface(skin.nodes, skin.points, skin.triangles, skin.reach)}}, 0,
                 0.5);

@@ -71,7 +71,8 @@ TEST_P(StickSlipBy, a_mass_on_a_belt_has_the_period_of_two_coefficients) {
       sticks = rests;
     }
     ASSERT_EQ(static_cast<int>(passes.size()), cycles + 1);
-    for (int i = 0; i < cycles; ++i) EXPECT_NEAR(passes[i + 1] - passes[i], belt.period(), 1e-4) << "belt " << belt.speed;
+    for (int i = 0; i < cycles; ++i)
+      EXPECT_NEAR(passes[i + 1] - passes[i], belt.period(), 1e-4) << "belt " << belt.speed;
     EXPECT_NEAR((passes[cycles] - passes[0]) / cycles, belt.period(), 5e-5);
     EXPECT_LE(std::abs(changes - 2 * (cycles + 1)), 1) << "chatters";
   }
