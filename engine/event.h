@@ -3,6 +3,7 @@
 #include <functional>
 #include <string>
 
+#include "engine/contact/contact_event.h"
 #include "engine/sensors.h"
 #include "engine/snapshot.h"
 #include "engine/state.h"
@@ -39,7 +40,8 @@ struct Event {
 struct EventRecord {
   double time;  // s
   std::string name;
-  int index;  // of the event, in the order of Simulation::on(); -1: surfaces of a contact of that name met or parted
+  int index;  // of the event, in the order of Simulation::on(); -1: of surfaces of a contact of that name
+  ContactEvent contact = {};  // what these did
 };
 
 }  // namespace lithe

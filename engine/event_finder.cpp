@@ -165,7 +165,7 @@ void EventFinder::find_between(const Step& step, int watched, double s_a, double
       s = s_a;  // the sample was round-off beside the dense output
     }
   }
-  crossings_.push_back({watched, s == 1 ? step.to.time : step.from.time + s * (step.to.time - step.from.time)});
+  crossings_.push_back({watched, s == 1 ? step.to.time : step.from.time + s * (step.to.time - step.from.time), a < 0});
 }
 
 }  // namespace lithe

@@ -24,11 +24,14 @@ class EventFinder {
   /// A new state to go on from. Where a function lies at its level, or has just been dealt with, its sign is that of
   /// its trend in the next step: so an event is not found again where it happened.
   void start(const State& state);
+  /// Whether a function lay below its level as the step began.
+  bool below(int watched) const { return watched_[watched].start < 0; }
   void dealt_with(int watched) { watched_[watched].by_trend = true; }
 
   struct Crossing {
     int watched;  // in the order of add()
     double time;  // the function has passed its level here
+    bool rising;
   };
   /// Passages in the last step, which led from `from` to `to`, by time. Throws SimulationError for a function that
   /// gives no number.

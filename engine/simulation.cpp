@@ -165,6 +165,7 @@ void Simulation::advance(State& state, double stop) {
       throw;
     }
   }
+  record_happenings(state);
   try {
     last_ = state;
   } catch (...) {  // no memory: both go on without the multipliers, which are found anew

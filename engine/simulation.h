@@ -21,7 +21,8 @@ namespace lithe {
 /// their own. Their schedules cut the integrator's steps, so that observed times are met exactly, never interpolated.
 /// Events are located within steps. Where force laws change their form (ForceElement::switches, a stop met or left),
 /// the step ends and the integrator starts anew: across such a kink no method keeps its order, and its error estimate
-/// errs. The same where surfaces of compliant contacts meet or part, which events() tells of too.
+/// errs. The same where surfaces of compliant contacts meet or part, which events() tells of too, as of the impacts,
+/// meeting and parting of rigid ones, which time stepping locates within its steps.
 class Simulation {
  public:
   Simulation(const System& system, Integrator& integrator);
@@ -86,6 +87,7 @@ class Simulation {
   bool is_switch(int watched) const { return watched >= static_cast<int>(watched_events_.size()); }
   bool ends_step(int watched) const;
   void record(const EventFinder::Crossing& crossing);
+  void record_happenings(const State& state);
   void meet(State& state);
   void check_accumulation(State& state, const std::string& name);
   void find_multipliers(State& state);
@@ -104,12 +106,16 @@ class Simulation {
 
   std::vector<Event> watched_events_;
   std::vector<EventRecord> events_;
-  std::vector<std::string> meetings_;  // the last of finder_'s functions: gaps of located contacts, by name
+  struct Meeting {
+    std::string name;
+    int a, b;
+  };
+  std::vector<Meeting> meetings_;  // the last of finder_'s functions: gaps of located contacts
   std::string stopped_by_;
   std::optional<EventFinder> finder_;  // of watched_events_, then of the switches of force laws; none: nothing to find
   Projector projector_;
   State at_event_;
-  std::vector<int> met_;          // watched functions that pass at one time
+  std::vector<EventFinder::Crossing> met_;  // that happen at one time
   IntegratorStatistics earlier_;  // of the integrator's starts before its present one
   struct Approach {               // to a switch: steps end there
     int watched = -1, tries = 0;

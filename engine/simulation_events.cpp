@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "engine/contact/contact_forces.h"
+#include "engine/contact/rigid_contacts.h"
 #include "engine/error.h"
 #include "engine/sensors.h"
 #include "engine/simulation.h"
@@ -55,11 +56,13 @@ void Simulation::make_finder() {
                    Event::Direction::both);
   // Where surfaces meet and part.
   meetings_.clear();
-  for (const ContactRecord& record : system_.contacts())
+  for (const ContactRecord& record : system_.contacts()) {
+    if (record.element->law() != ContactElement::Law::compliant) continue;  // time stepping tells of rigid ones
     for (const auto& [a, b] : record.element->located_pairs()) {
       finder().add(record.element->name(), gap_of(record.number, a, b), 0, Event::Direction::both);
-      meetings_.push_back(record.element->name());
+      meetings_.push_back({record.element->name(), a, b});
     }
+  }
 }
 
 IntegratorStatistics Simulation::statistics() const {
@@ -81,6 +84,20 @@ void Simulation::record(const EventFinder::Crossing& crossing) {
   events_.push_back({crossing.time, watched_events_[crossing.watched].name, crossing.watched});
 }
 
+/// What time stepping tells of rigid surfaces in the step from last_ to `state`, among the events of that step by time.
+void Simulation::record_happenings(const State& state) {
+  RigidContacts* contacts = equations_.rigid_contacts();
+  if (!contacts) return;
+  for (const RigidContacts::Happening& happening : contacts->happenings()) {
+    const double time = last_.time + happening.time;
+    if (time > state.time) continue;  // the state has been moved back to an event before
+    const auto later = std::upper_bound(events_.begin(), events_.end(), time,
+                                        [](double t, const EventRecord& e) { return t < e.time; });
+    events_.insert(later, {time, system_.contacts()[happening.element].element->name(), -1, happening.event});
+  }
+  contacts->happenings().clear();
+}
+
 /// After a step from last_ to `state`: what passed its level in it. Moves the state back to the first event that ends
 /// the step.
 void Simulation::look_for_events(State& state) {
@@ -100,14 +117,14 @@ void Simulation::look_for_events(State& state) {
   met_.clear();
   if (end == crossings.end()) {
     if (approach_.watched < 0 || state.time < approach_.time) return finder_->accept();
-    met_.push_back(approach_.watched);  // round-off before its switch
+    met_.push_back({approach_.watched, state.time, finder_->below(approach_.watched)});  // round-off before its switch
   } else {
     // 3. To the event, with all others that happen then.
     const double same = kSameTime * std::max(std::abs(end->time), h);
     double time = end->time;
     for (auto c = end; c != crossings.end() && c->time <= end->time + same; ++c) {
       time = c->time;
-      met_.push_back(c->watched);
+      met_.push_back(*c);
       if (!is_switch(c->watched)) record(*c);
     }
     integrator_.interpolate(system_.layout(), last_, state, time, at_event_);
@@ -135,11 +152,15 @@ void Simulation::meet(State& state) {
   const double time = state.time;
   bool restarted = false;
   const int first_meeting = finder_->count() - static_cast<int>(meetings_.size());
-  for (int i : met_)
-    if (i >= first_meeting) events_.push_back({time, meetings_[i - first_meeting], -1});
-  for (int i : met_) {
-    if (is_switch(i)) continue;
-    const Event& event = watched_events_[i];
+  for (const EventFinder::Crossing& c : met_) {
+    if (c.watched < first_meeting) continue;
+    const Meeting& pair = meetings_[c.watched - first_meeting];
+    events_.push_back(
+        {time, pair.name, -1, {c.rising ? ContactChange::parting : ContactChange::meeting, pair.a, pair.b}});
+  }
+  for (const EventFinder::Crossing& c : met_) {
+    if (is_switch(c.watched)) continue;
+    const Event& event = watched_events_[c.watched];
     if (event.action == Event::Action::stop && stopped_by_.empty()) stopped_by_ = event.name;
     restarted |= event.action == Event::Action::restart;
     if (!event.change) continue;
@@ -155,14 +176,15 @@ void Simulation::meet(State& state) {
   }
   restart(state);
   finder_->start(state);
-  for (int i : met_) finder_->dealt_with(i);
+  for (const EventFinder::Crossing& c : met_) finder_->dealt_with(c.watched);
   approach_ = {};
   if (!restarted) return;
   if (restarts_.empty()) first_restart_ = time;
   restarts_.push_back(time);
   if (restarts_.size() > kManyEvents) restarts_.erase(restarts_.begin());
-  const auto restarting = std::find_if(met_.begin(), met_.end(), [&](int i) { return !is_switch(i); });
-  check_accumulation(state, watched_events_[*restarting].name);
+  const auto restarting =
+      std::find_if(met_.begin(), met_.end(), [&](const EventFinder::Crossing& c) { return !is_switch(c.watched); });
+  check_accumulation(state, watched_events_[restarting->watched].name);
 }
 
 /// Events that come ever faster have no end before some time: a run would take for ever to reach it.

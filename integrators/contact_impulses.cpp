@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <sstream>
 #include <utility>
@@ -18,7 +19,10 @@ constexpr int kFewImpacts = 3;      // pairs that meet within a step, of bodies 
 
 /// Time at which a gap closes that starts at g with rate u and acceleration a; h if it does not.
 double closing_time(double g, double u, double a, double h) {
-  if (g <= 0) return u < 0 || (u == 0 && a < 0) ? 0 : h;
+  if (g <= 0) {
+    if (u < 0 || (u == 0 && a < 0)) return 0;
+    return a < 0 ? std::min(h, -2 * u / a) : h;  // up and back
+  }
   // g + u t + ½ a t² = 0, the smaller positive root, without cancellation
   const double root = u * u - 2 * a * g;
   if (root < 0) return h;
@@ -63,8 +67,8 @@ ContactImpulses::Aim ContactImpulses::aim(const RigidContacts::Point& point, con
   if (free_gap > 0) return {free_velocity - 2 * free_gap / h, h / 2};  // others may push it there
   if (closing.speed > point.law.rest_speed && point.law.restitution > 0) {
     const double after = point.law.restitution * closing.speed, rest = h - closing.time;
-    const double away = after * rest + 0.5 * closing.acceleration * rest * rest;
-    if (away > 0) return {after + closing.acceleration * rest, rest, away};
+    const double away = after + 0.5 * closing.acceleration * rest;  // mean speed; rest may be zero
+    if (away > 0) return {after + closing.acceleration * rest, rest, away * rest};
   }
   if (closing.speed <= point.law.rest_speed || !(free_velocity < 0)) return {0, h / 2};
   return {0, std::clamp((free_gap - std::min(gap, 0.0)) / free_velocity, 0.0, h)};
@@ -76,7 +80,11 @@ bool ContactImpulses::apply(EquationsOfMotion& equations, const VectorX& v, doub
   contacts.find(v, h);
   acted_ = !contacts.empty();
   iterations_ = 0;
-  if (!acted_) return false;
+  impacts_.clear();
+  if (!acted_) {
+    tell_of_partings(contacts, h, last);
+    return false;
+  }
   ConeProblem& problem = contacts.form();
   const int n = static_cast<int>(contacts.points().size());
   u_.resize(problem.rows);
@@ -87,6 +95,7 @@ bool ContactImpulses::apply(EquationsOfMotion& equations, const VectorX& v, doub
   gaps_.resize(n), free_gaps_.resize(n), weights_.resize(n), least_gaps_.resize(n);
   last_.resize(problem.rows), growth_.resize(problem.rows);
   contacts.recall(last, h, last_, growth_);
+  friction_.begin(contacts, last, last_, growth_, h, parameters_.position_tolerance);
   contacts.velocity(v_end, u_);
   u_ += growth_;
   closings_.clear();
@@ -112,12 +121,18 @@ bool ContactImpulses::apply(EquationsOfMotion& equations, const VectorX& v, doub
 
   // 2. The velocity that each point is to have, and impulses that make it.
   problem.free = u_;
+  impacts_.resize(n);
   for (int i = 0; i < n; ++i) {
     const RigidContacts::Point& point = contacts.points()[i];
     Aim aimed = aim(point, closings_[i], u_[point.first], gaps_[i], free_gaps_[i], h);
-    if (parameters_.impacts == Impacts::sequential && free_gaps_[i] <= 0)
-      aimed = {0,
-               u_[point.first] < 0 && gaps_[i] >= 0 ? std::clamp(free_gaps_[i] / u_[point.first], 0.0, h / 2) : h / 2};
+    if (parameters_.impacts == Impacts::sequential) {
+      if (free_gaps_[i] <= 0)
+        aimed = {0, u_[point.first] < 0 && gaps_[i] >= 0 ? std::clamp(free_gaps_[i] / u_[point.first], 0.0, h / 2)
+                                                         : h / 2};
+    } else if (const Closing& met = closings_[i]; free_gaps_[i] <= 0 && met.speed > point.law.rest_speed) {
+      const double held = aimed.gap > 0 ? 0 : std::max(0.0, -met.acceleration * (h - met.time));
+      impacts_[i] = {met.time, met.speed, met.speed / (met.speed + held)};
+    }
     if (held_until_[i] >= 0) aimed.time = h - held_until_[i];
     problem.free[point.first] -= aimed.velocity;
     weights_[i] = aimed.time;
@@ -125,7 +140,11 @@ bool ContactImpulses::apply(EquationsOfMotion& equations, const VectorX& v, doub
   }
   r_ = last_;
   solve(problem, r_);
+  if (join_impacts(contacts, h)) solve(problem, r_);
+  while (friction_.revise(contacts, r_)) solve(problem, r_);
   total_ += r_;
+  tell_of_meetings(contacts, h, last);
+  tell_of_partings(contacts, h, last);
   dv_.setZero();
   contacts.add_response(r_, nullptr, dv_);
   v_end += dv_;
@@ -240,6 +259,56 @@ void ContactImpulses::solve(const ConeProblem& problem, VectorX& r) {
   log::warn(message.str());
 }
 
+/// Impacts of several pairs that push each other are one impact, at the time of the fastest: Newton's restitution of
+/// the velocities then keeps the energy of elastic bodies, of velocities each at a time of its own it would not. A gap
+/// that such an impact closes takes part: were its surfaces only kept from passing each other, the speed with which
+/// they meet would be lost.
+bool ContactImpulses::join_impacts(RigidContacts& contacts, double h) {
+  ConeProblem& problem = contacts.problem();
+  const auto& points = contacts.points();
+  const int n = static_cast<int>(points.size());
+  const auto pushes = [&](int i) { return r_[points[i].first] > 0; };
+  const auto joins = [&](int i) {
+    return pushes(i) && points[i].law.restitution > 0 && held_until_[i] < 0 && (impacts_[i] || free_gaps_[i] > 0);
+  };
+  // 1. Bodies that push each other, by how many pairs, and the fastest impact among them.
+  island_.resize(problem.groups.size());
+  std::iota(island_.begin(), island_.end(), 0);
+  const auto island_of = [&](int i) {
+    const auto& sides = problem.contacts[i].sides;
+    return root(island_, std::max(sides[0].group, sides[1].group));
+  };
+  for (int i = 0; i < n; ++i) {
+    const auto& sides = problem.contacts[i].sides;
+    if (pushes(i) && sides[0].group >= 0 && sides[1].group >= 0)
+      island_[root(island_, sides[0].group)] = root(island_, sides[1].group);
+  }
+  meeting_.assign(problem.groups.size(), 0);
+  fastest_.assign(problem.groups.size(), Impact{});
+  for (int i = 0, pair = -1; i < n; ++i) {
+    if (!pushes(i)) continue;
+    if (std::exchange(pair, points[i].pair) != points[i].pair) ++meeting_[island_of(i)];
+    Impact& fastest = fastest_[island_of(i)];
+    if (impacts_[i] && impacts_[i]->speed > fastest.speed) fastest = *impacts_[i];
+  }
+  // 2. Their aims, from their motion at its time.
+  bool any = false;
+  for (int i = 0; i < n; ++i) {
+    if (!joins(i) || meeting_[island_of(i)] < 2 || !(fastest_[island_of(i)].speed > 0)) continue;
+    const RigidContacts::Point& point = points[i];
+    const double time = fastest_[island_of(i)].time, rest = h - time, a = closings_[i].acceleration;
+    const double before = point.before[0] - growth_[point.first];
+    const double after = -point.law.restitution * (before + a * time);
+    const double gap = gaps_[i] + time * (before + 0.5 * a * time) + rest * (after + 0.5 * a * rest);
+    problem.free[point.first] = u_[point.first] - (after + a * rest);
+    weights_[i] = rest;
+    least_gaps_[i] = std::max(0.0, gap);
+    if (!impacts_[i]) closings_[i].time = time;
+    any = true;
+  }
+  return any;
+}
+
 /// Impacts one after another, each by itself, as gaps close within the step.
 void ContactImpulses::collide(RigidContacts& contacts, double h, VectorX& v_end, VectorX& d) {
   const ConeProblem& problem = contacts.problem();
@@ -258,13 +327,14 @@ void ContactImpulses::collide(RigidContacts& contacts, double h, VectorX& v_end,
   for (int impacts = 0; impacts < kMaxImpacts; ++impacts) {
     // 1. The pair that meets next, faster than it would rest.
     int next = -1;
-    double first = h, speed = 0;
+    double first = 2 * h, speed = 0;
     for (int i = 0; i < n; ++i) {
       const RigidContacts::Point& point = contacts.points()[i];
       const double u = now[point.first], a = slope[point.first];
-      const double after = closing_time(std::max(gap[i], 0.0), u, a, h - time);
+      const double left = h - time, after = closing_time(std::max(gap[i], 0.0), u, a, left);
       const double closing = -(u + a * after);
-      if (closing <= point.law.rest_speed || time + after >= h) continue;
+      const bool meets = after < left || gap[i] + left * (u + 0.5 * a * left) <= 0;  // at the step's end too
+      if (closing <= point.law.rest_speed || !meets) continue;
       if (time + after < first || (time + after == first && closing > speed))
         next = i, first = time + after, speed = closing;
     }
@@ -292,6 +362,7 @@ void ContactImpulses::collide(RigidContacts& contacts, double h, VectorX& v_end,
     single_->solve(alone_, 1e-14 * std::abs(alone_.free[0]), r_);
     impulse.setZero();
     impulse.segment(point.first, point.rows) = r_;
+    tell_of_impact(contacts, point, time, speed, r_[0]);
     total_ += impulse;
     dv_.setZero();
     contacts.add_response(impulse, nullptr, dv_);
@@ -352,7 +423,7 @@ void ContactImpulses::history(Archive& archive) {
 
 void ContactImpulses::remember(EquationsOfMotion& equations, const VectorX& v, double h, ContactMemory& memory) const {
   if (acted_)
-    equations.rigid_contacts()->remember(total_, v, h, memory);
+    equations.rigid_contacts()->remember(total_, v, h, friction_.slip_at_start(), friction_.slip_at_end(), memory);
   else
     memory.clear();
 }

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "engine/contact/cone_problem.h"
 #include "engine/contact/rigid_contacts.h"
 #include "engine/equations_of_motion.h"
 #include "engine/state.h"
+#include "integrators/static_friction.h"
 
 namespace lithe {
 
@@ -13,8 +15,8 @@ class Archive;
 
 /// How rigid surfaces that meet at one time share an impact.
 enum class Impacts {
-  simultaneous,  // one problem for all, Newton's restitution at each: three equal balls in touch leave with -1/3, 2/3,
-                 // 2/3
+  simultaneous,  // one problem for all, Newton's restitution at each: three equal balls in touch, or so near that their
+                 // gaps close within the step, leave with -1/3, 2/3, 2/3
   sequential,    // one pair after another as their gaps close within the step: the limit of small gaps: 0, 0, 1
 };
 
@@ -26,7 +28,9 @@ enum class Impacts {
 /// where the gaps aimed at are those after a bounce at its time, or zero, and what is aimed at in v' is the velocity
 /// along H at the step's end. What holds a body that meets another within the step pushes up to then. A ball in free
 /// flight bounces at the time of its impact, to round-off; bodies at rest, and those that others fall upon, neither
-/// sink nor float.
+/// sink nor float. A gap that an impact of others closes takes part in that impact as surfaces in touch do, u' >= -e u:
+/// elastic bodies keep their energy however near they are. Impacts, meeting and parting are told of by pair
+/// (RigidContacts::happenings).
 class ContactImpulses {
  public:
   struct Parameters {
@@ -60,20 +64,33 @@ class ContactImpulses {
     double time, speed;  // h where it does not
     double acceleration;
   };
+  /// An impact of a point within the step.
+  struct Impact {
+    double time = 0, speed = 0;
+    double share = 1;  // of the step's impulse; the rest holds the bodies afterwards
+  };
   Closing closing(const RigidContacts::Point& point, double gap, double velocity, double h) const;
   Aim aim(const RigidContacts::Point& point, const Closing& closing, double free_velocity, double gap, double free_gap,
           double h) const;
   void hold(RigidContacts& contacts, double h, VectorX& v_end, VectorX& d);
   void solve(const ConeProblem& problem, VectorX& r);
   void collide(RigidContacts& contacts, double h, VectorX& v_end, VectorX& d);
+  bool join_impacts(RigidContacts& contacts, double h);
   void displace(RigidContacts& contacts, VectorX& d);
+  static void tell_of_impact(RigidContacts& contacts, const RigidContacts::Point& point, double time, double speed,
+                             double impulse);
+  void tell_of_meetings(RigidContacts& contacts, double h, const ContactMemory& last) const;
+  void tell_of_partings(RigidContacts& contacts, double h, const ContactMemory& last) const;
 
   Parameters parameters_;
   std::unique_ptr<ConeSolver> solver_, single_, position_;
+  StaticFriction friction_;
   bool acted_ = false;
   int iterations_ = 0;
   long unconverged_ = 0;
   std::vector<Closing> closings_;
+  std::vector<std::optional<Impact>> impacts_;
+  std::vector<Impact> fastest_;  // by group
   VectorX held_until_;  // time of the impact that ends what holds the point; -1: none
   ConeProblem some_;    // contacts that hold
   std::vector<int> some_points_, island_;

@@ -18,7 +18,10 @@ struct ThreeNodeFrame {
   int origin, on_x, in_xy;
 };
 /// One-node frame: clamped to these nodes, three or more off one line; mesh axes at their mean. A single node is
-/// clamped together with all its elements.
+/// clamped together with all its elements. The nodes keep their distances: a face that is pulled or bent cannot shrink
+/// across (Poisson's strain), nor warp when it is twisted, which stiffens what is near. That is a body welded to
+/// something rigid; where it is not, a ThreeNodeFrame or mean axes hold no strain, and FlexibleBody::average() ties the
+/// face by its mean.
 struct TangentFrame {
   std::vector<int> nodes;
 };

@@ -85,17 +85,32 @@ void Simulation::history(Archive& archive, State& state) {
         archive.same("action", static_cast<double>(watched_events_[i].action));
       });
     if (finder_) finder_->history(archive);
-    std::vector<double> times;
+    std::vector<double> times, speeds, impulses;
     std::vector<std::string> names;
-    std::vector<int> numbers;
-    for (const EventRecord& e : events_) times.push_back(e.time), names.push_back(e.name), numbers.push_back(e.index);
+    std::vector<int> numbers, contacts;  // contacts: change, colliders
+    for (const EventRecord& e : events_) {
+      times.push_back(e.time), names.push_back(e.name), numbers.push_back(e.index);
+      contacts.insert(contacts.end(), {static_cast<int>(e.contact.change), e.contact.a, e.contact.b});
+      speeds.push_back(e.contact.speed), impulses.push_back(e.contact.impulse);
+    }
     archive("times", times);
     archive("names", names);
     archive("numbers", numbers);
-    if (names.size() != times.size() || numbers.size() != times.size())
+    archive("contacts", contacts);
+    archive("speeds", speeds);
+    archive("impulses", impulses);
+    const std::size_t count = times.size();
+    if (names.size() != count || numbers.size() != count || contacts.size() != 3 * count || speeds.size() != count ||
+        impulses.size() != count)
       throw FileError("the checkpoint's events are not whole", archive.source(), "resume from an older one");
     events_.clear();
-    for (std::size_t i = 0; i < times.size(); ++i) events_.push_back({times[i], names[i], numbers[i]});
+    for (std::size_t i = 0; i < count; ++i)
+      events_.push_back(
+          {times[i],
+           names[i],
+           numbers[i],
+           {static_cast<ContactChange>(contacts[3 * i]), contacts[3 * i + 1], contacts[3 * i + 2], speeds[i],
+            impulses[i]}});
     archive("approached", approach_.watched);
     archive("tries", approach_.tries);
     archive("approach_time", approach_.time);

@@ -31,7 +31,8 @@ struct ContactLoad {
 struct RigidContact {
   double restitution = 0;  // of Newton: normal speed after over that before, reversed
   double rest_speed = 0;   // m/s: closing more slowly they do not bounce
-  double friction = 0;     // Coulomb's μ
+  double friction = 0;     // Coulomb's μ, of surfaces that slide
+  double static_friction = 0;  // of those that do not, at least as much
   double rolling = 0;      // m: largest rolling moment over normal force
   double spinning = 0;     // m: largest moment about the normal over normal force
 };
@@ -55,7 +56,7 @@ class ContactElement : public ForceElement {
   virtual bool has_moments() const = 0;
   /// Of a rigid law.
   virtual RigidContact rigid() const = 0;
-  /// Pairs of colliders whose meeting and parting simulations locate as events.
+  /// Pairs of colliders whose meeting, parting and impacts simulations tell of as events.
   virtual std::vector<std::pair<int, int>> located_pairs() const = 0;
 
   int row_count() const final { return 0; }

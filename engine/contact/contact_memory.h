@@ -13,7 +13,8 @@ struct ContactTrace {
   int element = 0;          // of the graph's contact elements
   ContactPoint point;       // as it was found
   Vector3 force, moment;    // on B, about the position, world axes, N, N m; rigid contacts: their mean over the step
-  Vector3 on_A, on_B;       // what was in touch: the position in the axes of either side
+  Vector3 on_A, on_B;       // what was in touch: the position in the axes of either side; rigid contacts: on_A has how
+                            // fast they slid at the last step's start and end, m/s
   Vector3 bristle;          // deflection of the bristles, world axes, m; rigid contacts: velocity of B to A, m/s
   double impact_speed = 0;  // with which the surfaces met, m/s
 };

@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <tuple>
 
@@ -15,7 +16,11 @@ constexpr double kNear = 1e-6;  // m: looked at whatever the speed
 }  // namespace
 
 RigidContacts::RigidContacts(Assembler& equations, const BlockStructure& blocks) : equations_(equations) {
-  for (const ContactRecord& record : equations.system().contacts()) reach_.emplace_back(record.markers.size(), 0.0);
+  for (const ContactRecord& record : equations.system().contacts()) {
+    reach_.emplace_back(record.markers.size(), 0.0);
+    located_.push_back(record.element->law() == ContactElement::Law::rigid &&
+                       !record.element->located_pairs().empty());
+  }
   group_bodies(blocks);
 }
 
@@ -81,12 +86,12 @@ void RigidContacts::group_bodies(const BlockStructure& blocks) {
 void RigidContacts::find(ConstVectorRef v, double horizon) {
   rows_.clear();
   points_.clear();
+  pairs_.clear();
+  happenings_.clear();
   ContactForces& contacts = *equations_.contacts();
   const double fall = horizon * horizon * equations_.system().gravity().norm();
-  int pair = -1;
   for (const ContactRecord& record : equations_.system().contacts()) {
     if (record.element->law() != ContactElement::Law::rigid) continue;
-    std::pair last(-1, -1);
     const ContactPlaces& places = contacts.places()[record.number];
     auto& reach = reach_[record.number];
     for (std::size_t i = 0; i < reach.size(); ++i) {
@@ -104,9 +109,10 @@ void RigidContacts::find(ConstVectorRef v, double horizon) {
       const ContactRows::Row& row = rows_.points().back();
       double u[6] = {};
       rows_.velocity(row, v.data(), u);
-      const std::pair colliders(point.A.collider, point.B.collider);
-      if (colliders != last) last = colliders, ++pair;
-      points_.push_back({law, point.gap, {u[0], u[1], u[2]}, row.first, row.rows, pair, 0});
+      const Pair pair{record.number, point.A.collider, point.B.collider};
+      if (pairs_.empty() || pairs_.back() != pair) pairs_.push_back(pair);
+      points_.push_back(
+          {law, point.gap, {u[0], u[1], u[2]}, row.first, row.rows, static_cast<int>(pairs_.size()) - 1, 0});
       RigidContacts::Point& now = points_.back();
       now.turning = now.before.tail<2>().squaredNorm() * point.curvature;
       for (const ContactRows::Side& side : row.sides) {
@@ -235,15 +241,20 @@ void RigidContacts::add_response(ConstVectorRef r, const VectorX* weights, Vecto
   }
 }
 
+const ContactTrace* RigidContacts::find_trace(const ContactMemory& memory, const ContactRows::Row& row) const {
+  const auto wanted = contact_key(row.element, row.point);
+  const auto at = std::lower_bound(memory.begin(), memory.end(), wanted, [](const ContactTrace& t, const auto& k) {
+    return contact_key(t.element, t.point) < k;
+  });
+  return at != memory.end() && contact_key(at->element, at->point) == wanted ? &*at : nullptr;
+}
+
 void RigidContacts::recall(const ContactMemory& memory, double h, VectorRef r, VectorRef growth) const {
   r.setZero(), growth.setZero();
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const ContactRows::Row& row = rows_.points()[i];
-    const auto wanted = contact_key(row.element, row.point);
-    const auto at = std::lower_bound(memory.begin(), memory.end(), wanted, [](const ContactTrace& t, const auto& k) {
-      return contact_key(t.element, t.point) < k;
-    });
-    if (at == memory.end() || contact_key(at->element, at->point) != wanted) continue;
+    const ContactTrace* at = find_trace(memory, row);
+    if (!at) continue;
     r.segment<3>(row.first) = h * (row.frame.transpose() * at->force);
     if (row.rows > 3) r.segment<3>(row.first + 3) = h * to_moment_rows(row.frame.transpose() * at->moment);
     // The step before left this velocity along its own H: what it is along this one differs by h Ḣ v.
@@ -252,7 +263,17 @@ void RigidContacts::recall(const ContactMemory& memory, double h, VectorRef r, V
   }
 }
 
-void RigidContacts::remember(ConstVectorRef r, ConstVectorRef v, double h, ContactMemory& memory) const {
+void RigidContacts::recall_slip(const ContactMemory& memory, VectorRef at_start, VectorRef at_end) const {
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const ContactTrace* at = find_trace(memory, rows_.points()[i]);
+    const auto k = static_cast<Eigen::Index>(i);
+    at_start[k] = at ? at->on_A[0] : std::nan("");
+    at_end[k] = at ? at->on_A[1] : std::nan("");
+  }
+}
+
+void RigidContacts::remember(ConstVectorRef r, ConstVectorRef v, double h, ConstVectorRef slip_at_start,
+                             ConstVectorRef slip_at_end, ContactMemory& memory) const {
   const auto& contacts = equations_.system().contacts();
   std::erase_if(
       memory, [&](const ContactTrace& t) { return contacts[t.element].element->law() == ContactElement::Law::rigid; });
@@ -265,7 +286,9 @@ void RigidContacts::remember(ConstVectorRef r, ConstVectorRef v, double h, Conta
     trace.force = row.frame * r.segment<3>(row.first) / h;
     trace.moment.setZero();
     if (row.rows > 3) trace.moment = row.frame * from_moment_rows(r.segment<3>(row.first + 3)) / h;
-    trace.on_A.setZero(), trace.on_B.setZero();
+    const auto k = static_cast<Eigen::Index>(i);
+    trace.on_A = {slip_at_start[k], slip_at_end[k], 0};
+    trace.on_B.setZero();
     double u[6] = {};
     rows_.velocity(row, v.data(), u);
     trace.bristle = row.frame * Vector3(u[0], u[1], u[2]);

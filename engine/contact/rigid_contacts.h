@@ -4,6 +4,7 @@
 
 #include "engine/block_structure.h"
 #include "engine/contact/cone_problem.h"
+#include "engine/contact/contact_event.h"
 #include "engine/contact/contact_forces.h"
 
 namespace lithe {
@@ -20,14 +21,20 @@ class RigidContacts {
     double gap;
     Vector3 before;   // velocity in the point's frame at `v`, m/s
     int first, rows;  // rows of the problem
-    int pair;         // numbers the pairs of colliders
+    int pair;         // into pairs()
     double turning;   // bounds how fast the turning of bodies changes that velocity, m/s²
+  };
+  /// Two colliders with points.
+  struct Pair {
+    int element, a, b;
+    auto operator<=>(const Pair&) const = default;
   };
   /// Finds all points that surfaces moving with v may close within `horizon` seconds either way, at the state evaluated
   /// last.
   void find(ConstVectorRef v, double horizon);
   bool empty() const { return points_.empty(); }
   const std::vector<Point>& points() const { return points_; }
+  const std::vector<Pair>& pairs() const { return pairs_; }
 
   /// The problem of impulses at these points (engine/contact/cone_problem.h), but for `free`, with Y = S⁻¹ Hᵀ of the
   /// last factor.
@@ -42,10 +49,24 @@ class RigidContacts {
   /// much u of a velocity that stays grows from the middle of a step to its end, since bodies turn: u' - H v' = h/2 Ḣ
   /// v'.
   void recall(const ContactMemory& memory, double h, VectorRef r, VectorRef growth) const;
-  /// What the points did, mean forces over h, and the velocity that it left them.
-  void remember(ConstVectorRef r, ConstVectorRef v, double h, ContactMemory& memory) const;
+  /// How fast each point slid at the last step's start and end, m/s; NaN where it was not of these points.
+  void recall_slip(const ContactMemory& memory, VectorRef at_start, VectorRef at_end) const;
+  /// What the points did, mean forces over h, the velocity that it left them, and how they slid.
+  void remember(ConstVectorRef r, ConstVectorRef v, double h, ConstVectorRef slip_at_start, ConstVectorRef slip_at_end,
+                ContactMemory& memory) const;
+
+  /// What happened since find(), to be taken by who tells of it.
+  struct Happening {
+    double time;  // since the step's start, s
+    int element;
+    ContactEvent event;
+  };
+  std::vector<Happening>& happenings() { return happenings_; }
+  /// Whether the pairs of an element are of rigid surfaces and told of.
+  bool located(int element) const { return located_[element]; }
 
  private:
+  const ContactTrace* find_trace(const ContactMemory& memory, const ContactRows::Row& row) const;
   void group_bodies(const BlockStructure& blocks);
   void add_groups();
   void respond_alone(const ContactRows::Row& row, const ContactRows::Side& side, ConeProblem::Side& to);
@@ -73,6 +94,9 @@ class RigidContacts {
   std::vector<std::vector<double>> reach_;
   ContactRows rows_;
   std::vector<Point> points_;
+  std::vector<Pair> pairs_;
+  std::vector<char> located_;  // by element
+  std::vector<Happening> happenings_;
   ConeProblem problem_;
 };
 

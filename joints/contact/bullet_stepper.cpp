@@ -249,6 +249,9 @@ class BulletStepper::World {
       if (law.friction == 0 && (law.rolling > 0 || law.spinning > 0))
         bullet_stepper::refuse(*contact, "resists rolling or spinning without friction",
                                "Bullet multiplies these by the friction: give a coefficient, or use MoreauJean");
+      if (law.static_friction > law.friction)
+        bullet_stepper::refuse(*contact, "has a static coefficient of friction above the kinetic one",
+                               "Bullet knows one coefficient: leave static_coefficient out, or use MoreauJean");
       for (const Collider& collider : contact->colliders()) add(*contact, contacts, collider);
       ++contacts;
     }

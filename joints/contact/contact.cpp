@@ -1,5 +1,7 @@
 #include "joints/contact/contact.h"
 
+#include <algorithm>
+
 #include "engine/checks.h"
 #include "joints/contact/bullet_detector.h"
 
@@ -62,12 +64,17 @@ bool Contact::has_moments() const { return parameters_.friction.rolling > 0 || p
 RigidContact Contact::rigid() const {
   const auto& law = std::get<RigidSurfaces>(parameters_.law);
   const ContactFriction& f = parameters_.friction;
-  return {law.restitution, law.rest_speed, f.coefficient, f.rolling, f.spinning};
+  return {.restitution = law.restitution,
+          .rest_speed = law.rest_speed,
+          .friction = f.coefficient,
+          .static_friction = std::max(f.coefficient, f.static_coefficient),
+          .rolling = f.rolling,
+          .spinning = f.spinning};
 }
 
 std::vector<std::pair<int, int>> Contact::located_pairs() const {
   std::vector<std::pair<int, int>> pairs;
-  if (!std::holds_alternative<Compliance>(parameters_.law)) return pairs;
+  if (law() == Law::sensing) return pairs;
   const int n = static_cast<int>(colliders_.size());
   for (int a = 0; a < n; ++a)
     for (int b = a + 1; b < n; ++b) {

@@ -32,16 +32,17 @@ struct Sensing {};
 /// Contact between any of its colliders, all under one law; different laws: several contacts.
 ///   graph.add<Contact>("floor", {{graph.ground().marker(), shape::half_space()}, {ball.marker(), shape::sphere(0.1)}},
 ///                      {.law = Compliance{.stiffness = 1e7}, .friction = {.coefficient = 0.3}});
-/// With a compliant law it is a force for every integrator; where it touches and parts is located as an event (up to
-/// `located` pairs). With RigidSurfaces the friction is Coulomb's own: static_coefficient and the regularisation are
-/// not used.
+/// With a compliant law it is a force for every integrator; where it touches and parts is located as an event. With
+/// RigidSurfaces the friction is Coulomb's own, static_coefficient where surfaces stick and coefficient where they
+/// slide; Stribeck's curve and the regularisation are not used. Impacts, meeting and parting are events too. Events are
+/// those of up to `located` pairs.
 class Contact final : public ContactElement, public DrawableConnector {
  public:
   using Collider = lithe::Collider;
   struct Parameters {
     std::variant<Compliance, RigidSurfaces, Sensing> law = RigidSurfaces{};
     ContactFriction friction{};
-    int located = 16;  // events are located where no more pairs may meet
+    int located = 16;  // events are told of where no more pairs may meet
   };
   /// Throws SceneError: fewer than two colliders, a group that there is not, no pair that may meet, bad parameters.
   Contact(std::vector<Collider> colliders, Parameters parameters);

@@ -71,6 +71,7 @@ class ContactScene {
   void set(const State& state) { state_ = state; }
   const State& state() const { return state_; }
   const System& system() const { return *system_; }
+  const std::vector<EventRecord>& events() const { return simulation_->events(); }
   /// Axes of a body, by its place among those that move.
   Matrix3 axes(int body) const { return rotation_matrix(state_.q.segment<4>(7 * body + 3)); }
   double read(const Sensor& sensor, int column = 0) {
