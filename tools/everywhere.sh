@@ -7,8 +7,8 @@ cd "$(dirname "$0")/.."
 
 jobs=${LITHE_JOBS:-$(nproc)}
 table=docs/hardening.md
-all=(v2 v3 v4 release o1 clang asan tsan)
-declare -A needs=([v3]="avx2 bmi2 fma movbe" [v4]="avx2 bmi2 fma movbe avx512f avx512bw avx512cd avx512dq avx512vl"
+all=(v2 release v4 native o1 clang asan tsan)
+declare -A needs=([release]="avx2 bmi2 fma movbe" [v4]="avx2 bmi2 fma movbe avx512f avx512bw avx512cd avx512dq avx512vl"
                   [o1]="avx2 bmi2 fma movbe")
 names=("${all[@]}")
 [[ $# -gt 0 && -n $1 ]] && IFS=, read -ra names <<< "$1"
