@@ -236,15 +236,17 @@ void BlockFactorOf<Scalar>::add_compliances(const Step& s) {
   }
 }
 
-/// Gaussian elimination on a copy of minus the pivot block, with pivots held above a floor; small ones are noted where
+/// Gaussian elimination on a copy of minus the pivot block, a pivot near round-off gives way; small ones are noted where
 /// another row may take the place of theirs.
 ///
 /// Where branches of the motion meet, a row's pivot is about δ², δ the angle to that pose, and an error c in g turns
 /// the straight way through, x y = 0, into the hyperbola x y = c: exact solutions of that would turn into the other
-/// branch at δ = √c. Below the floor the row gives way instead, and the motion goes on as its velocity tells.
+/// branch at δ = √c. Where the row gives way instead, the motion goes on as its velocity tells.
 template <class Scalar>
 void BlockFactorOf<Scalar>::guard(const Step& s) {
-  constexpr double kFloor = 1e-8, kWeak = 1e-3;  // of the row's own compliance: squared sines of angles to other rows
+  // Of the row's own compliance: squared sines of angles to other rows. Bodies that are nearly points have sound pivots
+  // down to 1e-10.
+  constexpr double kRoundOff = 1e-12, kGives = 1e-10, kWeak = 1e-3;
   constexpr int kLargest = 16;
   const int n = s.dimension;
   if (n > kLargest) return;
@@ -257,9 +259,9 @@ void BlockFactorOf<Scalar>::guard(const Step& s) {
     const double pivot = std::abs(A[p + n * p]);
     if (!is_dropped_[row] && pivot < kWeak * reference) {
       if (!dropped_.empty()) weak_rows_.push_back(row);
-      if (pivot < kFloor * reference) {
-        P[p + n * p] -= kFloor * reference - A[p + n * p];
-        A[p + n * p] = kFloor * reference;
+      if (pivot < kRoundOff * reference) {
+        P[p + n * p] -= kGives * reference - A[p + n * p];
+        A[p + n * p] = kGives * reference;
       }
     }
     const Scalar inverse = 1.0 / A[p + n * p];

@@ -7,7 +7,7 @@
 namespace lithe {
 
 /// The z axes of the markers stay parallel; all translations and the turn about z are left, four freedoms.
-///   g = (x_A · z_B, y_A · z_B), two rows. (EQUATIONS.md 7.3, the rows of a hinge that hold its axis)
+///   g = (x_A · z_B, y_A · z_B), two rows. (docs/equations.md 7.3, the rows of a hinge that hold its axis)
 class ParallelAxesJoint final : public Joint</*markers=*/2, /*rows=*/2> {
  public:
   /// From x_A to x_B about z_A.
