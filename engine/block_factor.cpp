@@ -236,8 +236,8 @@ void BlockFactorOf<Scalar>::add_compliances(const Step& s) {
   }
 }
 
-/// Gaussian elimination on a copy of minus the pivot block, a pivot near round-off gives way; small ones are noted where
-/// another row may take the place of theirs.
+/// Gaussian elimination on a copy of minus the pivot block, a pivot near round-off gives way; small ones are noted
+/// where another row may take the place of theirs.
 ///
 /// Where branches of the motion meet, a row's pivot is about δ², δ the angle to that pose, and an error c in g turns
 /// the straight way through, x y = 0, into the hyperbola x y = c: exact solutions of that would turn into the other

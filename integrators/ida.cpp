@@ -25,13 +25,15 @@ struct Ida::Memory : SundialsMemory<Ida::Memory> {
   EquationsOfMotion& equations;
   StabilizedIndex2 form;
   Tolerance tolerance;
+  std::vector<int> left_out;  // rows, for as long as these objects live
   int stalled = 0;
   N_Vector y = nullptr, y_dot = nullptr, id = nullptr, errors = nullptr, weights = nullptr;
   SUNMatrix matrix = nullptr;
   SUNLinearSolver solver = nullptr;
   void* ida = nullptr;
 
-  Memory(EquationsOfMotion& of, const Tolerance& allowed) : equations(of), form(of), tolerance(allowed) {
+  Memory(EquationsOfMotion& of, const Tolerance& allowed)
+      : equations(of), form(of), tolerance(allowed), left_out(of.redundant_rows()) {
     for (N_Vector* x : {&y, &y_dot, &id, &errors, &weights}) *x = N_VNew_Serial(form.size(), context);
   }
   ~Memory() {
@@ -89,7 +91,7 @@ Ida::~Ida() = default;
 
 void Ida::prepare(EquationsOfMotion& equations, State& state) {
   // 1. A consistent start: positions, velocities, accelerations and multipliers.
-  statistics_ = {};
+  statistics_ = before_ = {};
   Projector projector(equations);
   projector.position(state.time, state.q, 1e-13, 10, Projector::Factor::first);
   projector.velocity(state.time, state.q, state.v);
@@ -137,7 +139,19 @@ StepResult Ida::advance(EquationsOfMotion& equations, State& state, double t_sto
   IDASetStopTime(m.ida, t_stop);
   const int flag = IDASolve(m.ida, t_stop, &reached, m.y, m.y_dot, IDA_ONE_STEP);
   count();
-  if (flag < 0) return failed(flag);
+  if (flag < 0) {
+    // IDA's unknowns are those of one choice of rows; where the pose asks for another, it begins anew with that.
+    const StepResult failure = failed(flag);
+    const std::vector<int> left_out = m.left_out;
+    if (left_out.empty()) return failure;
+    State again = state;
+    const IntegratorStatistics so_far = statistics_;
+    prepare(equations, again);
+    statistics_ = before_ = so_far;
+    if (memory_->left_out == left_out) return failure;
+    state = again;
+    return advance(equations, state, t_stop);
+  }
   // Where the equations give no numbers beyond some time, IDA closes in on it with steps that no longer move time.
   m.stalled = flag != IDA_TSTOP_RETURN && reached - state.time <= 1e-15 * std::abs(reached) ? m.stalled + 1 : 0;
   if (m.stalled > kMaxStalled)
@@ -165,11 +179,11 @@ void Ida::count() {
   IDAGetIntegratorStats(memory_->ida, &steps, &evaluations, &setups, &error_fails, &order, &next_order, &first, &last,
                         &next, &time);
   IDAGetNonlinSolvStats(memory_->ida, &iterations, &solver_fails);
-  statistics_ = {.steps = steps,
-                 .rejected = error_fails + solver_fails,
-                 .newton_iterations = iterations,
-                 .factorizations = setups,
-                 .evaluations = evaluations};
+  statistics_ = {.steps = before_.steps + steps,
+                 .rejected = before_.rejected + error_fails + solver_fails,
+                 .newton_iterations = before_.newton_iterations + iterations,
+                 .factorizations = before_.factorizations + setups,
+                 .evaluations = before_.evaluations + evaluations};
 }
 
 StepResult Ida::failed(int flag) const {

@@ -38,7 +38,7 @@ class Ida final : public Integrator {
   void count();
 
   Parameters parameters_;
-  IntegratorStatistics statistics_;
+  IntegratorStatistics statistics_, before_;  // in all; until IDA last began anew
   std::unique_ptr<Memory> memory_;
 };
 
