@@ -246,7 +246,7 @@ template <class Scalar>
 void BlockFactorOf<Scalar>::guard(const Step& s) {
   // Of the row's own compliance: squared sines of angles to other rows. Bodies that are nearly points have sound pivots
   // down to 1e-10.
-  constexpr double kRoundOff = 1e-12, kGives = 1e-10, kWeak = 1e-3;
+  constexpr double kRoundOff = 1e-12, kGives = 1e-10, kWeak = 1e-5;
   constexpr int kLargest = 16;
   const int n = s.dimension;
   if (n > kLargest) return;

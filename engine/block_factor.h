@@ -19,7 +19,7 @@ class BlockFactorOf {
 
   /// Leaves rows (by number) out from the next factorisation on: their solution is zero.
   void drop_rows(const std::vector<int>& rows);
-  /// Where branches of the motion of closed loops meet, rows give way whose pivot falls below 1e-8 of their compliance:
+  /// Where branches of the motion of closed loops meet, rows give way whose pivot nears round-off:
   /// the motion goes on as its velocity tells, and the next step, off that position, is on the constraints again.
   void factorize(const std::vector<Scalar>& values);
   /// Rows whose pivot in the last factorisation was small beside their compliance: they nearly depend on other rows

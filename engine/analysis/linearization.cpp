@@ -52,18 +52,16 @@ bool surely_positive(const MatrixX& A) {
 /// Eigenpairs of K x = ω² M x, K and M symmetric, lowest first, Φᵀ M Φ = E.
 void undamped_modes(const MatrixX& K, const MatrixX& M, VectorX& values, MatrixX& vectors) {
   // A positive K is the better one to factorise: then low frequencies keep all digits beside very high ones. What
-  // moves freely makes K singular: with K + σ M the frequencies are those of ω² + σ. Were a K that only round-off
-  // makes positive taken as it is, M x = μ K x would have a μ beyond 1/ε of the others, and those its round-off.
-  const double stiffest = (K.diagonal().array() / M.diagonal().array()).maxCoeff();
-  for (const double shift : {0.0, 1e3 * kRoundOff * static_cast<double>(K.rows()) * stiffest}) {
-    const MatrixX shifted = K + shift * M;
-    if (!surely_positive(shifted)) continue;
-    const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixX> solver(M, shifted);  // M x = μ (K + σ M) x
-    if (solver.info() != Eigen::Success || !(solver.eigenvalues()[0] > 0)) continue;
-    const VectorX mu = solver.eigenvalues().reverse();
-    values = mu.cwiseInverse().array() - shift;
-    vectors = solver.eigenvectors().rowwise().reverse() * mu.cwiseSqrt().cwiseInverse().asDiagonal();
-    return;
+  // moves freely makes K singular; were a K that only round-off makes positive taken as it is, M x = μ K x would have a
+  // μ beyond 1/ε of the others, and those its round-off.
+  if (surely_positive(K)) {
+    const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixX> solver(M, K);  // M x = μ K x
+    if (solver.info() == Eigen::Success && solver.eigenvalues()[0] > 0) {
+      const VectorX mu = solver.eigenvalues().reverse();
+      values = mu.cwiseInverse();
+      vectors = solver.eigenvectors().rowwise().reverse() * mu.cwiseSqrt().cwiseInverse().asDiagonal();
+      return;
+    }
   }
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixX> solver(K, M);
   values = solver.eigenvalues();
