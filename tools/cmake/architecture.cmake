@@ -1,6 +1,6 @@
 # The instruction set of everything that is built, and of scenes and outside projects with it, since Eigen's alignment
-# follows it: LITHE_ARCH_FLAGS. x86-64-v3 (AVX2, FMA) runs on every processor since about 2015 with the same bits;
-# AVX-512 gains nothing measurable here (docs/benchmarks.md).
+# follows it: LITHE_ARCH_FLAGS. x86-64-v3 (AVX2, FMA) is one machine code for all processors that have these; its
+# price against -march=native is not measured yet.
 include(CheckCXXSourceRuns)
 set(LITHE_ARCH_FLAGS "")
 if(LITHE_NATIVE)
