@@ -74,7 +74,7 @@ MatrixX lanczos(const ElasticProblem& problem, const Deflation& found, int count
 VectorX rotate_to_ritz_vectors(const SparseMatrix& K, const SparseMatrix& M, MatrixX& X) {
   orthonormalise(M, X);
   const MatrixX projected = X.transpose() * (K * X);
-  const Eigen::SelfAdjointEigenSolver<MatrixX> ritz(0.5 * (projected + projected.transpose()));
+  const Eigen::SelfAdjointEigenSolver<MatrixX> ritz(MatrixX(0.5 * (projected + projected.transpose())));
   X = (X * ritz.eigenvectors()).eval();
   orthonormalise(M, X);
   const MatrixX KX = K * X;

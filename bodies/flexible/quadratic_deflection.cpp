@@ -171,7 +171,7 @@ void split_fields(const ModalBasis& basis, const SparseMatrix& mass, MatrixX the
   // Principal fields by the Gram matrix, then orthonormal to round-off; the matrix itself sees half the digits.
   const MatrixX scaled = theta * scale.asDiagonal();
   const MatrixX gram = scaled.transpose() * (mass * scaled);
-  const Eigen::SelfAdjointEigenSolver<MatrixX> parts(0.5 * (gram + gram.transpose()));
+  const Eigen::SelfAdjointEigenSolver<MatrixX> parts(MatrixX(0.5 * (gram + gram.transpose())));
   const double largest = std::max(parts.eigenvalues().tail<1>()[0], 0.0);
   const double bound = std::max(tolerance, kSmallestField);
   const auto kept = (parts.eigenvalues().array() > bound * bound * largest).count();

@@ -35,7 +35,7 @@ FittedShapes fit_shapes(const MatrixX& displacements, double tolerance) {
     basis.rightCols<1>() = direction;
   }
   const MatrixX within = basis.transpose() * displacements;
-  const Eigen::SelfAdjointEigenSolver<MatrixX> squares(within * within.transpose());  // smallest first
+  const Eigen::SelfAdjointEigenSolver<MatrixX> squares(MatrixX(within * within.transpose()));  // smallest first
   const MatrixX all = basis * squares.eigenvectors().rowwise().reverse();
   const MatrixX amplitudes = all.transpose() * displacements;
   FittedShapes fitted;

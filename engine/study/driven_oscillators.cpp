@@ -20,13 +20,12 @@ VectorX root(const VectorX& x) {
 
 DrivenOscillators::DrivenOscillators(const MatrixX& A, const VectorX& damping, const VectorX& stiffness)
     : A_(A), root_(root(stiffness)) {
-  const MatrixX scaled = root_.asDiagonal() * (0.5 * (A + A.transpose())) * root_.asDiagonal();
+  const MatrixX mobility = 0.5 * (A + A.transpose()), scaled = root_.asDiagonal() * mobility * root_.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<MatrixX> eigen(scaled);
   V_ = eigen.eigenvectors();
   frequencies_ = root(eigen.eigenvalues());
   // Directions that joints hold: as many as A has no mobility in.
-  const VectorX mobilities =
-      Eigen::SelfAdjointEigenSolver<MatrixX>(0.5 * (A + A.transpose()), Eigen::EigenvaluesOnly).eigenvalues();
+  const VectorX mobilities = Eigen::SelfAdjointEigenSolver<MatrixX>(mobility, Eigen::EigenvaluesOnly).eigenvalues();
   const auto held = mobilities.size() > 0 ? (mobilities.array() < kHeld * mobilities.maxCoeff()).count() : 0;
   frequencies_.head(held).setZero();
   // Of damping in proportion to stiffness or mass this is all; other couplings through it are left out.

@@ -7,7 +7,7 @@
 
 #include "tests/architecture/include_rules.h"
 
-namespace lithe::test {
+namespace lithe::test::architecture_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -145,4 +145,4 @@ TEST_F(PlantedTree, AnIncludeInACommentIsNone) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::architecture_test

@@ -8,7 +8,7 @@
 #include <sstream>
 #include <string>
 
-namespace lithe::test {
+namespace lithe::test::citations_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -72,4 +72,4 @@ TEST(Citations, of_the_equations_meet_a_section) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::citations_test

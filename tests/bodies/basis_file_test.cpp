@@ -8,7 +8,7 @@
 #include "tests/bodies/bar_model.h"
 #include "tests/bodies/fe_models.h"
 
-namespace lithe::test {
+namespace lithe::test::basis_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -218,4 +218,4 @@ TEST(Hdf5File, SizesAndKindsAreChecked) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::basis_file_test

@@ -7,7 +7,7 @@
 #include "bodies/flexible/readers/calculix_deck.h"
 #include "tests/bodies/fe_models.h"
 
-namespace lithe::test {
+namespace lithe::test::calculix_deck_writer_test {
 namespace {
 
 constexpr Material kSteel{2.07e11, 0.3, 7800}, kRubber{3e6, 0.48, 1100};
@@ -95,4 +95,4 @@ TEST_F(CalculixDeckWriter, WhatNoDeckHoldsIsRefused) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::calculix_deck_writer_test

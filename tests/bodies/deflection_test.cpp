@@ -14,7 +14,7 @@
 #include "tests/bodies/fe_models.h"
 #include "tests/support/body_checks.h"
 
-namespace lithe::test {
+namespace lithe::test::deflection_test {
 namespace {
 
 MatrixX matrix(const nlohmann::json& rows) {
@@ -232,4 +232,4 @@ TEST(Deflection, says_what_it_needs) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::deflection_test

@@ -12,7 +12,7 @@
 #include "tests/bodies/flexible_models.h"
 #include "tests/engine/output_scratch_folder.h"
 
-namespace lithe::test {
+namespace lithe::test::deformation_writer_test {
 namespace {
 
 TEST(DeformationWriter, gives_paraview_the_moving_mesh_with_its_volume_and_its_nodes) {
@@ -51,4 +51,4 @@ TEST(DeformationWriter, gives_paraview_the_moving_mesh_with_its_volume_and_its_n
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::deformation_writer_test

@@ -10,7 +10,7 @@
 #include "bodies/flexible/reduction.h"
 #include "tests/bodies/fe_models.h"
 
-namespace lithe {
+namespace lithe::test::fe_formats_test {
 namespace {
 
 using test::difference;
@@ -588,4 +588,4 @@ TEST_F(Formats, SupportsInTheMatricesAreNamed) {
 }
 
 }  // namespace
-}  // namespace lithe
+}  // namespace lithe::test::fe_formats_test

@@ -9,7 +9,7 @@
 #include "bodies/flexible/readers/unit_system.h"
 #include "tests/bodies/fe_models.h"
 
-namespace lithe {
+namespace lithe::test::fe_import_test {
 namespace {
 
 using test::expect_error;
@@ -407,4 +407,4 @@ TEST_F(Import, SpoiltFilesAreRefusedWithFileLineAndRemedy) {
 }
 
 }  // namespace
-}  // namespace lithe
+}  // namespace lithe::test::fe_import_test

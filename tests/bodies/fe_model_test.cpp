@@ -3,7 +3,7 @@
 #include "bodies/flexible/reduction.h"
 #include "tests/bodies/fe_models.h"
 
-namespace lithe {
+namespace lithe::test::fe_model_test {
 namespace {
 
 using test::expect_error;
@@ -142,4 +142,4 @@ TEST(FiniteElementModel, TwoNodesOfOneLabelAreRefused) {
 }
 
 }  // namespace
-}  // namespace lithe
+}  // namespace lithe::test::fe_model_test

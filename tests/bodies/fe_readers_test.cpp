@@ -3,7 +3,7 @@
 #include "bodies/flexible/readers/text_file.h"
 #include "tests/bodies/fe_models.h"
 
-namespace lithe {
+namespace lithe::test::fe_readers_test {
 namespace {
 
 using test::difference;
@@ -370,4 +370,4 @@ TEST_F(Readers, LinesFromAnotherSystemAreReadAlike) {
 }
 
 }  // namespace
-}  // namespace lithe
+}  // namespace lithe::test::fe_readers_test

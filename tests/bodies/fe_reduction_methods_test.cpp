@@ -10,7 +10,7 @@
 #include "tests/support/body_checks.h"
 #include "tests/support/linear_algebra.h"
 
-namespace lithe::test {
+namespace lithe::test::fe_reduction_methods_test {
 namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
@@ -526,4 +526,4 @@ TEST(CondensedModel, IsAcceptedWithANoteAndKeepsItsRigidInertia) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::fe_reduction_methods_test

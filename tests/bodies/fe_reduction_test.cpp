@@ -7,7 +7,7 @@
 #include "tests/bodies/fe_models.h"
 #include "tests/support/linear_algebra.h"
 
-namespace lithe {
+namespace lithe::test::fe_reduction_test {
 namespace {
 
 using test::expect_error;
@@ -316,4 +316,4 @@ TEST(Reduction, ABasisFromModesKeepsWhatItIsGiven) {
 }
 
 }  // namespace
-}  // namespace lithe
+}  // namespace lithe::test::fe_reduction_test

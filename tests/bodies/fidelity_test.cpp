@@ -12,7 +12,7 @@
 #include "tests/support/body_checks.h"
 #include "tests/support/motion.h"
 
-namespace lithe::test {
+namespace lithe::test::fidelity_test {
 namespace {
 
 using Modes = std::vector<int>;
@@ -404,4 +404,4 @@ TEST(Fidelity, refuses_what_a_body_does_not_have_and_stays_as_it_was) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::fidelity_test

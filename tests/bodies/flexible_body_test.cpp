@@ -6,7 +6,7 @@
 #include "tests/bodies/flexible_models.h"
 #include "tests/support/body_checks.h"
 
-namespace lithe::test {
+namespace lithe::test::flexible_body_test {
 namespace {
 
 struct Case {
@@ -101,4 +101,4 @@ TEST(FlexibleBody, truncating_a_basis_is_making_a_smaller_one) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::flexible_body_test

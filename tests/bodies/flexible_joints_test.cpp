@@ -29,7 +29,7 @@
 #include "tests/bodies/bar_model.h"
 #include "tests/bodies/fe_models.h"
 
-namespace lithe::test {
+namespace lithe::test::flexible_joints_test {
 namespace {
 
 struct Type {
@@ -129,4 +129,4 @@ INSTANTIATE_TEST_SUITE_P(Kinds, BarBetweenJoints, testing::Values(Kind::reduced,
                          name_of);
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::flexible_joints_test

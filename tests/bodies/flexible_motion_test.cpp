@@ -11,7 +11,7 @@
 #include "tests/support/linear_algebra.h"
 #include "tests/support/oracle.h"
 
-namespace lithe::test {
+namespace lithe::test::flexible_motion_test {
 namespace {
 
 TEST(FlexibleBody, in_free_flight_keeps_energy_and_momenta_for_ten_seconds) {
@@ -148,4 +148,4 @@ TEST(FlexibleBody, with_all_nodal_coordinates_follows_the_inertial_frame_model) 
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::flexible_motion_test

@@ -5,7 +5,7 @@
 
 #include "tests/bodies/fe_models.h"
 
-namespace lithe {
+namespace lithe::test::inertia_integrals_test {
 namespace {
 
 using nlohmann::json;
@@ -145,4 +145,4 @@ TEST(InertiaIntegrals, AModalBasisSeesTheNodalOneThroughItsModes) {
 }
 
 }  // namespace
-}  // namespace lithe
+}  // namespace lithe::test::inertia_integrals_test

@@ -10,7 +10,7 @@
 #include "joints/revolute_joint.h"
 #include "tests/bodies/fe_models.h"
 
-namespace lithe::test {
+namespace lithe::test::inertia_terms_test {
 namespace {
 
 using enum InertiaGroup;
@@ -154,4 +154,4 @@ TEST(InertiaTerms, those_that_hold_the_mass_matrix_together_are_not_left_out) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::inertia_terms_test

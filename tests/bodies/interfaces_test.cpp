@@ -14,7 +14,7 @@
 #include "tests/support/body_checks.h"
 #include "tests/support/linear_algebra.h"
 
-namespace lithe::test {
+namespace lithe::test::interfaces_test {
 namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
@@ -257,4 +257,4 @@ TEST(AverageMarker, OnALineFollowsItsNodesButForTheTurnAboutTheLine) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::interfaces_test

@@ -21,7 +21,7 @@
 #include "joints/spherical_joint.h"
 #include "tests/support/scenes.h"
 
-namespace lithe::test {
+namespace lithe::test::mode_freezing_test {
 namespace {
 
 constexpr int kModes = 6;
@@ -462,4 +462,4 @@ TEST(ModeFreezing, of_a_bent_bar_leaves_its_weight_to_the_clamp) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::mode_freezing_test

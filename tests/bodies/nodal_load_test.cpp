@@ -14,7 +14,7 @@
 #include "tests/support/linear_algebra.h"
 #include "tests/support/motion.h"
 
-namespace lithe::test {
+namespace lithe::test::nodal_load_test {
 namespace {
 
 using Axes = DistributedLoad::Axes;
@@ -181,4 +181,4 @@ TEST(NodalLoad, IsRefusedForOddSizesAndNothing) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::nodal_load_test

@@ -20,7 +20,7 @@
 #include "tests/support/body_checks.h"
 #include "tests/support/joint_checks.h"
 
-namespace lithe::test {
+namespace lithe::test::point_mass_test {
 namespace {
 
 constexpr double kGravity = 9.81;
@@ -256,4 +256,4 @@ TEST(PointMass, NeedsMassAndFiniteNumbers) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::point_mass_test

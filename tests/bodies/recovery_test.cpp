@@ -24,7 +24,7 @@
 #include "tests/bodies/fe_models.h"
 #include "tests/engine/output_scratch_folder.h"
 
-namespace lithe::test {
+namespace lithe::test::recovery_test {
 namespace {
 
 const Matrix3 kAlongY = rotation_about({1, 0, 0}, -M_PI / 2);
@@ -446,4 +446,4 @@ TEST(Recovery, TablesGoToHdf5AndBackBitByBit) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::recovery_test

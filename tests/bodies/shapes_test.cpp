@@ -4,7 +4,7 @@
 
 #include "engine/error.h"
 
-namespace lithe {
+namespace lithe::test::shapes_test {
 namespace {
 
 TEST(Shapes, a_box_has_the_moments_of_a_box) {
@@ -43,4 +43,4 @@ TEST(Shapes, refuse_what_has_no_volume) {
 }
 
 }  // namespace
-}  // namespace lithe
+}  // namespace lithe::test::shapes_test

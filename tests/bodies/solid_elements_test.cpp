@@ -10,7 +10,7 @@
 #include "bodies/flexible/reduction.h"
 #include "tests/bodies/fe_models.h"
 
-namespace lithe {
+namespace lithe::test::solid_elements_test {
 namespace {
 
 const Material kAluminium{7e10, 0.33, 2700};
@@ -328,4 +328,4 @@ TEST(CalculixDeck, BlocksAreSplitByTypeAndMaterial) {
 }
 
 }  // namespace
-}  // namespace lithe
+}  // namespace lithe::test::solid_elements_test

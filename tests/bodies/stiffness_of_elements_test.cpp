@@ -7,7 +7,7 @@
 #include "engine/error.h"
 #include "tests/bodies/fe_models.h"
 
-namespace lithe::test {
+namespace lithe::test::stiffness_of_elements_test {
 namespace {
 
 /// 8 m long with a side of 18 mm. Its bending modes are what is left where entries of K cancel: compared among the
@@ -73,4 +73,4 @@ TEST(StiffnessOfElements, of_files_is_as_exact_as_their_digits) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::stiffness_of_elements_test

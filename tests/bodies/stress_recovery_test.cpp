@@ -8,7 +8,7 @@
 #include "bodies/flexible/reduction.h"
 #include "tests/bodies/fe_models.h"
 
-namespace lithe {
+namespace lithe::test::stress_recovery_test {
 namespace {
 
 std::string stress_data(const std::string& file) { return std::string(LITHE_TEST_DATA) + "/stress/" + file; }
@@ -231,4 +231,4 @@ TEST(StressRecovery, WhatCannotBeRecoveredIsRefused) {
 }
 
 }  // namespace
-}  // namespace lithe
+}  // namespace lithe::test::stress_recovery_test

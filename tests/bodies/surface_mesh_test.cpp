@@ -10,7 +10,7 @@
 #include "engine/system_graph.h"
 #include "tests/bodies/flexible_models.h"
 
-namespace lithe::test {
+namespace lithe::test::surface_mesh_test {
 namespace {
 
 struct Measure {
@@ -162,4 +162,4 @@ TEST(SurfaceMesh, takes_a_part_and_says_what_it_misses) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::surface_mesh_test

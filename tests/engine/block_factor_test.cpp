@@ -15,7 +15,7 @@
 #include "tests/support/marker_body.h"
 #include "tests/support/motion.h"
 
-namespace lithe::test {
+namespace lithe::test::block_factor_test {
 namespace {
 
 /// A body with one marker at each given place of the world, rigid or with modes that move the markers.
@@ -199,4 +199,4 @@ INSTANTIATE_TEST_SUITE_P(RigidAndModal, BlockFactor, testing::Values(0, 1, 4), m
 INSTANTIATE_TEST_SUITE_P(Modal, BlockFactorOfClamps, testing::Values(3, 6), modes_of);  // fewer leave rows dependent
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::block_factor_test

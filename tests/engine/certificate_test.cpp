@@ -10,7 +10,7 @@
 
 #include "tests/engine/output_scratch_folder.h"
 
-namespace lithe::test {
+namespace lithe::test::certificate_test {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -267,4 +267,4 @@ TEST(Certificate, TheChartShowsTheChosenTrialAtItsCostAndErrorBelowTheLineOfWhat
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::certificate_test

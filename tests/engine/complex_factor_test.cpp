@@ -10,7 +10,7 @@
 #include "tests/support/pairs.h"
 #include "tests/support/scenes.h"
 
-namespace lithe::test {
+namespace lithe::test::complex_factor_test {
 namespace {
 
 using ComplexMatrix = Eigen::MatrixXcd;
@@ -113,4 +113,4 @@ TEST(ComplexFactor, KnowsSpringsAndFriction) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::complex_factor_test

@@ -5,7 +5,7 @@
 #include "tests/engine/cone_problems.h"
 #include "tests/support/linear_algebra.h"
 
-namespace lithe::test {
+namespace lithe::test::cone_solver_test {
 namespace {
 
 const Vector3 kUp{0, 0, 1};
@@ -435,4 +435,4 @@ TEST(BulletMlcp, ReturnsNumbersEvenWhereItGivesUp) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::cone_solver_test

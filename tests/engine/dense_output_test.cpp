@@ -9,8 +9,7 @@
 #include "tests/support/methods.h"
 #include "tests/support/scenes.h"
 
-using namespace lithe;
-using namespace lithe::test;
+namespace lithe::test::dense_output_test {
 
 namespace {
 
@@ -133,3 +132,5 @@ TEST(dense_output, the_component_with_the_largest_share_limits) {
   EXPECT_EQ(largest_share(error, size, tolerance), 0);
   EXPECT_EQ(largest_share(VectorX(), VectorX(), tolerance), -1);
 }
+
+}  // namespace lithe::test::dense_output_test

@@ -6,8 +6,7 @@
 #include "tests/engine/sound_scenes.h"
 #include "tests/support/scenes.h"
 
-using namespace lithe;
-using namespace lithe::test;
+namespace lithe::test::doctor_test {
 
 namespace {
 
@@ -131,3 +130,5 @@ TEST(doctor, names_the_part_at_fault_with_figures) {
     EXPECT_THAT(diagnosis.findings.front().what, testing::HasSubstr(part)) << diagnosis.text();
   }
 }
+
+}  // namespace lithe::test::doctor_test

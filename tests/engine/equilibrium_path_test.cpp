@@ -17,7 +17,7 @@
 #include "joints/revolute_joint.h"
 #include "tests/engine/output_scratch_folder.h"
 
-namespace lithe::test {
+namespace lithe::test::equilibrium_path_test {
 namespace {
 
 /// Two bars from (±1, 0, 0) to a hinge that slides along z, drawn at height 0.4 m without load (von Mises 1923). They
@@ -143,4 +143,4 @@ TEST(EquilibriumPath, AsksForAStartInBalanceAndSaysWhereItWasLost) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::equilibrium_path_test

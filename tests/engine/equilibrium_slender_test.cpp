@@ -21,7 +21,7 @@
 #include "joints/spherical_joint.h"
 #include "plugins/inertial_body/inertial_body.h"
 
-namespace lithe::test {
+namespace lithe::test::equilibrium_slender_test {
 namespace {
 
 constexpr int kMostIterations = 30;
@@ -260,4 +260,4 @@ TEST(EquilibriumOfSlenderStructures, ANetDrawnFlatHangsSoThatEveryKnotIsInBalanc
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::equilibrium_slender_test

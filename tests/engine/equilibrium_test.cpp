@@ -20,7 +20,8 @@
 #include "tests/engine/output_scratch_folder.h"
 #include "tests/support/linear_algebra.h"
 
-using namespace lithe;
+namespace lithe::test::equilibrium_test {
+
 using lithe::test::message_of;
 using testing::HasSubstr;
 
@@ -307,3 +308,5 @@ TEST(equilibrium, a_body_that_nothing_holds_is_named) {
   EXPECT_THAT(message_of<SimulationError>([&] { find_equilibrium(system, system.initial_state()); }),
               HasSubstr("stone: p_z"));
 }
+
+}  // namespace lithe::test::equilibrium_test

@@ -14,8 +14,8 @@
 #include "tests/support/methods.h"
 #include "tests/support/scenes.h"
 
-using namespace lithe;
-using namespace lithe::test;
+namespace lithe::test::event_test {
+
 using testing::HasSubstr;
 
 namespace {
@@ -309,3 +309,5 @@ TEST(event, a_stop_is_met_at_the_end_of_a_step_so_that_the_order_is_kept) {
   expect_below("  beside steps that pass over the kink", coarse / passed(runge_kutta_fixed(4e-3)), 1e-3);
   expect_below("RK5(4) at 1e-9, switches located, m", located(runge_kutta(1e-9)), 1e-8);
 }
+
+}  // namespace lithe::test::event_test

@@ -21,7 +21,7 @@
 #include "tests/reference/mechanism.h"
 
 // Accelerations by joint-wise recursion and in the plane, against the same scene as bodies with constraints.
-namespace lithe {
+namespace lithe::test::forward_dynamics_test {
 namespace {
 
 using test::axes_with_z;
@@ -312,4 +312,4 @@ TEST(ForwardDynamics, scenes_that_are_neither_tree_nor_plane_stay_bodies_with_co
 }
 
 }  // namespace
-}  // namespace lithe
+}  // namespace lithe::test::forward_dynamics_test

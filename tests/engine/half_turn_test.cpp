@@ -8,7 +8,7 @@
 #include "joints/gear_pair.h"
 #include "joints/revolute_joint.h"
 
-namespace lithe::test {
+namespace lithe::test::half_turn_test {
 namespace {
 
 constexpr double kRadiusA = 0.2, kRadiusB = 0.3;
@@ -57,4 +57,4 @@ TEST(HalfTurn, GearsDrawnInAnyDirectionMeshInSpaceAndInTheirPlane) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::half_turn_test

@@ -4,7 +4,7 @@
 
 #include "tests/support/motion.h"
 
-namespace lithe::test {
+namespace lithe::test::joint_coordinate_test {
 namespace {
 
 using Kind = JointCoordinate::Kind;
@@ -86,4 +86,4 @@ TEST(AngleMemory, AddsTheTurnsThatItRemembers) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::joint_coordinate_test

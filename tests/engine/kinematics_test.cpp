@@ -18,7 +18,8 @@
 #include "tests/bodies/flexible_models.h"
 #include "tests/engine/output_scratch_folder.h"
 
-using namespace lithe;
+namespace lithe::test::kinematics_test {
+
 using lithe::test::message_of;
 using testing::HasSubstr;
 
@@ -245,3 +246,5 @@ TEST(kinematics, an_overconstrained_parallelogram_passes_its_change_points) {
     std::printf("parallelogram, step %.4f: %d states, error %.1e m\n", step, recorder.table().row_count(), worst);
   }
 }
+
+}  // namespace lithe::test::kinematics_test

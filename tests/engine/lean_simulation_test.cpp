@@ -28,7 +28,8 @@
 #include "tests/bodies/bar_model.h"
 #include "tests/engine/output_scratch_folder.h"
 
-using namespace lithe;
+namespace lithe::test::lean_simulation_test {
+
 using lithe::test::message_of;
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -557,3 +558,5 @@ TEST(lean_simulation, observers_see_the_whole_of_which_a_smaller_scene_runs) {
 }
 
 }  // namespace
+
+}  // namespace lithe::test::lean_simulation_test

@@ -22,7 +22,8 @@
 #include "tests/engine/output_scratch_folder.h"
 #include "tests/support/linear_algebra.h"
 
-using namespace lithe;
+namespace lithe::test::linearization_analysis_test {
+
 using lithe::test::message_of;
 using testing::HasSubstr;
 
@@ -343,3 +344,5 @@ TEST(describe, names_freedoms_and_redundant_rows) {
   EXPECT_THAT(text, HasSubstr("handle: omega_y"));
   EXPECT_THAT(text, testing::AnyOf(HasSubstr("omega_z, with"), HasSubstr("p_y, with")));
 }
+
+}  // namespace lithe::test::linearization_analysis_test

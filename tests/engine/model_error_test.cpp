@@ -20,7 +20,7 @@
 #include "tests/support/methods.h"
 #include "tests/support/motion.h"
 
-namespace lithe::test {
+namespace lithe::test::model_error_test {
 namespace {
 
 double largest(const MatrixX& A) { return A.cwiseAbs().maxCoeff(); }
@@ -506,4 +506,4 @@ TEST(ModelError, of_two_runs_is_the_largest_norm_over_a_sensor_s_columns) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::model_error_test

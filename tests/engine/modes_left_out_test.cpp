@@ -11,7 +11,7 @@
 #include "joints/fixed_joint.h"
 #include "joints/forces/point_force.h"
 
-namespace lithe::test {
+namespace lithe::test::modes_left_out_test {
 namespace {
 
 using testing::HasSubstr;
@@ -98,4 +98,4 @@ TEST(modes_left_out, are_not_known_where_all_candidates_are_in_use) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::modes_left_out_test

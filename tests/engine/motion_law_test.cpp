@@ -7,7 +7,7 @@
 #include "engine/error.h"
 #include "tests/support/motion.h"
 
-namespace lithe::test {
+namespace lithe::test::motion_law_test {
 namespace {
 
 TEST(MotionLaws, HaveTheDerivativesOfTheirValues) {
@@ -57,4 +57,4 @@ TEST(MotionLaws, RefuseTimesThatDoNotRun) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::motion_law_test

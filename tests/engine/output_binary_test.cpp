@@ -6,6 +6,8 @@
 #include "engine/output/binary.h"
 #include "tests/engine/output_scratch_folder.h"
 
+namespace lithe::test::output_binary_test {
+
 using lithe::FileError;
 using lithe::read_binary;
 using lithe::Table;
@@ -91,3 +93,5 @@ TEST(output_binary, another_format_version_or_absent_file_is_named) {
   EXPECT_THAT(message_of<FileError>([&] { read_binary(folder.path("next.bin")); }), HasSubstr("version 2"));
   EXPECT_THROW(read_binary(folder.path("absent.bin")), FileError);
 }
+
+}  // namespace lithe::test::output_binary_test

@@ -8,6 +8,8 @@
 #include "engine/output/chart.h"
 #include "tests/engine/output_scratch_folder.h"
 
+namespace lithe::test::output_chart_test {
+
 using lithe::Chart;
 using lithe::ChartLine;
 using lithe::Error;
@@ -145,3 +147,5 @@ TEST(output_chart, a_failing_gnuplot_is_told_with_its_own_words) {
   EXPECT_THAT(message, HasSubstr("unknown terminal"));
   EXPECT_EQ(folder.file_count(), 1);
 }
+
+}  // namespace lithe::test::output_chart_test

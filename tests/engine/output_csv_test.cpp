@@ -11,6 +11,8 @@
 #include "engine/output/partial_file.h"
 #include "tests/engine/output_scratch_folder.h"
 
+namespace lithe::test::output_csv_test {
+
 using lithe::FileError;
 using lithe::PartialFile;
 using lithe::read_csv;
@@ -118,3 +120,5 @@ TEST(output_csv, an_unfinished_file_leaves_the_old_one_and_no_rest) {
   EXPECT_EQ(file_text(folder.path("run.csv")), "old");
   EXPECT_EQ(folder.file_count(), 1);
 }
+
+}  // namespace lithe::test::output_csv_test

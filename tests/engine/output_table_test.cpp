@@ -4,6 +4,8 @@
 #include "engine/output/table.h"
 #include "tests/engine/output_scratch_folder.h"
 
+namespace lithe::test::output_table_test {
+
 using lithe::SceneError;
 using lithe::Table;
 using lithe::test::message_of;
@@ -43,3 +45,5 @@ TEST(output_table, values_outside_or_in_an_incomplete_row_are_refused) {
   table.values.push_back(2);
   EXPECT_THAT(message_of<SceneError>([&] { table.row_count(); }), HasSubstr("do not fill whole rows"));
 }
+
+}  // namespace lithe::test::output_table_test

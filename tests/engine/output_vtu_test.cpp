@@ -8,6 +8,8 @@
 #include "engine/output/vtu.h"
 #include "tests/engine/output_scratch_folder.h"
 
+namespace lithe::test::output_vtu_test {
+
 using lithe::FileError;
 using lithe::Matrix3X;
 using lithe::MatrixX;
@@ -174,3 +176,5 @@ TEST(output_vtu, a_series_tells_its_frames_after_each_of_them_and_refuses_to_go_
   EXPECT_THROW(unwritable.add(0, cube_corners(), {}, {}), FileError);
   EXPECT_EQ(unwritable.frame_count(), 0);
 }
+
+}  // namespace lithe::test::output_vtu_test

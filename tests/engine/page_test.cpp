@@ -31,7 +31,7 @@
 #include "tests/engine/output_scratch_folder.h"
 
 /// Pages and run files, read back as a viewer reads them.
-namespace lithe::test {
+namespace lithe::test::page_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -697,4 +697,4 @@ TEST(Page, RefusesWhatCannotBeShown) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::page_test

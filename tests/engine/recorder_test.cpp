@@ -13,7 +13,8 @@
 #include "integrators/generalized_alpha.h"
 #include "tests/engine/output_scratch_folder.h"
 
-using namespace lithe;
+namespace lithe::test::recorder_test {
+
 using lithe::test::message_of;
 using lithe::test::ScratchFolder;
 using testing::ElementsAre;
@@ -96,3 +97,5 @@ TEST(recorder, a_column_that_its_sensor_forgets_is_seen) {
   Recorder recorder{{Sensor{"pair", {"first", "second"}, [](Snapshot&, std::span<double> out) { out[0] = 1; }}}};
   EXPECT_THAT(message_of<SimulationError>([&] { recorder.observe(now); }), HasSubstr("'second'"));
 }
+
+}  // namespace lithe::test::recorder_test

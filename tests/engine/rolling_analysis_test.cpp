@@ -11,7 +11,7 @@
 #include "engine/batch_of.h"
 #include "joints/revolute_joint.h"
 
-using namespace lithe;
+namespace lithe::test::rolling_analysis_test {
 
 namespace {
 
@@ -162,3 +162,5 @@ TEST(linearization, a_bicycle_stops_weaving_at_its_weave_speed) {
   EXPECT_NEAR(b, 4.29238253634111, 1e-6);
   std::printf("weave speed: error %.1e m/s\n", b - 4.29238253634111);
 }
+
+}  // namespace lithe::test::rolling_analysis_test

@@ -8,7 +8,7 @@
 #include "engine/system_graph.h"
 #include "tests/support/motion.h"
 
-namespace lithe::test {
+namespace lithe::test::rotations_test {
 namespace {
 
 /// Elementary rotations, written out.
@@ -114,4 +114,4 @@ TEST(Rotations, AxesAlongALineHaveItAsZ) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::rotations_test

@@ -14,7 +14,7 @@
 #include "joints/spherical_joint.h"
 #include "joints/universal_joint.h"
 
-namespace lithe::test {
+namespace lithe::test::scene_errors_test {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -160,4 +160,4 @@ TEST(SceneErrors, JointsThatCannotBeAssembledAreNamed) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::scene_errors_test

@@ -15,7 +15,8 @@
 #include "joints/spherical_joint.h"
 #include "tests/engine/output_scratch_folder.h"
 
-using namespace lithe;
+namespace lithe::test::sensors_test {
+
 using lithe::test::message_of;
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -313,3 +314,5 @@ TEST(sensors, mistakes_are_named_with_their_line) {
     EXPECT_THAT(message_of<SceneError>([&] { sensor.value(now); }), HasSubstr("in this system")) << sensor.name();
   EXPECT_THROW(Snapshot(system, State{}), SceneError);
 }
+
+}  // namespace lithe::test::sensors_test

@@ -23,7 +23,7 @@
 #include "tests/bodies/fe_models.h"
 #include "tests/support/methods.h"
 
-namespace lithe::test {
+namespace lithe::test::simplification_test {
 namespace {
 
 using Draw = std::function<std::vector<Sensor>(SystemGraph&)>;
@@ -495,4 +495,4 @@ TEST(Simplification, FrictionFeelsForcesOutOfThePlaneSoThatItsMechanismStaysSpat
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::simplification_test

@@ -14,7 +14,8 @@
 #include "joints/revolute_joint.h"
 #include "tests/engine/output_scratch_folder.h"
 
-using namespace lithe;
+namespace lithe::test::simulation_test {
+
 using lithe::test::message_of;
 using testing::DoubleEq;
 using testing::ElementsAre;
@@ -243,3 +244,5 @@ TEST(simulation, looking_does_not_change_the_motion) {
   };
   EXPECT_EQ(end_of_run(true).q, end_of_run(false).q);
 }
+
+}  // namespace lithe::test::simulation_test

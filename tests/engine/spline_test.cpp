@@ -8,7 +8,7 @@
 #include "engine/tension_law.h"
 #include "tests/support/motion.h"
 
-namespace lithe::test {
+namespace lithe::test::spline_test {
 namespace {
 
 const std::vector<double> kX = {-1, -0.4, 0.1, 0.5, 1.7}, kY = {2, -1, 0.5, 0.7, -3};
@@ -91,4 +91,4 @@ TEST(TabulatedSpring, HasTheStiffnessAndEnergyOfItsForce) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::spline_test

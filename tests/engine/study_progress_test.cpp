@@ -2,7 +2,7 @@
 
 #include "engine/study/progress.h"
 
-namespace lithe::test {
+namespace lithe::test::study_progress_test {
 namespace {
 
 TEST(StudyProgress, TellsTheTimeLeftFromRunsThatGrowDearer) {
@@ -60,4 +60,4 @@ TEST(StudyProgress, DrawsOnlyWhereItIsAskedTo) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::study_progress_test

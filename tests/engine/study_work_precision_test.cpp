@@ -11,7 +11,7 @@
 #include "joints/revolute_joint.h"
 #include "tests/engine/output_scratch_folder.h"
 
-namespace lithe::test {
+namespace lithe::test::study_work_precision_test {
 namespace {
 
 using Outcome = StudyRun::Outcome;
@@ -320,4 +320,4 @@ TEST(WorkPrecision, AllOfTheCatalogueComesCloserToItsReferencesWithTighterSettin
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::study_work_precision_test

@@ -21,7 +21,7 @@
 #include "tests/bodies/flexible_models.h"
 #include "tests/engine/output_scratch_folder.h"
 
-namespace lithe::test {
+namespace lithe::test::sweep_test {
 namespace {
 
 const SweepOptions kQuiet{.progress = Progress::Show::never};
@@ -295,4 +295,4 @@ TEST(SweepParameters, EvenlySpacedValuesMeetBothEnds) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::sweep_test

@@ -9,7 +9,7 @@
 #include "joints/spherical_joint.h"
 #include "tests/joints/mechanisms.h"
 
-namespace lithe::test {
+namespace lithe::test::total_reaction_test {
 namespace {
 
 constexpr double kMass = 5, kWeight = 9.81 * kMass;
@@ -105,4 +105,4 @@ TEST(TotalReaction, NamesAJointThatHoldsAnotherBody) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::total_reaction_test

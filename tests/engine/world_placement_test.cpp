@@ -13,7 +13,7 @@
 #include "tests/support/motion.h"
 
 /// Markers and joints placed in the world, and elements found by their names.
-namespace lithe::test {
+namespace lithe::test::world_placement_test {
 namespace {
 
 RigidBody::Parameters turned_link(RandomNumbers& random) {
@@ -142,4 +142,4 @@ TEST(SystemGraph, FindsAnElementAsWhatItIs) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::world_placement_test

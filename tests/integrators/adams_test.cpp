@@ -16,7 +16,7 @@
 #include "joints/rolling_disc.h"
 #include "tests/integrators/smooth_scenes.h"
 
-namespace lithe::test {
+namespace lithe::test::adams_test {
 namespace {
 
 TEST(Adams, MeetsTheTolerance) {
@@ -255,4 +255,4 @@ TEST(Adams, RefusesParametersOutOfRange) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::adams_test

@@ -55,7 +55,7 @@ void* realloc(void* at, std::size_t size) noexcept {
 }
 #endif
 
-namespace lithe::test {
+namespace lithe::test::allocation_test {
 namespace {
 
 TEST(Step, AllocatesNothing) {
@@ -213,4 +213,4 @@ TEST(Step, AllocatesNothingForContactsThatStay) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::allocation_test

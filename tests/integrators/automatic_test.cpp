@@ -11,7 +11,7 @@
 #include "tests/support/methods.h"
 #include "tests/support/scenes.h"
 
-namespace lithe::test {
+namespace lithe::test::automatic_test {
 namespace {
 
 std::unique_ptr<Automatic> make(double tolerance) {
@@ -129,4 +129,4 @@ TEST(Automatic, SaysWhichMethodsFailedAndWhy) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::automatic_test

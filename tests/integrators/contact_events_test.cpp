@@ -12,7 +12,7 @@
 #include "integrators/radau.h"
 #include "joints/contact/contact.h"
 
-namespace lithe::test {
+namespace lithe::test::contact_events_test {
 namespace {
 
 constexpr double kG = 9.81, kStiffness = 1e7, kRadius = 0.1, kDrop = 1.0;
@@ -115,4 +115,4 @@ TEST(RigidContact, IsRefusedByMethodsThatDoNotKnowIt) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::contact_events_test

@@ -9,7 +9,7 @@
 #include "tests/integrators/conserving_scenes.h"
 #include "tests/support/methods.h"
 
-namespace lithe::test {
+namespace lithe::test::energy_momentum_test {
 namespace {
 
 TEST(EnergyMomentum, IsOfOrderTwo) {
@@ -192,4 +192,4 @@ TEST(EnergyMomentum, AndRattleWantAStep) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::energy_momentum_test

@@ -8,7 +8,7 @@
 #include "joints/forces/spring_damper.h"
 #include "tests/integrators/pendulum_errors.h"
 
-namespace lithe::test {
+namespace lithe::test::hht_test {
 namespace {
 
 TEST(Hht, FollowsTheRecurrenceOfHilberHughesAndTaylor) {
@@ -123,4 +123,4 @@ TEST(Hht, RefusesParametersOutOfRange) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::hht_test

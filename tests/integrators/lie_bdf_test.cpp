@@ -10,7 +10,7 @@
 #include "joints/forces/spring_damper.h"
 #include "tests/integrators/pendulum_errors.h"
 
-namespace lithe::test {
+namespace lithe::test::lie_bdf_test {
 namespace {
 
 TEST(LieBdfOrder, IsThatOfTheFormulaInPositionVelocityAndMultiplier) {
@@ -186,4 +186,4 @@ TEST(LieBdf, RefusesParametersOutOfRange) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::lie_bdf_test

@@ -9,7 +9,7 @@
 #include "joints/forces/spring_damper.h"
 #include "tests/integrators/pendulum_errors.h"
 
-namespace lithe::test {
+namespace lithe::test::linearly_implicit_test {
 namespace {
 
 /// A mass of 1 kg on a rod of 1 m that is a spring, horizontal at rest.
@@ -175,4 +175,4 @@ TEST(LinearlyImplicit, RefusesParametersOutOfRange) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::linearly_implicit_test

@@ -6,7 +6,7 @@
 #include "tests/support/methods.h"
 #include "tests/support/scenes.h"
 
-namespace lithe::test {
+namespace lithe::test::long_run_test {
 namespace {
 
 struct Trial {
@@ -37,4 +37,4 @@ TEST(HundredThousandSteps, KeepTheConstraintsAndTheEnergy) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::long_run_test

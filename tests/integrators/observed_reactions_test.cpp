@@ -14,7 +14,7 @@
 #include "joints/spherical_joint.h"
 #include "tests/support/methods.h"
 
-namespace lithe::test {
+namespace lithe::test::observed_reactions_test {
 namespace {
 
 const Vector3 kGravity(0.3, -0.2, -9.81);
@@ -267,4 +267,4 @@ TEST(ObservedReactions, obey_newton_in_scenes_that_run_as_islands) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::observed_reactions_test

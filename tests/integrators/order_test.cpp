@@ -4,7 +4,7 @@
 #include "integrators/generalized_alpha.h"
 #include "tests/integrators/pendulum_errors.h"
 
-namespace lithe::test {
+namespace lithe::test::order_test {
 namespace {
 
 TEST(GeneralizedAlphaOrder, IsTwoInPositionVelocityAndMultiplier) {
@@ -92,4 +92,4 @@ TEST(ExplicitRungeKuttaOrder, IsFiveForAFreeBodyInTheChart) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::order_test

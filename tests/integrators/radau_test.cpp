@@ -18,7 +18,7 @@
 #include "tests/support/methods.h"
 #include "tests/support/scenes.h"
 
-namespace lithe::test {
+namespace lithe::test::radau_test {
 namespace {
 
 struct Errors {
@@ -283,4 +283,4 @@ TEST(RadauStep, RefusesParametersOutOfRange) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::radau_test

@@ -8,7 +8,7 @@
 #include "tests/integrators/conserving_scenes.h"
 #include "tests/support/methods.h"
 
-namespace lithe::test {
+namespace lithe::test::rattle_test {
 namespace {
 
 constexpr double kPeriod = 2.36784194757623744930;  // s, of the pendulum released horizontally
@@ -173,4 +173,4 @@ TEST(Rattle, NeedsAStepBelowTwoOverTheHighestFrequency) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::rattle_test

@@ -45,7 +45,7 @@
 #include "tests/plugins/kinds/rattle_box.cpp"
 #include "tests/support/methods.h"
 
-namespace lithe::test {
+namespace lithe::test::restart_test {
 namespace {
 
 // ---- scenes ----
@@ -706,4 +706,4 @@ TEST(KilledRun, loses_no_more_than_an_interval_and_goes_on_with_the_same_bits) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::restart_test

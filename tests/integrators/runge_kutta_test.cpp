@@ -9,7 +9,7 @@
 #include "joints/forces/bushing.h"
 #include "tests/integrators/smooth_scenes.h"
 
-namespace lithe::test {
+namespace lithe::test::runge_kutta_test {
 namespace {
 
 using Tableau = RungeKuttaTableau;
@@ -281,4 +281,4 @@ TEST(RungeKutta8, KeepsEnergyAndConstraintsForAHundredSeconds) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::runge_kutta_test

@@ -11,7 +11,7 @@
 #include "tests/support/motion.h"
 #include "tests/support/scenes.h"
 
-namespace lithe::test {
+namespace lithe::test::stabilized_index2_test {
 namespace {
 
 /// Planar four-bar of spatial revolute joints (three rows repeat others) with a spring along its diagonal.
@@ -110,4 +110,4 @@ TEST(StabilizedIndex2, NamesItsUnknowns) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::stabilized_index2_test

@@ -13,7 +13,7 @@
 #include "tests/support/methods.h"
 #include "tests/support/scenes.h"
 
-namespace lithe::test {
+namespace lithe::test::step_control_test {
 namespace {
 
 Method automatic_alpha(double tolerance, GeneralizedAlpha::Form form) {
@@ -163,4 +163,4 @@ TEST(Parameters, OutOfRangeAreRefused) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::step_control_test

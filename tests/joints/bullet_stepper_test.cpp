@@ -12,7 +12,7 @@
 #include "tests/joints/mechanisms.h"
 
 /// Scenes that Bullet's own stepper moves: its errors are Bullet's, its copy of the scene is ours.
-namespace lithe::test {
+namespace lithe::test::bullet_stepper_test {
 namespace {
 
 constexpr double kGravity = 9.81, kStep = 1.0 / 240;
@@ -276,4 +276,4 @@ TEST(BulletStepper, WhatBulletDoesNotKnowIsRefusedByName) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::bullet_stepper_test

@@ -28,7 +28,7 @@
 #include "joints/universal_joint.h"
 
 /// The rows and reactions that the pages of docs/site/catalogue tell, against the code, at random poses.
-namespace lithe::test {
+namespace lithe::test::catalogue_equations_test {
 namespace {
 
 /// Two (or four) markers that stand and move anywhere.
@@ -240,4 +240,4 @@ TEST_F(CatalogueEquations, OfSpringsAndBushings) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::catalogue_equations_test

@@ -13,7 +13,7 @@
 #include "tests/support/joint_checks.h"
 #include "tests/support/pairs.h"
 
-namespace lithe::test {
+namespace lithe::test::catalogue_test {
 namespace {
 
 /// Angles bend more than the difference formulas of the checks resolve to their usual 1e-9.
@@ -83,4 +83,4 @@ TEST(CoordinateCoupling, TiesAnAngleToADisplacement) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::catalogue_test

@@ -7,7 +7,7 @@
 
 #include "tests/joints/contact_grounds.h"
 
-namespace lithe::test {
+namespace lithe::test::contact_deforming_test {
 namespace {
 
 /// Colliders at known places; the nodes of the surfaces are wherever they are put.
@@ -237,4 +237,4 @@ TEST(DeformingSurfaces, only_nodes_that_may_be_near_are_looked_at) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::contact_deforming_test

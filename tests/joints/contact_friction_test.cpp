@@ -7,7 +7,7 @@
 #include "tests/joints/contact_motion.h"
 
 /// Friction of compliant contacts: regularised, and with the bristles of Canudas de Wit et al. (1995).
-namespace lithe::test {
+namespace lithe::test::contact_friction_test {
 namespace {
 
 using std::numbers::pi;
@@ -263,4 +263,4 @@ TEST(ContactFriction, StickSlipOnABeltTendsToCoulombsPeriodAsBristlesStiffen) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::contact_friction_test

@@ -8,7 +8,7 @@
 #include "tests/joints/contact_motion.h"
 
 /// Laws of compliant contacts: along the normal, and what they share.
-namespace lithe::test {
+namespace lithe::test::contact_laws_test {
 namespace {
 
 using std::numbers::pi;
@@ -385,4 +385,4 @@ TEST(ContactLaws, ParametersThatAreNoLawAreNamed) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::contact_laws_test

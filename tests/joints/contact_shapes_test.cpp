@@ -8,7 +8,7 @@
 #include "engine/error.h"
 #include "tests/joints/contact_pairs.h"
 
-namespace lithe::test {
+namespace lithe::test::contact_shapes_test {
 namespace {
 
 const Vector3 kX = Vector3::UnitX(), kZ = Vector3::UnitZ();
@@ -413,4 +413,4 @@ TEST(Contact, RefusesShapesThatAreNone) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::contact_shapes_test

@@ -6,7 +6,7 @@
 
 #include "tests/joints/contact_grounds.h"
 
-namespace lithe::test {
+namespace lithe::test::contact_surfaces_test {
 namespace {
 
 using narrow::Touch;
@@ -339,4 +339,4 @@ TEST(ContactSurfaces, a_mesh_lies_on_a_plane_by_its_corners) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::contact_surfaces_test

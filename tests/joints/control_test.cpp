@@ -15,7 +15,7 @@
 #include "tests/joints/mechanisms.h"
 
 /// Forces on joint coordinates, in motion, against closed forms and equations integrated by the test itself.
-namespace lithe::test {
+namespace lithe::test::control_test {
 namespace {
 
 /// Classical Runge-Kutta on y' = f(t, y).
@@ -240,4 +240,4 @@ TEST(Bushing, SwingsAtItsLinearFrequencies) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::control_test

@@ -16,7 +16,7 @@
 #include "tests/support/pairs.h"
 
 /// The checks that every force owes, between every pairing of bodies.
-namespace lithe::test {
+namespace lithe::test::coordinate_force_test {
 namespace {
 
 using Kind = JointCoordinate::Kind;
@@ -157,4 +157,4 @@ TEST(UserForce, TellsNewtonItsSlopes) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::coordinate_force_test

@@ -10,7 +10,7 @@
 #include "tests/joints/mechanisms.h"
 
 /// Drives, and coordinates that count their turns.
-namespace lithe::test {
+namespace lithe::test::drive_test {
 namespace {
 
 constexpr double kInertia = 0.3;
@@ -148,4 +148,4 @@ TEST(UniversalJoint, IsPosedByItsTwoAngles) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::drive_test

@@ -24,7 +24,7 @@
 #include "joints/screw_joint.h"
 
 /// Bad input of the elements on joint coordinates: an error that names the element and the line, and how to mend it.
-namespace lithe::test {
+namespace lithe::test::element_errors_test {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -213,4 +213,4 @@ TEST(ElementErrors, CoordinatesHaveAnAxis) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::element_errors_test

@@ -10,7 +10,7 @@
 #include "tests/support/joint_checks.h"
 #include "tests/support/pairs.h"
 
-namespace lithe::test {
+namespace lithe::test::force_test {
 namespace {
 
 const Vector3 kGap(0.3, 0.5, -0.4);
@@ -92,4 +92,4 @@ TEST(UserForce, FollowsItsLawOfTimeAndMotion) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::force_test

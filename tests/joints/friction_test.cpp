@@ -15,7 +15,7 @@
 #include "tests/support/pairs.h"
 
 /// Friction that a joint's own reaction drives.
-namespace lithe::test {
+namespace lithe::test::friction_test {
 namespace {
 
 constexpr double kGravity = 9.81;
@@ -239,4 +239,4 @@ TEST(JointFriction, PowerAddsUpToTheEnergyLost) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::friction_test

@@ -7,7 +7,7 @@
 #include "tests/joints/mechanisms.h"
 
 /// Guides of points and blocks: planes and wires.
-namespace lithe::test {
+namespace lithe::test::guide_test {
 namespace {
 
 constexpr double kGravity = 9.81, kSlope = 0.4;
@@ -83,4 +83,4 @@ TEST(PointOnPlaneJoint, CarriesABallOnASlopeAndLetsItGoElse) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::guide_test

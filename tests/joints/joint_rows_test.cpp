@@ -22,7 +22,7 @@
 #include "tests/support/motion.h"
 #include "tests/support/pairs.h"
 
-namespace lithe::test {
+namespace lithe::test::joint_rows_test {
 namespace {
 
 /// The checks that every joint owes, between every pairing of bodies. `gap`: from marker A to B as drawn.
@@ -158,4 +158,4 @@ TEST(ThreeNodeFixation, AlsoHoldsTheStrainsOfAFlexibleBody) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::joint_rows_test

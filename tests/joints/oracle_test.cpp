@@ -16,7 +16,7 @@
 #include "tests/support/dense.h"
 #include "tests/support/marker_body.h"
 
-namespace lithe::test {
+namespace lithe::test::oracle_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -120,4 +120,4 @@ TEST_F(JointOracle, DrivenJointsAgreeWithDifferentiatedPositions) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::oracle_test

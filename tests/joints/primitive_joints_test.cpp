@@ -15,7 +15,7 @@
 #include "tests/support/joint_checks.h"
 #include "tests/support/pairs.h"
 
-namespace lithe::test {
+namespace lithe::test::primitive_joints_test {
 namespace {
 
 constexpr double kGravity = 9.81;
@@ -314,4 +314,4 @@ TEST(RevoluteSphericalJoint, SwingsABallOnACircleAboutItsHinge) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::primitive_joints_test

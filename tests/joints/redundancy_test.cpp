@@ -11,7 +11,7 @@
 #include "tests/support/dense.h"
 #include "tests/support/linear_algebra.h"
 
-namespace lithe::test {
+namespace lithe::test::redundancy_test {
 namespace {
 
 /// A door on the x axis: one hinge, or several along one line, which repeat each other.
@@ -182,4 +182,4 @@ TEST(Redundancy, IsNotSeenInALongChainOfHinges) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::redundancy_test

@@ -7,7 +7,7 @@
 #include "tests/support/pairs.h"
 
 /// The disc that rolls without slip.
-namespace lithe::test {
+namespace lithe::test::rolling_test {
 namespace {
 
 constexpr double kGravity = 9.81, kMass = 2, kRadius = 0.3;
@@ -138,4 +138,4 @@ TEST(RollingDisc, DoesNotSlipOnAPlaneThatMoves) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::rolling_test

@@ -14,7 +14,7 @@
 #include "tests/joints/mechanisms.h"
 
 /// Joints that pass motion on, against the motion that their geometry prescribes.
-namespace lithe::test {
+namespace lithe::test::transmission_test {
 namespace {
 
 constexpr double kBend = 40 * kPi / 180, kSpeed = 3, kLoad = 5, kInertia = 0.4;
@@ -258,4 +258,4 @@ TEST(CoordinateCoupling, SharesATorqueAmongFourShafts) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::transmission_test

@@ -10,7 +10,7 @@
 #include "tests/plugins/plugins.h"
 #include "tests/support/methods.h"
 
-namespace lithe::test {
+namespace lithe::test::errors_test {
 namespace {
 
 /// What `f` threw, as printed; "" if nothing.
@@ -288,4 +288,4 @@ TEST(Symbols, a_plugin_needs_none_of_the_engine_and_exports_one) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::errors_test

@@ -29,7 +29,7 @@
 #include "tests/support/linear_algebra.h"
 #include "tests/support/motion.h"
 
-namespace lithe::test {
+namespace lithe::test::inertial_body_test {
 namespace {
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
@@ -500,4 +500,4 @@ TEST(InertialBody, names_what_is_wrong_with_a_mesh) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::inertial_body_test

@@ -21,7 +21,7 @@
 #include "tests/support/body_checks.h"
 #include "tests/support/methods.h"
 
-namespace lithe::test {
+namespace lithe::test::kinds_test {
 namespace {
 
 VectorX run(SystemGraph& graph, Integrator& integrator, double end) {
@@ -304,4 +304,4 @@ TEST(PlainC, joint_and_integrator_need_no_cpp) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::kinds_test

@@ -14,7 +14,7 @@
 #include "tests/support/joint_checks.h"
 #include "tests/support/motion.h"
 
-namespace lithe::test {
+namespace lithe::test::rows_test {
 namespace {
 
 bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
@@ -209,4 +209,4 @@ TEST(PluginChecks, rope_passes_those_of_a_force_loaded) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::rows_test

@@ -23,7 +23,7 @@
 #include "joints/universal_joint.h"
 #include "tests/support/methods.h"
 
-namespace lithe::test {
+namespace lithe::test::adams_test {
 namespace {
 
 /// REULER: body-fixed 3-1-3 angles, degrees.
@@ -242,4 +242,4 @@ TEST(Adams, rotational_spring_case_01) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::adams_test

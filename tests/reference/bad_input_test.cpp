@@ -23,7 +23,7 @@
 #include "joints/spherical_joint.h"
 #include "tests/bodies/flexible_models.h"
 
-namespace lithe::test {
+namespace lithe::test::bad_input_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -238,4 +238,4 @@ INSTANTIATE_TEST_SUITE_P(List, BadInput, testing::ValuesIn(list()), [](const aut
 TEST(BrokenInputs, has_a_list_of_at_least_twenty) { EXPECT_GE(list().size(), 20u); }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::bad_input_test

@@ -16,7 +16,7 @@
 #include "joints/forces/point_force.h"
 #include "joints/revolute_joint.h"
 
-namespace lithe::test {
+namespace lithe::test::buckling_test {
 namespace {
 
 struct Spin {
@@ -147,4 +147,4 @@ TEST(F09_column, amplifies_a_lateral_load_as_the_exact_rod) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::buckling_test

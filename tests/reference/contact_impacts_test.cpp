@@ -4,7 +4,7 @@
 
 #include "tests/reference/contact_scene.h"
 
-namespace lithe::test {
+namespace lithe::test::contact_impacts_test {
 namespace {
 
 constexpr double g = 9.81;
@@ -202,4 +202,4 @@ TEST(ContactImpacts, elastic_balls_in_touch_leave_as_hertz_has_it) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::contact_impacts_test

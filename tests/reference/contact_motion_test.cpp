@@ -10,7 +10,7 @@
 #include "joints/revolute_joint.h"
 #include "tests/reference/contact_scene.h"
 
-namespace lithe::test {
+namespace lithe::test::contact_motion_test {
 namespace {
 
 constexpr double g = 9.81;
@@ -226,4 +226,4 @@ TEST(ContactMotion, what_cannot_be_is_refused) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::contact_motion_test

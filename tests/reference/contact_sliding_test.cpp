@@ -4,7 +4,7 @@
 
 #include "tests/reference/contact_scene.h"
 
-namespace lithe::test {
+namespace lithe::test::contact_sliding_test {
 namespace {
 
 constexpr double g = 9.81;
@@ -216,4 +216,4 @@ TEST(ContactSliding, the_jam_of_painleves_rod_does_not_depend_on_the_step) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::contact_sliding_test

@@ -11,7 +11,7 @@
 #include "integrators/nonsmooth_generalized_alpha.h"
 #include "joints/contact/contact.h"
 
-namespace lithe::test {
+namespace lithe::test::contact_stack_test {
 namespace {
 
 constexpr double g = 9.81;
@@ -135,4 +135,4 @@ TEST(Top, OnASmoothPlanePrecessesSteadily) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::contact_stack_test

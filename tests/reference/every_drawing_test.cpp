@@ -14,7 +14,7 @@
 #include "tests/support/linear_algebra.h"
 #include "tests/support/methods.h"
 
-namespace lithe::test {
+namespace lithe::test::every_drawing_test {
 namespace {
 
 constexpr int kLooks = 8;
@@ -240,4 +240,4 @@ INSTANTIATE_TEST_SUITE_P(Linkages, EveryDrawing, ::testing::Values(slider_crank,
 });
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::every_drawing_test

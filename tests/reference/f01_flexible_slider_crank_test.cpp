@@ -16,7 +16,7 @@
 #include "tests/reference/benchmark.h"
 #include "tests/reference/mechanism.h"
 
-namespace lithe::test {
+namespace lithe::test::f01_flexible_slider_crank_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -194,4 +194,4 @@ TEST(F01FlexibleSliderCrank, StaysRightWithImplicitMethods) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::f01_flexible_slider_crank_test

@@ -15,7 +15,7 @@
 #include "tests/reference/benchmark.h"
 #include "tests/reference/mechanism.h"
 
-namespace lithe::test {
+namespace lithe::test::f05_four_bar_misaligned_test {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180, kSpeed = 0.6;  // rad/s
@@ -163,4 +163,4 @@ TEST(F05FourBarMisaligned, WithARockerOfPiecesGoesFarther) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::f05_four_bar_misaligned_test

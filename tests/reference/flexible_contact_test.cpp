@@ -23,7 +23,7 @@
 #include "plugins/inertial_body/inertial_body.h"
 #include "tests/support/methods.h"
 
-namespace lithe::test {
+namespace lithe::test::flexible_contact_test {
 namespace {
 
 const Vector3 kSize(0.4, 0.02, 0.02);  // m
@@ -467,4 +467,4 @@ TEST(FlexibleContact, BristlesHoldARodOnASlope) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::flexible_contact_test

@@ -7,7 +7,7 @@
 #include "joints/forces/user_force.h"
 #include "tests/reference/contact_scene.h"
 
-namespace lithe::test {
+namespace lithe::test::impact_events_test {
 namespace {
 
 constexpr double g = 9.81;
@@ -173,4 +173,4 @@ TEST(ImpactEvents, compliant_surfaces_say_whether_they_met_or_parted) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::impact_events_test

@@ -13,7 +13,7 @@
 #include "tests/reference/mechanism.h"
 #include "tests/support/linear_algebra.h"
 
-namespace lithe::test {
+namespace lithe::test::known_failures_test {
 namespace {
 
 const Matrix3 kAlongX = axes_with_z({1, 0, 0}, {0, 1, 0}), kAlongY = axes_with_z({0, 1, 0}, {1, 0, 0});
@@ -322,4 +322,4 @@ TEST(KnownFailures, ScissorGridMovesAsOne) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::known_failures_test

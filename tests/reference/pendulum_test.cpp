@@ -15,7 +15,7 @@
 #include "joints/three_node_fixation.h"
 #include "tests/bodies/flexible_models.h"
 
-namespace lithe::test {
+namespace lithe::test::pendulum_test {
 namespace {
 
 constexpr double kSpans[] = {0.1, 0.15, 0.2, 0.3, 0.5, 1.0};
@@ -132,4 +132,4 @@ TEST(StiffFlexibleBody, swings_like_a_rigid_one) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::pendulum_test

@@ -3,7 +3,7 @@
 
 #include "tests/reference/accuracy.h"
 
-namespace lithe::test {
+namespace lithe::test::r01_pendulum_test {
 namespace {
 
 constexpr double kPeriod = 2.36784194757623744930;
@@ -73,4 +73,4 @@ TEST(R01Pendulum, MeetsItsMarksByDefault) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::r01_pendulum_test

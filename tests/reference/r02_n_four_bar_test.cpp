@@ -4,7 +4,7 @@
 #include "tests/reference/accuracy.h"
 #include "tests/reference/loops.h"
 
-namespace lithe::test {
+namespace lithe::test::r02_n_four_bar_test {
 namespace {
 
 Scene four_bars(int windows) {
@@ -76,4 +76,4 @@ TEST(R02FourBars, MeetTheirMarksByDefault) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::r02_n_four_bar_test

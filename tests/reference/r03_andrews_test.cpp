@@ -8,7 +8,7 @@
 #include "tests/reference/accuracy.h"
 #include "tests/reference/mechanism.h"
 
-namespace lithe::test {
+namespace lithe::test::r03_andrews_test {
 namespace {
 
 constexpr double kTorque = 0.033;  // N m, on the crank
@@ -125,4 +125,4 @@ TEST(R03AndrewsSqueezer, MeetsItsMarkByDefault) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::r03_andrews_test

@@ -4,7 +4,7 @@
 #include "tests/reference/accuracy.h"
 #include "tests/reference/loops.h"
 
-namespace lithe::test {
+namespace lithe::test::r04_bricard_test {
 namespace {
 
 Scene bricard() { return Scene({0, -9.81, 0}, draw_bricard); }
@@ -46,4 +46,4 @@ TEST(R04Bricard, MeetsItsMarksByDefault) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::r04_bricard_test

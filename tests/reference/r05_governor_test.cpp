@@ -8,7 +8,7 @@
 #include "tests/reference/accuracy.h"
 #include "tests/reference/mechanism.h"
 
-namespace lithe::test {
+namespace lithe::test::r05_governor_test {
 namespace {
 
 constexpr double kHinge = 0.05, kStart = M_PI / 6;
@@ -99,4 +99,4 @@ TEST(R05FlyballGovernor, MeetsItsMarksByDefault) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::r05_governor_test

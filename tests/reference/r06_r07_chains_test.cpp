@@ -3,7 +3,7 @@
 
 #include "tests/reference/accuracy.h"
 
-namespace lithe::test {
+namespace lithe::test::r06_r07_chains_test {
 namespace {
 
 struct Trial {
@@ -68,4 +68,4 @@ TEST(R06R07Chains, MeetTheirMarksByDefault) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::r06_r07_chains_test

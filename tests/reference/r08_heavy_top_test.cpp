@@ -3,7 +3,7 @@
 
 #include "tests/reference/accuracy.h"
 
-namespace lithe::test {
+namespace lithe::test::r08_heavy_top_test {
 namespace {
 
 struct Variant {
@@ -90,4 +90,4 @@ TEST(R08HeavyTop, MeetsItsMarkByDefault) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::r08_heavy_top_test

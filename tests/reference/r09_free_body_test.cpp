@@ -3,7 +3,7 @@
 
 #include "tests/reference/accuracy.h"
 
-namespace lithe::test {
+namespace lithe::test::r09_free_body_test {
 namespace {
 
 const Vector3 kInertia(1, 2, 3), kStart(0.001, 1, 0.001);
@@ -60,4 +60,4 @@ TEST(R09FreeBody, MeetsItsMarkByDefault) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::r09_free_body_test

@@ -3,7 +3,7 @@
 
 #include "tests/reference/accuracy.h"
 
-namespace lithe::test {
+namespace lithe::test::r10_double_pendulum_test {
 namespace {
 
 struct Trial {
@@ -55,4 +55,4 @@ TEST(R10DoublePendulum, IsFollowedByDefault) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::r10_double_pendulum_test

@@ -6,7 +6,7 @@
 #include "tests/reference/accuracy.h"
 #include "tests/reference/mechanism.h"
 
-namespace lithe::test {
+namespace lithe::test::r11_slider_crank_test {
 namespace {
 
 struct Variant {
@@ -116,4 +116,4 @@ TEST(R11SliderCrank, MeetsItsMarkByDefault) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::r11_slider_crank_test

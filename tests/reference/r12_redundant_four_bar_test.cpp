@@ -5,7 +5,7 @@
 #include "tests/reference/accuracy.h"
 #include "tests/reference/mechanism.h"
 
-namespace lithe::test {
+namespace lithe::test::r12_redundant_four_bar_test {
 namespace {
 
 /// Crank O-A, coupler A-B, rocker D-B (bodies 0, 1, 2); the crank turns at 6 rad/s.
@@ -59,4 +59,4 @@ TEST(R12RedundantFourBar, MeetsItsMarkByDefault) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::r12_redundant_four_bar_test

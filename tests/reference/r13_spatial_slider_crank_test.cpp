@@ -8,7 +8,7 @@
 #include "tests/reference/accuracy.h"
 #include "tests/reference/mechanism.h"
 
-namespace lithe::test {
+namespace lithe::test::r13_spatial_slider_crank_test {
 namespace {
 
 /// Bodies: crank, rod, slider.
@@ -73,4 +73,4 @@ TEST(R13SpatialSliderCrank, MeetsItsMarkByDefault) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::r13_spatial_slider_crank_test

@@ -11,7 +11,7 @@
 #include "tests/reference/accuracy.h"
 #include "tests/reference/mechanism.h"
 
-namespace lithe::test {
+namespace lithe::test::r14_car_axis_test {
 namespace {
 
 constexpr double kStiffness = 1e4;  // N/m
@@ -90,4 +90,4 @@ TEST(R14CarAxis, MeetsItsMarkByDefault) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::r14_car_axis_test

@@ -8,7 +8,7 @@
 #include "tests/reference/accuracy.h"
 #include "tests/support/joint_checks.h"
 
-namespace lithe::test {
+namespace lithe::test::r15_wheelset_test {
 namespace {
 
 Scene on_the_rails() {
@@ -120,4 +120,4 @@ TEST(R15Wheelset, MeetsItsMarkByDefault) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::r15_wheelset_test

@@ -14,7 +14,7 @@
 #include "tests/reference/accuracy.h"
 #include "tests/support/linear_algebra.h"
 
-namespace lithe::test {
+namespace lithe::test::r16_bicycle_test {
 namespace {
 
 using Complex = std::complex<double>;
@@ -227,4 +227,4 @@ TEST(R16Bicycle, KeepsItsEnergyAndRightsItselfAfterALargePush) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::r16_bicycle_test

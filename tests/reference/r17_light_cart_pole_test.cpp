@@ -7,7 +7,7 @@
 #include "tests/reference/accuracy.h"
 #include "tests/reference/mechanism.h"
 
-namespace lithe::test {
+namespace lithe::test::r17_light_cart_pole_test {
 namespace {
 
 /// Bodies: cart, tip.
@@ -51,4 +51,4 @@ TEST(R17LightCartPole, MeetsItsMarkByDefault) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::r17_light_cart_pole_test

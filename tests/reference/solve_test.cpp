@@ -19,7 +19,7 @@
 #include "tests/bodies/fe_models.h"
 #include "tests/support/methods.h"
 
-namespace lithe::test {
+namespace lithe::test::solve_test {
 namespace {
 
 const Matrix3 kAlongY = rotation_about({1, 0, 0}, -M_PI / 2);
@@ -430,4 +430,4 @@ TEST(Solve, refuses_what_is_no_question) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::solve_test

@@ -8,7 +8,7 @@
 #include "joints/forces/user_force.h"
 #include "tests/reference/contact_scene.h"
 
-namespace lithe::test {
+namespace lithe::test::stick_slip_test {
 namespace {
 
 constexpr double g = 9.81;
@@ -164,4 +164,4 @@ TEST_P(StickSlipBy, a_flexible_rod_breaks_away_at_the_static_coefficient) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::stick_slip_test

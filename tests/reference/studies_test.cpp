@@ -30,7 +30,7 @@ namespace lithe::test::spin_up {
 #include "examples/studies/beam_spin_up.cpp"
 }
 
-namespace lithe::test {
+namespace lithe::test::studies_test {
 namespace {
 
 /// Values of the sensors at the end, by explicit Runge-Kutta.
@@ -126,4 +126,4 @@ TEST(Studies, TheSpunBeamTurnsWithItsHubAndTrailsBehindIt) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::studies_test

@@ -4,7 +4,7 @@
 
 #include "tests/scripting/command.h"
 
-namespace lithe::test {
+namespace lithe::test::chart_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -63,4 +63,4 @@ TEST(Chart, MistakesAreTold) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::chart_test

@@ -8,7 +8,7 @@
 #include "engine/simulation.h"
 #include "tests/scripting/command.h"
 
-namespace lithe::test {
+namespace lithe::test::run_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -218,4 +218,4 @@ TEST(View, MakesOnePageOfRunFilesAndRefusesWhatIsNone) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::run_test

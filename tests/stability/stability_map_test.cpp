@@ -15,7 +15,7 @@
 #include "joints/forces/spring_damper.h"
 #include "tools/stability/methods/explicit_index1.h"
 
-namespace lithe::test {
+namespace lithe::test::stability_map_test {
 namespace {
 
 constexpr double kOmega = 200;  // rad/s, of the mass on its spring
@@ -154,4 +154,4 @@ TEST(StabilityMap, OutcomesAreNamedAsInThePublishedTable) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::stability_map_test

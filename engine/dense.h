@@ -1,0 +1,52 @@
+#pragma once
+
+#include <Eigen/Dense>
+
+/// Eigen's dense products and decompositions of MatrixXd, compiled once, in dense.cpp and dense_eigen.cpp: each costs a source that uses it
+/// two to fifteen seconds otherwise. Part of every precompiled header of ours; nobody needs to include it. What is
+/// declared here is not instantiated where it is used, what is not declared works as ever. Decompositions take their
+/// argument's type into their code: give them a MatrixXd, not an expression.
+namespace Eigen {
+
+// clang-format off
+#define LITHE_DENSE_CLASSES(of) \
+  of class LLT<MatrixXd>; \
+  of class PartialPivLU<MatrixXd>; \
+  of class FullPivLU<MatrixXd>; \
+  of class HouseholderQR<MatrixXd>; \
+  of class ColPivHouseholderQR<MatrixXd>; \
+  of class CompleteOrthogonalDecomposition<MatrixXd>;
+#define LITHE_DENSE_SOLVE(of, Method, B) of void Method<MatrixXd>::_solve_impl(const B&, B&) const;
+#define LITHE_DENSE_FUNCTIONS(of) \
+  of LLT<MatrixXd>& LLT<MatrixXd>::compute(const EigenBase<MatrixXd>&); \
+  LITHE_DENSE_SOLVE(of, PartialPivLU, VectorXd) \
+  LITHE_DENSE_SOLVE(of, PartialPivLU, MatrixXd) \
+  LITHE_DENSE_SOLVE(of, ColPivHouseholderQR, VectorXd) \
+  LITHE_DENSE_SOLVE(of, ColPivHouseholderQR, MatrixXd) \
+  LITHE_DENSE_SOLVE(of, CompleteOrthogonalDecomposition, VectorXd) \
+  LITHE_DENSE_SOLVE(of, CompleteOrthogonalDecomposition, MatrixXd)
+#define LITHE_DENSE_EIGEN(of) \
+  of class SelfAdjointEigenSolver<MatrixXd>; \
+  of SelfAdjointEigenSolver<MatrixXd>& SelfAdjointEigenSolver<MatrixXd>::compute(const EigenBase<MatrixXd>&, int); \
+  of class GeneralizedSelfAdjointEigenSolver<MatrixXd>; \
+  of class EigenSolver<MatrixXd>; \
+  of EigenSolver<MatrixXd>& EigenSolver<MatrixXd>::compute(const EigenBase<MatrixXd>&, bool); \
+  of class JacobiSVD<MatrixXd>;
+#define LITHE_DENSE_PRODUCTS(of) \
+  of struct general_matrix_matrix_product<Index, double, ColMajor, false, double, ColMajor, false, ColMajor, 1>; \
+  of struct general_matrix_matrix_product<Index, double, ColMajor, false, double, RowMajor, false, ColMajor, 1>; \
+  of struct general_matrix_matrix_product<Index, double, RowMajor, false, double, ColMajor, false, ColMajor, 1>; \
+  of struct general_matrix_matrix_product<Index, double, RowMajor, false, double, RowMajor, false, ColMajor, 1>; \
+  of struct triangular_solve_matrix<double, Index, OnTheLeft, Lower, false, ColMajor, ColMajor, 1>; \
+  of struct triangular_solve_matrix<double, Index, OnTheLeft, Upper, false, ColMajor, ColMajor, 1>; \
+  of struct triangular_solve_matrix<double, Index, OnTheLeft, UnitLower, false, ColMajor, ColMajor, 1>;
+// clang-format on
+
+LITHE_DENSE_CLASSES(extern template)
+LITHE_DENSE_FUNCTIONS(extern template)
+LITHE_DENSE_EIGEN(extern template)
+namespace internal {
+LITHE_DENSE_PRODUCTS(extern template)
+}
+
+}  // namespace Eigen

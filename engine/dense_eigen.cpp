@@ -1,0 +1,7 @@
+#include "engine/dense.h"
+
+namespace Eigen {
+
+LITHE_DENSE_EIGEN(template)
+
+}  // namespace Eigen

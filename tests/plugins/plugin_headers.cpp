@@ -1,0 +1,2 @@
+// Only its precompiled header is used.
+#include "engine/plugin.h"
