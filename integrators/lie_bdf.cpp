@@ -42,7 +42,7 @@ LieBdf::LieBdf(Parameters parameters) : parameters_(parameters) {
 void LieBdf::prepare(EquationsOfMotion& equations, State& state) {
   const Layout& layout = equations.layout();
   const int nv = layout.v_count(), rows = layout.row_count();
-  statistics_ = {};
+  if (!resumes()) statistics_ = {};
   for (VectorX* x : {&d_, &v_, &v_dot_, &past_d_rate_, &past_v_rate_, &shift_, &rate_, &increment_, &rv_, &correction_,
                      &d_error_, &v_error_, &d_size_, &v_size_})
     x->setZero(nv);

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <optional>
+
+#include "engine/projection.h"
+#include "engine/state.h"
+
+namespace lithe {
+
+/// Takes a motion through a pose where closed loops lose rank and branches of the motion meet (a parallelogram that lies
+/// flat), on the branch on which its velocity is smooth.
+///
+/// Near such a pose, δ seconds away, an error ε in γ becomes ε/δ in v̇ and multipliers grow like 1/δ, while the motion
+/// itself is smooth: methods shorten their steps towards it without end. One step of Gauss collocation across, no node
+/// of which lies at the pose and each of which is moved onto the constraints, sees none of that.
+class SingularPose {
+ public:
+  explicit SingularPose(EquationsOfMotion& equations);
+
+  /// Time from the state to such a pose if the motion passes one within `reach` seconds; `step` > 0: about how far to
+  /// look for it, s. Makes factors, and leaves others' last one behind.
+  std::optional<double> find(const State& state, double step, double reach);
+  /// Moves the state past the pose that lies `ahead`: as far beyond it, at least `step` in all, not past t_stop. False,
+  /// and the state is as it was, where that does not converge.
+  bool pass(State& state, double ahead, double step, double t_stop);
+
+ private:
+  double nearness(const State& state, double later);
+  bool place(double time, VectorX& q, VectorX& v);
+
+  EquationsOfMotion& equations_;
+  Projector projector_;
+  VectorX d_, q_, v_, rows_, probe_, watched_;
+};
+
+}  // namespace lithe
