@@ -162,6 +162,8 @@ LieBdf::Newton LieBdf::solve(EquationsOfMotion& equations, const State& start, d
 
 LieBdf::Newton LieBdf::iterate(EquationsOfMotion& equations, const State& start, double time, bool fresh) {
   const Layout& layout = equations.layout();
+  // No correction reaches them: what was extrapolated for them would grow from step to step.
+  for (int row : equations.redundant_rows()) lambda_[row] = 0;
   const double w = weights_[0];
   bool renew = fresh;  // the factor is to be made anew: at the start, and where corrections shrink too slowly
   double last = 0;
