@@ -76,7 +76,7 @@ StepResult Integrator::step(EquationsOfMotion& equations, State& state, double t
   bool passed = shrunk_ && pass_singular_pose(equations, state, t_stop);
   if (!passed) {
     StepResult result = advance(equations, state, std::min(t_stop, begin + longest_));
-    if (!result.ok()) passed = !delegates() && usual_ > 0 && pass_singular_pose(equations, state, t_stop);
+    if (!result.ok()) passed = !delegates() && pass_singular_pose(equations, state, t_stop);
     if (!result.ok() && !passed) return result;
   }
   if (!passed) watch_steps(state.time - begin, state.time == t_stop);
@@ -105,10 +105,14 @@ void Integrator::watch_steps(double length, bool cut) {
 
 /// A step through a singular pose, if one is near.
 bool Integrator::pass_singular_pose(EquationsOfMotion& equations, State& state, double t_stop) {
-  constexpr double kFarthest = 20, kShortest = 1.0 / 256;  // of the step; of the usual one
+  constexpr double kFarthest = 20, kShortest = 1.0 / 16, kTurn = 0.01;  // of the step; of the usual one; rad
   if (!singular_pose_) singular_pose_ = std::make_unique<SingularPose>(equations);
   shrunk_ = false;
-  const double step = std::max(looked_at_, kShortest * usual_);
+  double turning = 0;
+  for (const auto& b : equations.layout().bodies())
+    if (b.frame) turning = std::max(turning, state.v.segment<3>(b.v + 3).norm());
+  const double step = std::max({looked_at_, kShortest * usual_, turning > 0 ? kTurn / turning : 0});
+  if (!(step > 0)) return false;
   const auto ahead = singular_pose_->find(state, step, kFarthest * step);
   const double at = ahead ? state.time + *ahead : 0;
   if (!ahead || !singular_pose_->pass(state, *ahead, step, t_stop)) {

@@ -44,7 +44,7 @@ struct Gauss {
 
 /// Of most nodes, none of which is near to the fraction x of the step.
 const Gauss& choose(double x) {
-  constexpr double kAway = 0.08;
+  constexpr double kAway = 0.1;
   static const Gauss rules[] = {Gauss{-0.8611363115940526, -0.3399810435848563, 0.3399810435848563, 0.8611363115940526},
                                 Gauss{-0.7745966692414834, 0, 0.7745966692414834},
                                 Gauss{-0.5773502691896258, 0.5773502691896258}};
@@ -83,16 +83,22 @@ double SingularPose::nearness(const State& state, double later) {
 }
 
 std::optional<double> SingularPose::find(const State& state, double step, double reach) {
+  constexpr int kSecants = 8;
+  constexpr double kSmall = 1e-3, kEven = 0.3;
   if (rows_.size() == 0 || equations_.rigid_contacts() || state.v_dot.size() != d_.size()) return {};
-  // 1. Where the secant meets zero.
-  const double now = nearness(state, 0), next = nearness(state, step);
-  if (!std::isfinite(now) || !std::isfinite(next) || now == next) return {};
-  const double ahead = step * now / (now - next);
-  if (!(ahead > -0.05 * step) || !(ahead < reach)) return {};
-  // 2. A zero, not a pole or a near miss: beyond it lies the other sign, at about the same distance.
-  const double length = std::max(ahead, step), beyond = nearness(state, ahead + length);
-  const double expected = (next - now) / step * length;
-  if (!(std::abs(beyond - expected) < 0.3 * std::abs(expected))) return {};
+  // 1. A zero, by secants.
+  const double now = nearness(state, 0);
+  double before = 0, ahead = step, value_before = now, value = nearness(state, step);
+  for (int k = 0; k < kSecants && std::abs(value) > kSmall * std::abs(now); ++k) {
+    const double next = ahead - value * (ahead - before) / (value - value_before);
+    if (!(next > -step) || !(next < reach)) return {};  // or no number
+    before = ahead, value_before = value;
+    ahead = next, value = nearness(state, next);
+  }
+  if (!(ahead > -step) || !(ahead < reach)) return {};
+  // 2. Neither a pole nor a near miss: the signs before and behind it differ, the sizes hardly.
+  const double length = 0.25 * step, behind = nearness(state, ahead + length), ago = nearness(state, ahead - length);
+  if (!(std::abs(behind + ago) < kEven * std::abs(behind - ago))) return {};
   return ahead;
 }
 

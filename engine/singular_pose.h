@@ -17,8 +17,8 @@ class SingularPose {
  public:
   explicit SingularPose(EquationsOfMotion& equations);
 
-  /// Time from the state to such a pose if the motion passes one within `reach` seconds; `step` > 0: about how far to
-  /// look for it, s. Makes factors, and leaves others' last one behind.
+  /// Time from the state to such a pose if the motion passes one within `reach` seconds, or has in the last `step`:
+  /// then it is negative. Makes factors, and leaves others' last one behind.
   std::optional<double> find(const State& state, double step, double reach);
   /// Moves the state past the pose that lies `ahead`: as far beyond it, at least `step` in all, not past t_stop. False,
   /// and the state is as it was, where that does not converge.
