@@ -71,6 +71,7 @@ SingularPose::SingularPose(EquationsOfMotion& equations) : equations_(equations)
 /// simple zero where G loses a rank.
 double SingularPose::nearness(const State& state, double later) {
   const Layout& layout = equations_.layout();
+  equations_.recall_rows(left_out_);  // at the pose itself no choice can be told from another
   d_ = later * state.v + 0.5 * later * later * state.v_dot;
   layout.retract(state.q, d_, q_);
   v_.setZero();
@@ -83,9 +84,16 @@ double SingularPose::nearness(const State& state, double later) {
 }
 
 std::optional<double> SingularPose::find(const State& state, double step, double reach) {
+  if (rows_.size() == 0 || equations_.rigid_contacts() || state.v_dot.size() != d_.size()) return {};
+  equations_.track_rows(left_out_);
+  const auto found = search(state, step, reach);
+  equations_.recall_rows(left_out_);
+  return found;
+}
+
+std::optional<double> SingularPose::search(const State& state, double step, double reach) {
   constexpr int kSecants = 8;
   constexpr double kSmall = 1e-3, kEven = 0.3;
-  if (rows_.size() == 0 || equations_.rigid_contacts() || state.v_dot.size() != d_.size()) return {};
   // 1. A zero, by secants.
   const double now = nearness(state, 0);
   double before = 0, ahead = step, value_before = now, value = nearness(state, step);
@@ -97,7 +105,7 @@ std::optional<double> SingularPose::find(const State& state, double step, double
   }
   if (!(ahead > -step) || !(ahead < reach)) return {};
   // 2. Neither a pole nor a near miss: the signs before and behind it differ, the sizes hardly.
-  const double length = 0.25 * step, behind = nearness(state, ahead + length), ago = nearness(state, ahead - length);
+  const double length = 0.05 * step, behind = nearness(state, ahead + length), ago = nearness(state, ahead - length);
   if (!(std::abs(behind + ago) < kEven * std::abs(behind - ago))) return {};
   return ahead;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "engine/projection.h"
 #include "engine/state.h"
@@ -25,12 +26,14 @@ class SingularPose {
   bool pass(State& state, double ahead, double step, double t_stop);
 
  private:
+  std::optional<double> search(const State& state, double step, double reach);
   double nearness(const State& state, double later);
   bool place(double time, VectorX& q, VectorX& v);
 
   EquationsOfMotion& equations_;
   Projector projector_;
   VectorX d_, q_, v_, rows_, probe_, watched_;
+  std::vector<int> left_out_;  // as the search found them
 };
 
 }  // namespace lithe
