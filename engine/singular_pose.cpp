@@ -63,7 +63,6 @@ SingularPose::SingularPose(EquationsOfMotion& equations) : equations_(equations)
   for (VectorX* x : {&d_, &v_, &watched_}) x->setZero(layout.v_count());
   for (VectorX* x : {&rows_, &probe_}) x->setZero(layout.row_count());
   q_.setZero(layout.q_count());
-  for (int i = 0; i < watched_.size(); ++i) watched_[i] = any(i) * (i % 2 ? 1 : -1);
   for (int i = 0; i < probe_.size(); ++i) probe_[i] = any(i + 7) * (i % 3 ? 1 : -1);
 }
 
@@ -84,19 +83,33 @@ double SingularPose::nearness(const State& state, double later) {
 }
 
 std::optional<double> SingularPose::find(const State& state, double step, double reach) {
+  constexpr int kSamples = 20;
   if (rows_.size() == 0 || equations_.rigid_contacts() || state.v_dot.size() != d_.size()) return {};
   equations_.track_rows(left_out_);
-  const auto found = search(state, step, reach);
+  // Where the way bends, or a pole lies near, secants from afar lead out: again from nearer, watching another sum, and
+  // from between changes of sign.
+  std::optional<double> found;
+  for (int seed : {0, 11}) {
+    for (int i = 0; i < watched_.size(); ++i) watched_[i] = any(i + seed) * (i % 2 ? 1 : -1);
+    for (double first : {step, step / 8, step / 64})
+      if (!found) found = search(state, step, 0, first, reach);
+  }
+  double before = -step, value = found ? 0 : nearness(state, before);
+  for (int i = 1; i <= kSamples && !found; ++i) {
+    const double next = (-1 + 5.0 * i / kSamples) * step, value_next = nearness(state, next);
+    if (value * value_next < 0) found = search(state, step, before, next, reach);
+    before = next, value = value_next;
+  }
   equations_.recall_rows(left_out_);
   return found;
 }
 
-std::optional<double> SingularPose::search(const State& state, double step, double reach) {
+/// A zero by secants, from two times on.
+std::optional<double> SingularPose::search(const State& state, double step, double from, double to, double reach) {
   constexpr int kSecants = 8;
   constexpr double kSmall = 1e-3, kEven = 0.3;
-  // 1. A zero, by secants.
-  const double now = nearness(state, 0);
-  double before = 0, ahead = step, value_before = now, value = nearness(state, step);
+  const double now = nearness(state, from);
+  double before = from, ahead = to, value_before = now, value = nearness(state, to);
   for (int k = 0; k < kSecants && std::abs(value) > kSmall * std::abs(now); ++k) {
     const double next = ahead - value * (ahead - before) / (value - value_before);
     if (!(next > -step) || !(next < reach)) return {};  // or no number
@@ -104,9 +117,10 @@ std::optional<double> SingularPose::search(const State& state, double step, doub
     ahead = next, value = nearness(state, next);
   }
   if (!(ahead > -step) || !(ahead < reach)) return {};
-  // 2. Neither a pole nor a near miss: the signs before and behind it differ, the sizes hardly.
+  // Neither a pole nor a near miss: the signs before and behind it differ, the sizes hardly, and it is smaller.
   const double length = 0.05 * step, behind = nearness(state, ahead + length), ago = nearness(state, ahead - length);
-  if (!(std::abs(behind + ago) < kEven * std::abs(behind - ago))) return {};
+  const double change = std::abs(behind - ago);
+  if (!(std::abs(behind + ago) < kEven * change) || !(std::abs(value) < 0.1 * change)) return {};
   return ahead;
 }
 

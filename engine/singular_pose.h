@@ -26,7 +26,7 @@ class SingularPose {
   bool pass(State& state, double ahead, double step, double t_stop);
 
  private:
-  std::optional<double> search(const State& state, double step, double reach);
+  std::optional<double> search(const State& state, double step, double from, double to, double reach);
   double nearness(const State& state, double later);
   bool place(double time, VectorX& q, VectorX& v);
 
