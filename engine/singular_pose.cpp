@@ -107,20 +107,24 @@ std::optional<double> SingularPose::find(const State& state, double step, double
 /// A zero by secants, from two times on.
 std::optional<double> SingularPose::search(const State& state, double step, double from, double to, double reach) {
   constexpr int kSecants = 8;
-  constexpr double kSmall = 1e-3, kEven = 0.3;
+  constexpr double kSmall = 1e-3, kNear = 1e-3, kEven = 0.3;
   const double now = nearness(state, from);
   double before = from, ahead = to, value_before = now, value = nearness(state, to);
   for (int k = 0; k < kSecants && std::abs(value) > kSmall * std::abs(now); ++k) {
     const double next = ahead - value * (ahead - before) / (value - value_before);
     if (!(next > -step) || !(next < reach)) return {};  // or no number
     before = ahead, value_before = value;
-    ahead = next, value = nearness(state, next);
+    ahead = next;
+    if (std::abs(ahead - before) < kNear * step) break;  // at the pose itself rows give way, and the sum means nothing
+    value = nearness(state, next);
   }
   if (!(ahead > -step) || !(ahead < reach)) return {};
-  // Neither a pole nor a near miss: the signs before and behind it differ, the sizes hardly, and it is smaller.
+  // Neither a pole nor a near miss: the signs before and behind it differ, the sizes hardly, and nearer they are smaller.
   const double length = 0.05 * step, behind = nearness(state, ahead + length), ago = nearness(state, ahead - length);
   const double change = std::abs(behind - ago);
-  if (!(std::abs(behind + ago) < kEven * change) || !(std::abs(value) < 0.1 * change)) return {};
+  if (!(std::abs(behind + ago) < kEven * change)) return {};
+  const double inner = std::abs(nearness(state, ahead + length / 4) - nearness(state, ahead - length / 4));
+  if (!(inner < 0.5 * change)) return {};
   return ahead;
 }
 
