@@ -6,6 +6,8 @@
 
 #include "engine/checkpoint/archive.h"
 #include "engine/error.h"
+#include "engine/log.h"
+#include "engine/singular_pose.h"
 
 namespace lithe {
 namespace {
@@ -40,6 +42,9 @@ Vector3 turn_between(const Vector4& e_from, const Vector4& e_to, const Vector3& 
 
 }  // namespace
 
+Integrator::Integrator() = default;
+Integrator::~Integrator() = default;
+
 void Integrator::start(EquationsOfMotion& equations, State& state) {
   if (equations.rigid_contacts() && !handles_rigid_contacts())
     throw SceneError(name() + " knows no contact between rigid surfaces", "Integrator::start",
@@ -54,6 +59,9 @@ void Integrator::start(EquationsOfMotion& equations, State& state) {
   turn_rates_.setZero(quadrants_.size());
   last_length_ = 0;
   longest_ = std::numeric_limits<double>::infinity();
+  usual_ = looked_at_ = 0;
+  shrunk_ = false;
+  singular_pose_.reset();
   prepare(equations, state);
   equations.track_rows(state.left_out);
 }
@@ -65,20 +73,68 @@ StepResult Integrator::step(EquationsOfMotion& equations, State& state, double t
   equations.recall(state.contacts);
   quadrants_ = state.quadrants;
   const double begin = state.time;
-  StepResult result = advance(equations, state, std::min(t_stop, begin + longest_));
-  if (!result.ok()) return result;
+  bool passed = shrunk_ && pass_singular_pose(equations, state, t_stop);
+  if (!passed) {
+    StepResult result = advance(equations, state, std::min(t_stop, begin + longest_));
+    if (!result.ok()) passed = !delegates() && pass_singular_pose(equations, state, t_stop);
+    if (!result.ok() && !passed) return result;
+  }
+  if (!passed) watch_steps(state.time - begin, state.time == t_stop);
   equations.track(state.quadrants);
   equations.track_rows(state.left_out);
   equations.track_contacts(state);
   if (turn_rates_.size() > 0 && turn_rates_.size() == state.quadrants.size())
     limit_turn(state.quadrants, state.time - begin);
-  return result;
+  return {};
+}
+
+/// Whether steps have become so short that it is worth looking for a singular pose ahead. A step that t_stop cut tells
+/// nothing.
+void Integrator::watch_steps(double length, bool cut) {
+  constexpr double kShort = 1.0 / 16, kAgain = 1.0 / 4, kForget = 0.95;
+  shrunk_ = false;
+  if (delegates() || (cut && length < usual_)) return;
+  usual_ = std::max(length, kForget * usual_);
+  if (length > kShort * usual_) {
+    looked_at_ = 0;
+  } else if (looked_at_ == 0 || length < kAgain * looked_at_) {
+    shrunk_ = true;
+    looked_at_ = length;
+  }
+}
+
+/// A step through a singular pose, if one is near.
+bool Integrator::pass_singular_pose(EquationsOfMotion& equations, State& state, double t_stop) {
+  constexpr double kFarthest = 20, kShortest = 1.0 / 16, kTurn = 0.01;  // of the step; of the usual one; rad
+  if (!singular_pose_) singular_pose_ = std::make_unique<SingularPose>(equations);
+  shrunk_ = false;
+  double turning = 0;
+  for (const auto& b : equations.layout().bodies())
+    if (b.frame) turning = std::max(turning, state.v.segment<3>(b.v + 3).norm());
+  const double step = std::max({looked_at_, kShortest * usual_, turning > 0 ? kTurn / turning : 0});
+  if (!(step > 0)) return false;
+  const auto ahead = singular_pose_->find(state, step, kFarthest * step);
+  const double at = ahead ? state.time + *ahead : 0;
+  if (!ahead || !singular_pose_->pass(state, *ahead, step, t_stop)) {
+    lose_factor();
+    return false;
+  }
+  log::info("passed a pose where constraints lose rank at t = " + std::to_string(at) +
+            " s, on the branch that the velocity tells");
+  resumes_ = true;
+  prepare(equations, state);
+  resumes_ = false;
+  usual_ = looked_at_ = 0;
+  return true;
 }
 
 bool Integrator::history(Archive& archive, EquationsOfMotion& equations, const State& state) {
   archive("turn_rates", turn_rates_);
   archive("last_length", last_length_);
   archive("longest", longest_);
+  archive("usual", usual_);
+  archive("looked_at", looked_at_);
+  archive("shrunk", shrunk_);
   return keep(archive, equations, state);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <limits>
+#include <memory>
 #include <string>
 
 #include "engine/equations_of_motion.h"
@@ -9,6 +10,7 @@
 namespace lithe {
 
 class Archive;
+class SingularPose;
 
 /// The one tolerance convention: a component x of the chart increment or of v may err by absolute + relative |x| a step
 /// (rotations: |x| = 1 rad); the root mean square of error over allowance is kept below 1.
@@ -38,13 +40,15 @@ enum class Multipliers { found, later };
 /// Advances a state of the equations of motion. Keeps its own history; a changed state needs start().
 class Integrator {
  public:
-  virtual ~Integrator() = default;
+  Integrator();
+  virtual ~Integrator();
   virtual std::string name() const = 0;
   /// Forgets the past and makes state.v_dot, state.lambda consistent with (time, q, v).
   void start(EquationsOfMotion& equations, State& state);
   /// One step, never past t_stop; t_stop is hit exactly. Trouble inside (no convergence) is met with smaller steps
   /// first. Where the angles of joints would pass half a turn in it, by their motion in the last two steps, the step
-  /// is cut, so that turns are counted.
+  /// is cut, so that turns are counted. Where closed loops lose rank on the way and steps shrink towards that pose, one
+  /// step leads through it on the branch that the velocity tells, is logged, and the method begins anew behind it.
   StepResult step(EquationsOfMotion& equations, State& state, double t_stop,
                   Multipliers multipliers = Multipliers::found);
   virtual const IntegratorStatistics& statistics() const = 0;
@@ -77,14 +81,26 @@ class Integrator {
   /// The method's own part of history(): archive.same() its parameters, then archive() each member that outlives a
   /// step, its statistics among them.
   virtual bool keep(Archive& /*archive*/, EquationsOfMotion& /*equations*/, const State& /*state*/) { return false; }
+  /// The factor that the equations hold has been replaced between steps.
+  virtual void lose_factor() {}
+  /// Steps are another integrator's, which meets singular poses itself.
+  virtual bool delegates() const { return false; }
+  /// Whether prepare() begins anew behind a singular pose: statistics go on.
+  bool resumes() const { return resumes_; }
 
  private:
   void limit_turn(const VectorX& quadrants, double length);
+  bool pass_singular_pose(EquationsOfMotion& equations, State& state, double t_stop);
+  void watch_steps(double length, bool cut);
 
   Multipliers multipliers_ = Multipliers::found;
   VectorX quadrants_, turn_rates_;                            // before the step; over the last one, quadrants a second
   double last_length_ = 0;                                    // s
   double longest_ = std::numeric_limits<double>::infinity();  // next step, s
+  // Steps that shrink may lead to a singular pose.
+  double usual_ = 0, looked_at_ = 0;  // s: the longest of late; where a look has found none (0: not looked)
+  bool shrunk_ = false, resumes_ = false;
+  std::unique_ptr<SingularPose> singular_pose_;  // once looked for
 };
 
 /// A step for messages: "2.4e-07 s".

@@ -66,6 +66,7 @@ class ModeFreezing final : public Integrator {
   void prepare(EquationsOfMotion& equations, State& state) override;
   StepResult advance(EquationsOfMotion& equations, State& state, double t_stop) override;
   bool keep(Archive& archive, EquationsOfMotion& equations, const State& state) override;
+  bool delegates() const override { return true; }
 
  private:
   /// z and its rate.

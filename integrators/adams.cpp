@@ -178,7 +178,7 @@ Adams::~Adams() = default;
 
 void Adams::prepare(EquationsOfMotion& equations, State& state) {
   // 1. A consistent start: positions, velocities, accelerations and multipliers.
-  statistics_ = {};
+  if (!resumes()) statistics_ = {};
   memory_ = std::make_unique<Memory>(equations, parameters_.tolerance);
   Memory& m = *memory_;
   m.projector.position(state.time, state.q, kPositionTolerance, kMaxProjections, Projector::Factor::first);

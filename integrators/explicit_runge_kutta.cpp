@@ -28,7 +28,7 @@ ExplicitRungeKutta::ExplicitRungeKutta(Parameters parameters)
 std::string ExplicitRungeKutta::name() const { return "explicit Runge-Kutta " + std::string(tableau_->name); }
 
 void ExplicitRungeKutta::prepare(EquationsOfMotion& equations, State& state) {
-  statistics_ = {};
+  if (!resumes()) statistics_ = {};
   stiffness_ = 0;
   step_ = std::make_unique<RungeKuttaStep>(*tableau_, equations);
   step_->accelerations(state);

@@ -44,7 +44,7 @@ std::string GeneralizedAlpha::name() const {
 
 void GeneralizedAlpha::prepare(EquationsOfMotion& equations, State& state) {
   const int nv = equations.layout().v_count(), rows = equations.layout().row_count();
-  statistics_ = {};
+  if (!resumes()) statistics_ = {};
   for (VectorX* x : {&a_, &v_, &v_dot_, &d_, &v_dot_last_, &jerk_, &delta_, &change_, &rv_, &magnitudes_})
     x->setZero(nv);
   for (VectorX* x : {&lambda_, &rl_, &rl2_}) x->setZero(rows);

@@ -91,7 +91,8 @@ Ida::~Ida() = default;
 
 void Ida::prepare(EquationsOfMotion& equations, State& state) {
   // 1. A consistent start: positions, velocities, accelerations and multipliers.
-  statistics_ = before_ = {};
+  if (!resumes()) statistics_ = {};
+  before_ = statistics_;
   Projector projector(equations);
   projector.position(state.time, state.q, 1e-13, 10, Projector::Factor::first);
   projector.velocity(state.time, state.q, state.v);

@@ -42,7 +42,7 @@ LieBdf::LieBdf(Parameters parameters) : parameters_(parameters) {
 void LieBdf::prepare(EquationsOfMotion& equations, State& state) {
   const Layout& layout = equations.layout();
   const int nv = layout.v_count(), rows = layout.row_count();
-  statistics_ = {};
+  if (!resumes()) statistics_ = {};
   for (VectorX* x : {&d_, &v_, &v_dot_, &past_d_rate_, &past_v_rate_, &shift_, &rate_, &increment_, &rv_, &correction_,
                      &d_error_, &v_error_, &d_size_, &v_size_})
     x->setZero(nv);
@@ -162,6 +162,8 @@ LieBdf::Newton LieBdf::solve(EquationsOfMotion& equations, const State& start, d
 
 LieBdf::Newton LieBdf::iterate(EquationsOfMotion& equations, const State& start, double time, bool fresh) {
   const Layout& layout = equations.layout();
+  // No correction reaches them: what was extrapolated for them would grow from step to step.
+  for (int row : equations.redundant_rows()) lambda_[row] = 0;
   const double w = weights_[0];
   bool renew = fresh;  // the factor is to be made anew: at the start, and where corrections shrink too slowly
   double last = 0;

@@ -41,6 +41,7 @@ class LieBdf final : public Integrator {
   void prepare(EquationsOfMotion& equations, State& state) override;
   StepResult advance(EquationsOfMotion& equations, State& state, double t_stop) override;
   bool keep(Archive& archive, EquationsOfMotion& equations, const State& state) override;
+  void lose_factor() override { factor_weight_ = 0; }
 
  private:
   enum class Newton { converged, slow, no_number };

@@ -21,7 +21,7 @@ std::string LinearlyImplicit::name() const {
 
 void LinearlyImplicit::prepare(EquationsOfMotion& equations, State& state) {
   const int nv = equations.layout().v_count(), rows = equations.layout().row_count();
-  statistics_ = {};
+  if (!resumes()) statistics_ = {};
   for (VectorX* x : {&d_, &turned_, &rv_}) x->setZero(nv);
   for (VectorX* x : {&rl_, &rl2_}) x->setZero(rows);
   if (state.v_dot.size() != nv) state.v_dot.setZero(nv);

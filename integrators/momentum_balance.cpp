@@ -32,7 +32,7 @@ MomentumBalance::MomentumBalance(double step, double newton_tolerance, const std
 void MomentumBalance::prepare(EquationsOfMotion& equations, State& state) {
   const Layout& layout = equations.layout();
   const int nv = layout.v_count(), rows = layout.row_count();
-  statistics_ = {};
+  if (!resumes()) statistics_ = {};
   for (VectorX* x : {&v_, &v_dot_, &rv_, &zero_v_, &x_, &product_, &offset_}) x->setZero(nv);
   for (VectorX* x : {&lambda_, &rl_, &zero_rows_}) x->setZero(rows);
   q_ = state.q;

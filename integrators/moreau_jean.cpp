@@ -19,7 +19,7 @@ MoreauJean::MoreauJean(Parameters parameters, std::unique_ptr<ConeSolver> solver
 
 void MoreauJean::prepare(EquationsOfMotion& equations, State& state) {
   const int nv = equations.layout().v_count(), rows = equations.layout().row_count();
-  statistics_ = {};
+  if (!resumes()) statistics_ = {};
   for (VectorX* x : {&v_, &d_, &rv_}) x->setZero(nv);
   rl_.setZero(rows);
   q_ = state.q;

@@ -39,7 +39,7 @@ Radau::Radau(Parameters parameters) : parameters_(parameters) {
 
 void Radau::prepare(EquationsOfMotion& equations, State& state) {
   const Layout& layout = equations.layout();
-  statistics_ = {};
+  if (!resumes()) statistics_ = {};
   equations_ = &equations;
   projector_.emplace(equations);
   for (VectorX* x : {&v_, &v_dot_, &d_error_, &v_error_, &d_size_, &v_size_}) x->setZero(layout.v_count());

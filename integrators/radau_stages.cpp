@@ -201,6 +201,8 @@ bool RadauStages::solve(EquationsOfMotion& equations, const State& start, double
   bool fresh = !(complex_h_ > 0 && std::abs(h / complex_h_ - 1) < 1e-6);
   bool factors = true, renewed = false;  // factors are to be made; have been within these iterations
   worst_rate_ = 0;
+  // No correction reaches them: what was extrapolated for them would grow from step to step.
+  for (int row : equations.redundant_rows()) lambda_.row(row).setZero();
   double allowance = std::pow(std::max(allowance_, 1e-16), 0.8), last = 0;
   for (int k = 0; k < kMaxNewton; ++k) {
     evaluate(equations, start, time, h);

@@ -123,33 +123,6 @@ Track scott_russell_track(double duration) {
       });
 }
 
-/// Whether no freedom becomes singular on the way: least nonzero singular value of G at poses of the plain drawing.
-bool regular(const Linkage& linkage, const Drawing& drawing, const std::vector<State>& way) {
-  constexpr double kLeast = 0.02;
-  const Scene scene = draw(linkage, drawing, Matrix3::Identity(), {});
-  const int rank = scene.system.rank();
-  for (const State& state : way) {
-    const VectorX s = singular_values(dense_rows(scene, state));
-    if (s[rank - 1] < kLeast * s[0]) return false;
-  }
-  return true;
-}
-
-/// Poses of the plain drawing, some fifty.
-std::vector<State> way_of(const Linkage& linkage, const std::vector<Vector6>& velocities) {
-  Scene scene = draw(linkage, all_drawings(linkage).front(), Matrix3::Identity(), velocities);
-  const Method method = runge_kutta8(1e-9);
-  method->start(scene.equations, scene.state);
-  std::vector<State> way;
-  for (int k = 1; k <= 50; ++k) {
-    const double end = linkage.duration * k / 50;
-    while (scene.state.time < end && method->step(scene.equations, scene.state, end).ok()) {
-    }
-    way.push_back(scene.state);
-  }
-  return way;
-}
-
 struct Candidate {
   std::string name;
   Method method;
@@ -198,22 +171,20 @@ TEST_P(EveryDrawing, MovesAsThePlanarOneThroughTwoTurns) {
   std::normal_distribution<double> normal;
   const double limits[] = {0, linkage.duration / 50, linkage.duration / 500};
   const bool everything = std::getenv("LITHE_EVERY_DRAWING") != nullptr;  // else a method and a limit each, in turn
-  const std::vector<State> way = way_of(linkage, velocities);
   int count = 0, runs = 0, failed = 0, others = 0;
   for (const Drawing& drawing : all) {
     const Matrix3 turn =
         rotation_matrix(Vector4(normal(random), normal(random), normal(random), normal(random)).normalized());
     ++count;
     const Scene still = draw(linkage, drawing, turn, velocities);
-    const bool alone = still.system.degrees_of_freedom() == 1, sound = alone && regular(linkage, drawing, way);
+    const bool alone = still.system.degrees_of_freedom() == 1;
     for (int l = 0; l < 3; ++l) {
       std::vector<Candidate> methods = candidates(limits[l], linkage.duration);
       for (int m = 0; m < static_cast<int>(methods.size()); ++m) {
         if (!everything && (count % 3 != l || count % 5 != m)) continue;
         Candidate& c = methods[m];
-        // Poses where branches of the motion meet are not asked for here, nor motions out of the plane that nothing
-        // holds and that may be unstable.
-        if (!sound) {
+        // A freedom that nothing holds (a body that spins, a motion out of the plane) may be unstable: not asked for.
+        if (!alone) {
           ++others;
           continue;
         }
@@ -233,11 +204,13 @@ TEST_P(EveryDrawing, MovesAsThePlanarOneThroughTwoTurns) {
   EXPECT_GT(runs, 10);
 }
 
-INSTANTIATE_TEST_SUITE_P(Linkages, EveryDrawing, ::testing::Values(slider_crank, scissor), [](const auto& at) {
-  std::string name = at.param().name;
-  std::erase(name, '-');
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(Linkages, EveryDrawing,
+                         ::testing::Values(slider_crank, four_bar, scott_russell, parallelogram, scissor),
+                         [](const auto& at) {
+                           std::string name = at.param().name;
+                           std::erase(name, '-');
+                           return name;
+                         });
 
 }  // namespace
 }  // namespace lithe::test::every_drawing_test
