@@ -44,7 +44,7 @@ void LieBdf::prepare(EquationsOfMotion& equations, State& state) {
   const int nv = layout.v_count(), rows = layout.row_count();
   statistics_ = {};
   for (VectorX* x : {&d_, &v_, &v_dot_, &past_d_rate_, &past_v_rate_, &shift_, &rate_, &increment_, &rv_, &correction_,
-                     &d_error_, &v_error_, &d_size_, &v_size_, &last_error_})
+                     &d_error_, &v_error_, &d_size_, &v_size_})
     x->setZero(nv);
   for (VectorX* x : {&lambda_, &rl_, &rl2_}) x->setZero(rows);
   q_ = state.q;
@@ -54,9 +54,6 @@ void LieBdf::prepare(EquationsOfMotion& equations, State& state) {
   factor_weight_ = 0;
   convergence_rate_ = kRateOfFreshFactor;
   steps_at_order_ = 0;
-  swing_ = swing_scale_ = 0;
-  swing_steps_ = -1;
-  low_orders_ = patience_ = 0;
   if (starter_) {
     h_ = parameters_.step;
     order_ = parameters_.max_order;
@@ -279,12 +276,6 @@ bool LieBdf::keep(Archive& archive, EquationsOfMotion& equations, const State& s
   archive("steps_at_order", steps_at_order_);
   archive("raising", raising_);
   archive("failed", failed_);
-  archive("swing", swing_);
-  archive("swing_scale", swing_scale_);
-  archive("swing_steps", swing_steps_);
-  archive("last_error", last_error_);
-  archive("low_orders", low_orders_);
-  archive("patience", patience_);
   archive("factor_weight", factor_weight_);
   archive("convergence_rate", convergence_rate_);
   archive.group("past", [&] { history_.history(archive); });

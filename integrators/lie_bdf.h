@@ -14,9 +14,8 @@ namespace lithe {
 ///   Jr⁻¹(d) v = p_d' + ζ,   M p_v' + Gᵀ λ = f,   g = 0,   G v + ∂g/∂t = 0,
 /// with ζ along S⁻¹Gᵀ for the tangent S of the step. Newton by the structured factor of the engine, kept over steps
 /// while it converges well. Order and step by the error that the predictor shows (Brenan, Campbell & Petzold 1996,
-/// 5.2); multipliers are not tested. For stiff scenes with damping, at tolerances of 1e-4 and finer. Orders above 2 are
-/// not A-stable: undamped stiff modes grow under them, until steps resolve what nobody asked for. Where the error begins
-/// to swing from step to step, which no motion that the steps resolve does, order 2 takes over for a while and damps it.
+/// 5.2); multipliers are not tested. For stiff scenes with damping, at tolerances of 1e-4 and finer; orders above 2 are
+/// not A-stable: where stiff modes go undamped, 2 is the better max_order.
 /// A step is kept so short that bodies turn less than some two radians over the polynomial's points.
 class LieBdf final : public Integrator {
  public:
@@ -62,7 +61,6 @@ class LieBdf final : public Integrator {
   double error(double time, int order);
   void accept(const Layout& layout, State& state, double time);
   void plan(const Layout& layout, double time, double h, double ratio);
-  bool swings(double ratio);
   void shrink(double ratio, double time, double& h, int failures);
   std::string describe(const Layout& layout, Newton newton, double h) const;
 
@@ -78,14 +76,6 @@ class LieBdf final : public Integrator {
   double factor_weight_ = 0;  // w_0 of the factor at hand; 0: none
   KeptFactor factor_;
   double convergence_rate_ = 0.5;  // of Newton with it
-
-  // Of the error of v, from step to step at one order: Σ e_n e_(n-1) over Σ e_n², earlier ones forgotten by and by. Of a
-  // motion A cos ωt it is cos ωh.
-  double swing_ = 0, swing_scale_ = 0;
-  int swing_steps_ = -1;  // that were compared; -1: last_error_ is of another order
-  VectorX last_error_;    // over the allowance
-  int low_orders_ = 0;    // steps until orders above 2 are tried again
-  int patience_ = 0;      // how many the last time
 
   BdfHistory history_;
   BdfHistory::Weights weights_{}, error_weights_{};

@@ -6,12 +6,6 @@
 namespace lithe {
 namespace {
 
-constexpr double kResolved = 0.6;     // cosine of the angle ω h that a step of good accuracy stays below
-constexpr double kForgets = 0.8;      // a step
-constexpr int kSwings = 5;            // steps to be judged by
-constexpr double kSignificant = 0.1;  // error over allowance; less is what Newton leaves
-constexpr int kPatience = 50, kLongestPatience = 800;
-
 /// How much longer a step of this order may be that erred by `ratio` of what it may; half of that is aimed at.
 double growth(int order, double ratio) { return std::pow(2 * ratio + 1e-6, -1.0 / (order + 1)); }
 
@@ -68,22 +62,6 @@ void LieBdf::shrink(double ratio, double time, double& h, int failures) {
   h *= failures == 1 && std::isfinite(grow) ? std::clamp(0.9 * grow, 0.25, 0.9) : 0.25;
 }
 
-/// Whether the error of this step, and of some before it, is that of an oscillation that the steps do not resolve.
-bool LieBdf::swings(double ratio) {
-  const Tolerance& t = parameters_.tolerance;
-  if (steps_at_order_ == 0) swing_ = swing_scale_ = 0, swing_steps_ = -1;
-  rate_ = v_error_.array() / (t.absolute + t.relative * v_size_.array());
-  if (swing_steps_ < 0) {
-    swing_steps_ = 0;
-  } else if (ratio > kSignificant) {
-    swing_ = kForgets * swing_ + rate_.dot(last_error_);
-    swing_scale_ = kForgets * swing_scale_ + 0.5 * (rate_.squaredNorm() + last_error_.squaredNorm());
-    ++swing_steps_;
-  }
-  last_error_ = rate_;
-  return swing_steps_ >= kSwings && swing_ < kResolved * swing_scale_;
-}
-
 /// Order and length of the next step. Steps are kept for as long as they are near the best: the factor lasts, and
 /// polynomials through equal steps err least.
 void LieBdf::plan(const Layout& layout, double time, double h, double ratio) {
@@ -95,18 +73,7 @@ void LieBdf::plan(const Layout& layout, double time, double h, double ratio) {
   const auto allowed = [&](int order, double grow) {
     return turning > 0 ? std::min(grow, kLargestTurn / ((order + 1) * turning * h)) : grow;
   };
-  const bool unresolved = swings(ratio);
   ++steps_at_order_;
-  if (low_orders_ > 0) --low_orders_;
-  if (unresolved && order_ > 2) {
-    order_ = 2;
-    steps_at_order_ = 0;
-    raising_ = false;
-    patience_ = std::clamp(2 * patience_, kPatience, kLongestPatience);
-    low_orders_ = patience_;
-    h_ = h * std::clamp(growth(2, error(time, 2)), 0.25, 1.0);
-    return;
-  }
   double grow = allowed(order_, growth(order_, ratio));
   int order = order_;
   if (raising_) {
@@ -124,8 +91,7 @@ void LieBdf::plan(const Layout& layout, double time, double h, double ratio) {
     const double lower = allowed(order_ - 1, growth(order_ - 1, error(time, order_ - 1)));
     if (lower > grow) grow = lower, order = order_ - 1;
   }
-  if (settled && order == order_ && order_ < (low_orders_ > 0 ? std::min(2, parameters_.max_order) : parameters_.max_order) &&
-      history_.size() >= order_ + 2) {
+  if (settled && order == order_ && order_ < parameters_.max_order && history_.size() >= order_ + 2) {
     const double higher = allowed(order_ + 1, growth(order_ + 1, error(time, order_ + 1)));
     if (higher > 1.1 * grow) grow = higher, order = order_ + 1;
   }
