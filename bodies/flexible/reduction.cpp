@@ -80,7 +80,7 @@ std::vector<int> with_swing_held(const FramePlacement& placed) {
 void fill_nodal(const BodyFrame& frame, FramePlacement placed, const BodyMatrices& body, bool scalar,
                 const Reduction& reduction, ModalBasis& basis) {
   if (std::holds_alternative<MeanAxisFrame>(frame) || placed.means.cols() > 0)
-    throw SceneError("frames held by a mean are no selection of nodal coordinates.", placed.where,
+    throw SceneError("mean axes, or the mean of some nodes, are no selection of nodal coordinates.", placed.where,
                      "use a ThreeNodeFrame (or a tangent or hinge frame) with kAllNodal.");
   if (!reduction.rigid.empty())
     throw SceneError("a body with all its nodal coordinates keeps no set of nodes rigid.", placed.where,
