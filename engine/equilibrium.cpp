@@ -16,13 +16,14 @@ constexpr double kFarthest = 0.3;        // rad, or of the size of the scene: wh
 constexpr double kSmooth = 1e-5;         // of the size of the scene, or rad: for differences of the balance
 constexpr double kLeast = 1e-4;          // of the shift σ, 1/s²
 constexpr double kMost = 1e16;           // likewise; where it is reached nothing helps
-constexpr double kContraction = 0.5;     // of a correction beside the one before
+constexpr double kContraction = 0.7;     // of a correction beside the one before
 constexpr double kSettled = 1e-4;        // of corrections beside the step: the rest is left to the next one
-constexpr double kGood = 1e-2;           // likewise, where they do not contract any more
+constexpr double kGood = 0.05;           // likewise, where they do not contract any more
 constexpr int kMaxTangents = 8;          // a step, besides its own
 constexpr int kMaxCorrections = 15;      // a step
 constexpr double kLeastShare = 0.02;     // of a step; below, the shift grows
 constexpr int kMaxTries = 2;             // shares of a step, each 0.3 of the last
+constexpr double kLonger = 2;            // a share beside the one taken last
 constexpr double kGrowth = 10;           // of the shift where a step is refused without saying by how much
 constexpr double kRowsClosed = 1e-9;     // |g| of an equilibrium
 constexpr double kHardlyMoves = 1e-6;    // m, rad: too small a move to judge the energy by
@@ -51,6 +52,7 @@ class Search {
   }
 
   void run(int max_steps, Equilibrium& found) {
+    double longest_share = 1;  // that is worth a try
     for (int steps = 0; steps < max_steps && shift_ < kMost && out_of_balance_ > kPerfect * force_scale_; ++steps) {
       if (!find_step()) {
         if (balanced_) break;
@@ -71,7 +73,8 @@ class Search {
         shift_ = (stiffness + shift_) * far - stiffness;
         continue;
       }
-      const double share = take(std::min(1.0, 1 / far));
+      const double share = take(std::min({1.0, 1 / far, longest_share}));
+      longest_share = share > 0 ? kLonger * share : 1;
       if (share == 0) {
         if (balanced_) break;
         shift_ = std::max(kGrowth * shift_, 3 * stiffness);

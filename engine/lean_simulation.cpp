@@ -136,10 +136,21 @@ struct LeanSimulation::Island {
         if (contacts[i] == trace.element) state.contacts.emplace_back(trace).element = static_cast<int>(i);
   }
 
+  /// The same of a state that it has passed: what happened up to there has happened.
+  void take_back(const State& whole) {
+    const auto& all = simulation.events_;
+    events_before.assign(all.begin(), std::find_if(all.begin(), all.end(), [&](const EventRecord& e) {
+                           return e.time > whole.time;
+                         }));
+    take(whole);
+  }
+
   void move(double stop, Multipliers multipliers) {
     if (!touched && sleeper && sleeper->sleeps_until(stop)) return;
     touched = false;
     simulation.run(state, stop, multipliers);
+    simulation.events_.insert(simulation.events_.begin(), events_before.begin(), events_before.end());
+    events_before.clear();
   }
 
   std::unique_ptr<SystemGraph> graph;       // null: the whole's
@@ -150,6 +161,8 @@ struct LeanSimulation::Island {
   Simulation simulation;
   State state;          // its time stands still while it sleeps
   bool touched = true;  // since it moved last
+  long earlier_events = 0;                 // that it had when the run of the whole began
+  std::vector<EventRecord> events_before;  // of the time that it was taken back to, until it moves
   Shares q, v, rows, angles;
   std::vector<int> contacts;  // number in the whole of each of its contact elements
 };
@@ -194,7 +207,22 @@ void LeanSimulation::on(Event event) {
   islands_.front()->simulation.on(std::move(event));
 }
 
-const std::vector<EventRecord>& LeanSimulation::events() const { return islands_.front()->simulation.events(); }
+const std::vector<EventRecord>& LeanSimulation::events() const {
+  return is_one() ? islands_.front()->simulation.events() : events_;
+}
+/// Within a run there are only ever more of them.
+void LeanSimulation::gather_events() {
+  long count = 0;
+  for (const auto& island : islands_) count += std::ssize(island->simulation.events()) - island->earlier_events;
+  if (count == std::ssize(events_)) return;
+  events_.clear();
+  for (const auto& island : islands_) {
+    const auto& own = island->simulation.events();
+    events_.insert(events_.end(), own.begin() + island->earlier_events, own.end());
+  }
+  std::stable_sort(events_.begin(), events_.end(),
+                   [](const EventRecord& a, const EventRecord& b) { return a.time < b.time; });
+}
 const std::string& LeanSimulation::stopped_by() const { return islands_.front()->simulation.stopped_by(); }
 
 void LeanSimulation::check(const State& state, double end) const {
@@ -222,6 +250,9 @@ void LeanSimulation::run(State& state, double end) {
   const bool resumed = begun_ && same(state, last_);
   for (auto& island : islands_) island->take(state);
   if (!resumed) {
+    events_.clear();
+    for (auto& island : islands_)
+      island->earlier_events = island->touched ? 0 : std::ssize(island->simulation.events());
     last_ = state;
     evaluated_ = false;
   }
@@ -257,6 +288,7 @@ void LeanSimulation::advance(State& state, double stop, Multipliers multipliers)
     }
   }
   gather(state, stop);
+  gather_events();
   last_ = state;
   evaluated_ = false;
 }
@@ -313,8 +345,10 @@ void LeanSimulation::history(Archive& archive, State& state) {
       island.simulation.history(archive, island.state);
       island.simulation.started_ = true;
       archive("touched", island.touched);
+      archive("earlier events", island.earlier_events);
     });
   if (archive.loads()) state.v_dot.setZero(system_.layout().v_count());
+  if (archive.loads()) events_.clear(), gather_events();
   gather(state, state.time);
   if (archive.loads() || !same(state, last_)) last_ = state, evaluated_ = false;
   archive.group("observers", [&] { watches_.history(archive); });
@@ -327,7 +361,7 @@ void LeanSimulation::fail(State& state, const Island& failed, const SimulationEr
     const double time = failed.state.time;
     for (auto& island : islands_) {
       if (island.get() == &failed) continue;
-      if (island->state.time > time) island->take(last_);
+      if (island->state.time > time) island->take_back(last_);
       island->move(time, Multipliers::found);
     }
     gather(state, time);
@@ -335,6 +369,7 @@ void LeanSimulation::fail(State& state, const Island& failed, const SimulationEr
     last_ = state;
   } catch (const SimulationError&) {  // NOLINT: they met at last_
   }
+  gather_events();
   watches_.tell_all(state.time, [&]() -> Snapshot& { return look(state); });
   throw SimulationError("in the island of " + names(failed.system.layout()) + ": " + error.problem(), error.where(),
                         error.mend());

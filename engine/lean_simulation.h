@@ -57,7 +57,7 @@ class LeanSimulation {
   State resume(const std::string& path);
   State resume(Archive& archive);
 
-  /// As Simulation has them.
+  /// As Simulation has them: of all islands by time, and at one time in their order.
   const std::vector<EventRecord>& events() const;
   const std::string& stopped_by() const;
 
@@ -85,6 +85,7 @@ class LeanSimulation {
   void advance(State& state, double stop, Multipliers multipliers);
   [[noreturn]] void fail(State& state, const Island& failed, const SimulationError& error);
   void gather(State& state, double time) const;
+  void gather_events();
   Snapshot& look(const State& state);
   void history(Archive& archive, State& state);
   void write_due_checkpoint(State& state);
@@ -93,7 +94,8 @@ class LeanSimulation {
   const System* whole_ = nullptr;  // null: system_
   Expand expand_;
   std::vector<std::unique_ptr<Island>> islands_;
-  bool reacts_;  // observers need multipliers: joints rub
+  bool reacts_;                      // observers need multipliers: joints rub
+  std::vector<EventRecord> events_;  // of all islands, where there are several
 
   Watches watches_;
   State last_;                // the last good state of all

@@ -1,9 +1,14 @@
 #include "engine/linear_block.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace lithe {
 namespace {
+
+constexpr double kRoundings = 8;        // a pivot of as many last bits of what it was made from is round-off alone
+constexpr double kMostCondition = 1e13;  // of D with rows and columns scaled: a factor of three digits serves Newton
 
 /// y -= A x with A m x n, columns `stride` apart; M: m if the compiler may know it, else 0.
 template <int M, class S>
@@ -23,6 +28,33 @@ template <class S>
 void subtract_product(const S* A, int stride, int m, int n, const S* x, S* y) {
   if (m == 6) return subtract_product<6>(A, stride, m, n, x, y);  // a frame
   subtract_product<0>(A, stride, m, n, x, y);
+}
+
+/// s with s_i s_j >= |D_ij|, nearly, and nearly equal in each row (Ruiz 2001): D / s sᵀ has no units.
+template <class Scalar>
+VectorX symmetric_scale(const Eigen::SparseMatrix<Scalar>& D) {
+  VectorX scale = VectorX::Ones(D.cols()), largest(D.cols());
+  for (int sweep = 0; sweep < 4; ++sweep) {
+    largest.setZero();
+    for (int k = 0; k < D.outerSize(); ++k)
+      for (typename Eigen::SparseMatrix<Scalar>::InnerIterator entry(D, k); entry; ++entry) {
+        const double size = std::abs(entry.value()) / (scale[entry.row()] * scale[entry.col()]);
+        for (const auto i : {entry.row(), entry.col()}) largest[i] = std::max(largest[i], size);
+      }
+    for (int i = 0; i < scale.size(); ++i)
+      if (largest[i] > 0) scale[i] *= std::sqrt(largest[i]);
+  }
+  return scale;
+}
+
+/// Whether |D⁻¹| in those scales, seen by one right-hand side of all directions, leaves digits. False for NaN.
+template <class Scalar>
+bool is_regular(const Eigen::SparseLU<Eigen::SparseMatrix<Scalar>>& factor, const VectorX& scale) {
+  Eigen::Matrix<Scalar, Eigen::Dynamic, 1> x = scale;
+  for (int i = 0; i < x.size(); ++i)
+    if (std::sin(1.7 * i * i) < 0) x[i] = -x[i];  // no mode of a mesh
+  x = factor.solve(x).eval();
+  return (x.array().abs() * scale.array() < kMostCondition).all();
 }
 
 }  // namespace
@@ -105,7 +137,7 @@ void LinearBlock<Scalar>::factorize(const std::vector<Scalar>& values, const std
   if (full()) {
     const auto& p = *linear_.pattern;
     for (int k = 0; k < p.rows.size(); ++k) full_(p.rows[k], p.columns[k]) = full_(p.columns[k], p.rows[k]) = D[k];
-    full_factor_.compute(full_);
+    factorize_full();
     solve_linear(T_);
   } else if (!sparse_) {
     for (int i = 0; i < n; ++i) inverse_diagonal_[i] = 1.0 / D[i];
@@ -117,7 +149,7 @@ void LinearBlock<Scalar>::factorize(const std::vector<Scalar>& values, const std
       sparse_->last.assign(D, D + count);
       for (std::size_t k = 0; k < sparse_->place.size(); ++k)
         sparse_->matrix.valuePtr()[sparse_->place[k]] = D[k / kPlaces];
-      sparse_->factor.factorize(sparse_->matrix);
+      factorize_sparse();
     }
     solve_linear(T_);
   }
@@ -126,8 +158,61 @@ void LinearBlock<Scalar>::factorize(const std::vector<Scalar>& values, const std
   for (int b = 0; b < m; ++b) subtract_product(X_.data(), m, m, n, T_.data() + n * b, schur_.data() + m * b);
 }
 
+/// A pivot U_jj that is no larger than what rounding left of the sum it was made from, Σ |L_jk U_kj|, is no pivot.
+template <class Scalar>
+void LinearBlock<Scalar>::factorize_full() {
+  full_factor_.compute(full_);
+  const auto& LU = full_factor_.matrixLU();
+  singular_ = false;
+  for (int j = 0; j < LU.cols(); ++j) {
+    const double pivot = std::abs(LU(j, j));
+    double sum = pivot;
+    for (int k = 0; k < j; ++k) sum += std::abs(LU(j, k)) * std::abs(LU(k, j));
+    if (!(pivot > kRoundings * std::numeric_limits<double>::epsilon() * sum)) singular_ = true;
+  }
+}
+
+template <class Scalar>
+void LinearBlock<Scalar>::factorize_sparse() {
+  Sparse& s = *sparse_;
+  s.factor.factorize(s.matrix);
+  if constexpr (!Sparse::kReal) {
+    singular_ = s.factor.info() != Eigen::Success;  // a complex shift keeps the eigenvalues of K off zero
+  } else {
+    s.is_pivoted = s.factor.info() != Eigen::Success || !has_sound_pivots();
+    singular_ = false;
+    if (!s.is_pivoted) return;
+    const typename Sparse::Entries both = s.matrix.template selfadjointView<Eigen::Lower>();
+    if (!s.pivoted) {
+      s.pivoted = std::make_unique<Eigen::SparseLU<typename Sparse::Entries>>();
+      s.pivoted->analyzePattern(both);
+    }
+    s.pivoted->factorize(both);
+    singular_ = s.pivoted->info() != Eigen::Success || !is_regular(*s.pivoted, symmetric_scale(both));
+  }
+}
+
+/// Of Cholesky: L_jj² beside D_jj, from which sums of squares were taken.
+template <class Scalar>
+bool LinearBlock<Scalar>::has_sound_pivots() const {
+  if constexpr (Sparse::kReal) {
+    const auto& L = sparse_->factor.matrixL().nestedExpression();
+    const auto& P = sparse_->factor.permutationP().indices();
+    for (int k = 0; k < sparse_->matrix.outerSize(); ++k) {
+      const double pivot = L.valuePtr()[L.outerIndexPtr()[P[k]]];  // the first of its column
+      const double diagonal = sparse_->matrix.valuePtr()[sparse_->matrix.outerIndexPtr()[k]];
+      if (!(pivot * pivot > kRoundings * std::numeric_limits<double>::epsilon() * diagonal)) return false;
+    }
+  }
+  return true;
+}
+
 template <class Scalar>
 void LinearBlock<Scalar>::solve_linear(Eigen::Ref<Matrix> columns) const {
+  if (singular_) {
+    columns.setConstant(std::numeric_limits<double>::quiet_NaN());
+    return;
+  }
   if (full()) {
     auto y = permuted_.leftCols(columns.cols());
     y.noalias() = full_factor_.permutationP() * columns;
@@ -140,6 +225,10 @@ void LinearBlock<Scalar>::solve_linear(Eigen::Ref<Matrix> columns) const {
     columns = sparse_->factor.solve(columns).eval();
     return;
   } else {
+    if (sparse_->is_pivoted) {
+      columns = sparse_->pivoted->solve(columns).eval();
+      return;
+    }
     auto y = permuted_.leftCols(columns.cols());
     const auto& P = sparse_->factor.permutationP().indices();
     for (int i = 0; i < columns.rows(); ++i) y.row(P[i]) = columns.row(i);

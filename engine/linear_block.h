@@ -13,9 +13,12 @@
 
 namespace lithe {
 
-/// One body's linear coordinates, eliminated before all else: with D their block (diagonal, full, or sparse and
-/// positive definite), Y the columns of everything they touch and X its rows, D goes out and -X D⁻¹ Y is left for the
-/// rest. A reduced body costs O(n m²) here, m = 6 + rows at its markers: nothing that grows with the nodes of its mesh.
+/// One body's linear coordinates, eliminated before all else: with D their block (diagonal, full, or sparse), Y the
+/// columns of everything they touch and X its rows, D goes out and -X D⁻¹ Y is left for the rest. A reduced body costs
+/// O(n m²) here, m = 6 + rows at its markers: nothing that grows with the nodes of its mesh.
+///
+/// Load and spin may soften D = K + M/h² until it is indefinite: a sparse D then goes to LU with pivots instead of
+/// Cholesky. Where D is singular but for round-off, every solution is NaN: to an integrator that is a step which failed.
 template <class Scalar>
 class LinearBlock {
  public:
@@ -41,6 +44,9 @@ class LinearBlock {
  private:
   void load(const std::vector<Scalar>& values, const std::vector<char>& dropped_rows);
   void solve_linear(Eigen::Ref<Matrix> columns) const;
+  void factorize_full();
+  void factorize_sparse();
+  bool has_sound_pivots() const;
   bool full() const { return full_.cols() > 0; }
 
   const BlockStructure& structure_;
@@ -55,11 +61,14 @@ class LinearBlock {
     Entries matrix;          // lower triangle; complex: all, for Cholesky would take it for Hermitian
     std::vector<int> place;  // of each pattern entry in the matrix's values; complex: and of its mirror image
     std::conditional_t<kReal, Eigen::SimplicialLLT<Entries, Eigen::Lower>, Eigen::SparseLU<Entries>> factor;
-    std::vector<Scalar> last;  // values of the last factorisation: constant while the step is
+    std::unique_ptr<Eigen::SparseLU<Entries>> pivoted;  // made where Cholesky fails first
+    bool is_pivoted = false;                            // who solves
+    std::vector<Scalar> last;                           // values of the last factorisation: constant while the step is
   };
   std::unique_ptr<Sparse> sparse_;
   Matrix full_;  // D where every entry of its pattern is there: may be indefinite, beyond a buckling load
   Eigen::PartialPivLU<Matrix> full_factor_;
+  bool singular_ = false;
   mutable Matrix permuted_;
 };
 

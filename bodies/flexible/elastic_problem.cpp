@@ -119,4 +119,12 @@ MatrixX ElasticProblem::static_deflections(const MatrixX& loads) const {
   return X;
 }
 
+/// Psi holds all rigid motions, and Fᵀ Psi = E: the load with its reactions is f - F Psiᵀ f.
+MatrixX ElasticProblem::deflections(const MatrixX& loads) const {
+  if (held_.cols() == 0) return static_deflections(loads);
+  MatrixX X = static_deflections(loads - held_ * (constraint_modes_.transpose() * loads));
+  clean(X);
+  return X;
+}
+
 }  // namespace lithe

@@ -55,6 +55,8 @@ class ElasticProblem {
   /// K x = f - M D Dᵀ f (inertia relief), x M-orthogonal to the rigid motions. The shift's error is iterated away.
   /// Without regard to held means.
   MatrixX static_deflections(const MatrixX& loads) const;
+  /// With held means: K x = f + F λ, Fᵀ x = 0, what holds them bears the load. Without, the same as static_deflections.
+  MatrixX deflections(const MatrixX& loads) const;
 
  private:
   const SparseMatrix& K_;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "bodies/flexible/general_inertia.h"
+#include "bodies/flexible/node_sets.h"
 #include "engine/error.h"
 
 namespace lithe {
@@ -99,8 +100,21 @@ void place(const FiniteElementModel& model, const MeanAxisFrame&, FramePlacement
   placed.origin = rigid_mass(model).center;
 }
 
+void place(const FiniteElementModel& model, const MeanTangentFrame& frame, FramePlacement& placed) {
+  indices_of(model, frame.nodes.ids, placed.where);
+  std::vector<int> nodes;
+  for (int id : frame.nodes.ids) nodes.push_back(model.node_index(id));
+  const NodeAverage average(model.nodes, nodes, frame.nodes.weights, placed.where);
+  if (average.on_a_line)
+    throw SceneError("the nodes of the frame lie on one line and have no mean rotation about it.", placed.where,
+                     "add a node off the line.");
+  placed.origin = average.center;
+  placed.means = average.unit_loads(model.dof_count());
+}
+
 std::string words(const ThreeNodeFrame& f) { return "three-node frame (" + list({f.origin, f.on_x, f.in_xy}) + ")"; }
 std::string words(const TangentFrame& f) { return "tangent frame (" + list(f.nodes) + ")"; }
+std::string words(const MeanTangentFrame& f) { return "mean tangent frame (" + list(f.nodes.ids) + ")"; }
 std::string words(const HingeFrame& f) { return "hinge frame (" + list(f.nodes) + ")"; }
 std::string words(const MeanAxisFrame&) { return "mean-axis frame"; }
 

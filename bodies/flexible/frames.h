@@ -15,6 +15,7 @@ struct FramePlacement {
   std::vector<int> fixed_dofs;             // ascending; B has zero rows here
   MatrixX rigid;      // dofs x k, rigid motions the fixed_dofs leave free: 6 for mean axes, the swing
                       // of a hinge (1), the turns about one pinned node (3), else none
+  MatrixX means;      // dofs x 6 or without columns: meansᵀ u = 0 holds the rigid motions instead of fixed_dofs
   std::string where;  // "model 'rod', three-node frame (1, 13, 2)", for messages
 };
 

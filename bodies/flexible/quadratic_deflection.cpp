@@ -119,6 +119,12 @@ EnergyDerivatives differentiate(const FiniteElementModel& model, const ModalBasi
   return found;
 }
 
+MatrixX deflections(const SupportedProblem& problem, const MatrixX& loads, const std::string& where) {
+  ElasticProblem elastic(problem.K, problem.M, problem.rigid, where);
+  if (problem.held.cols() > 0) elastic.hold(problem.held);
+  return elastic.deflections(loads);
+}
+
 /// θ within the span of the deflections under the given loads, so that each meets its stress stiffness:
 /// θ_kl = Σ u_a x_a,kl with F_bᵀ θ_kl = -B_kᵀ K_b B_l.
 MatrixX fields_of_loads(const FiniteElementModel& model, const ModalBasis& basis, const SupportedProblem& problem,
@@ -139,8 +145,7 @@ MatrixX fields_of_loads(const FiniteElementModel& model, const ModalBasis& basis
     for (int l = 0; l < nm; ++l)
       for (int k = 0; k <= l; ++k) stiffness(a, pair_of(k, l)) = modal(k, l);
   }
-  const MatrixX u =
-      problem.T * static_deflections(problem.K, problem.M, problem.rigid, problem.T.transpose() * loads, where);
+  const MatrixX u = problem.T * deflections(problem, problem.T.transpose() * loads, where);
   const MatrixX gram = loads.transpose() * u;
   return -u * Eigen::CompleteOrthogonalDecomposition<MatrixX>(0.5 * (gram + gram.transpose())).solve(stiffness);
 }
@@ -206,7 +211,7 @@ std::shared_ptr<const QuadraticDeflection> make_quadratic_deflection(const Finit
     require_stiffness_of_elements(model, where);
     const EnergyDerivatives energy = differentiate(model, basis, whole);
     const MatrixX loads = problem.T.transpose() * energy.stress_forces;
-    const MatrixX z = static_deflections(problem.K, problem.M, problem.rigid, loads, where);
+    const MatrixX z = deflections(problem, loads, where);
     theta = -(problem.T * z);
     if (whole) {
       // Fourth order: ½ ∫ E2 C E2, less what θ relieves of it, and the bending strain's work on E2(φ, θ).

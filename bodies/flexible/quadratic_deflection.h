@@ -12,6 +12,7 @@ namespace lithe {
 struct SupportedProblem {
   SparseMatrix T, K, M;
   MatrixX rigid;
+  MatrixX held{};  // means that the frame holds instead: heldᵀ z = 0; none: no columns
 };
 
 /// The displacements of second order of a basis whose modes are there, for a St. Venant-Kirchhoff body.

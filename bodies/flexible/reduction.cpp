@@ -48,12 +48,13 @@ SparseMatrix diagonal_matrix(const VectorX& d) {
   return D;
 }
 
-SupportedProblem supported(const SparseMatrix& K, const SparseMatrix& M, SparseMatrix T, const MatrixX& rigid) {
-  if (T.cols() == T.rows() && T.nonZeros() == T.cols()) return {std::move(T), K, M, rigid};  // all is free
+SupportedProblem supported(const SparseMatrix& K, const SparseMatrix& M, SparseMatrix T, const MatrixX& rigid,
+                           const MatrixX& means) {
+  if (T.cols() == T.rows() && T.nonZeros() == T.cols()) return {std::move(T), K, M, rigid, means};  // all is free
   const SparseMatrix transposed = T.transpose();
   SparseMatrix Kz = transposed * K * T, Mz = transposed * M * T;
-  MatrixX Rz = transposed * rigid;
-  return {std::move(T), std::move(Kz), std::move(Mz), std::move(Rz)};
+  MatrixX Rz = transposed * rigid, held = means.cols() > 0 ? MatrixX(transposed * means) : MatrixX();
+  return {std::move(T), std::move(Kz), std::move(Mz), std::move(Rz), std::move(held)};
 }
 
 void require_held(const EigenModes& modes, const ElasticProblem& problem) {
@@ -78,8 +79,8 @@ std::vector<int> with_swing_held(const FramePlacement& placed) {
 
 void fill_nodal(const BodyFrame& frame, FramePlacement placed, const BodyMatrices& body, bool scalar,
                 const Reduction& reduction, ModalBasis& basis) {
-  if (std::holds_alternative<MeanAxisFrame>(frame))
-    throw SceneError("mean axes are no selection of nodal coordinates.", placed.where,
+  if (std::holds_alternative<MeanAxisFrame>(frame) || placed.means.cols() > 0)
+    throw SceneError("mean axes, or the mean of some nodes, are no selection of nodal coordinates.", placed.where,
                      "use a ThreeNodeFrame (or a tangent or hinge frame) with kAllNodal.");
   if (!reduction.rigid.empty())
     throw SceneError("a body with all its nodal coordinates keeps no set of nodes rigid.", placed.where,
@@ -88,7 +89,7 @@ void fill_nodal(const BodyFrame& frame, FramePlacement placed, const BodyMatrice
     throw SceneError("nodal coordinates need a mass that is a scalar interpolation, of solid elements.", placed.where,
                      "ask for a number of modes instead of kAllNodal: as many as there are coordinates, if need be.");
   placed.fixed_dofs = with_swing_held(placed);
-  const SupportedProblem problem = supported(body.K, body.M, free_motions(placed, {}, {}).T, MatrixX(body.K.rows(), 0));
+  const SupportedProblem problem = supported(body.K, body.M, free_motions(placed, {}, {}).T, MatrixX(body.K.rows(), 0), {});
   const ElasticProblem elastic(problem.K, problem.M, problem.rigid, placed.where);
   require_held(lowest_modes(elastic, 1), elastic);
   basis.nodal = true;
@@ -162,16 +163,17 @@ class ModeReduction {
   ModeReduction(const FiniteElementModel& model, const BodyFrame& frame, const FramePlacement& placed,
                 const BodyMatrices& body, const Reduction& reduction)
       : model_(model), placed_(placed), reduction_(reduction), support_(placed) {
-    // Fixed interfaces, not the frame, hold a body while Craig-Bampton modes are made: three frame nodes come after.
-    frame_afterwards_ =
-        reduction.interface_modes == InterfaceModes::craig_bampton && std::holds_alternative<ThreeNodeFrame>(frame);
+    // Fixed interfaces, not the frame, hold a body while Craig-Bampton modes are made: three frame nodes, or the mean
+    // of some, come after.
+    frame_afterwards_ = reduction.interface_modes == InterfaceModes::craig_bampton &&
+                        (std::holds_alternative<ThreeNodeFrame>(frame) || placed.means.cols() > 0);
     if (frame_afterwards_) {
       support_.fixed_dofs.clear();
       support_.rigid = rigid_motions_left(placed.nodes, model.rotations, {});
     }
     FreeMotions free = free_motions(support_, model.rotations, indices_of(model, reduction.rigid));
     loose_ = free.loose;
-    problem_ = supported(body.K, body.M, std::move(free.T), support_.rigid);
+    problem_ = supported(body.K, body.M, std::move(free.T), support_.rigid, support_.means);
   }
 
   const SupportedProblem& problem() const { return problem_; }
@@ -180,6 +182,7 @@ class ModeReduction {
     ElasticProblem elastic(problem_.K, problem_.M, problem_.rigid, placed_.where);
     const bool fixed_interfaces = reduction_.interface_modes == InterfaceModes::craig_bampton &&
                                   !(reduction_.rigid.empty() && reduction_.loaded.empty());
+    if (problem_.held.cols() > 0 && !fixed_interfaces) elastic.hold(problem_.held);
     EigenModes found{VectorX(0), MatrixX(problem_.K.rows(), 0)};
     MatrixX shapes(problem_.K.rows(), 0);
     if (fixed_interfaces) {
@@ -195,7 +198,7 @@ class ModeReduction {
         const MatrixX loads = problem_.T.transpose() * unit_loads(model_, placed_, reduction_.loaded);
         shapes = reduction_.interface_modes == InterfaceModes::krylov
                      ? krylov_shapes(elastic, loads, reduction_.krylov_blocks)
-                     : elastic.static_deflections(loads);
+                     : elastic.deflections(loads);
       }
     }
     if (reduction_.given_modes.cols() > 0)
@@ -223,11 +226,12 @@ class ModeReduction {
   /// Rid of rigid content, as the frame demands.
   MatrixX in_frame(const ElasticProblem& elastic, MatrixX shapes) const {
     elastic.rigid().clean(shapes);
-    if (!frame_afterwards_) return shapes;
+    if (!frame_afterwards_ && problem_.held.cols() == 0) return shapes;
     const SparseMatrix held = SparseMatrix(problem_.T.transpose());  // columns are degrees of freedom
     MatrixX L(static_cast<Eigen::Index>(placed_.fixed_dofs.size()), problem_.T.cols());
     for (size_t k = 0; k < placed_.fixed_dofs.size(); ++k)
       L.row(static_cast<Eigen::Index>(k)) = held.col(placed_.fixed_dofs[k]).transpose();
+    if (problem_.held.cols() > 0) L = problem_.held.transpose();
     const MatrixX& D = elastic.rigid().D;
     for (int pass = 0; pass < 2; ++pass) shapes -= D * MatrixX(L * D).fullPivLu().solve(MatrixX(L * shapes));
     return shapes;
@@ -309,7 +313,7 @@ std::shared_ptr<const ModalBasis> make_basis(const FiniteElementModel& model, co
       basis->deflection = make_quadratic_deflection(
           model, *basis,
           supported(body.K, body.M, free_motions(placed, model.rotations, indices_of(model, reduction.rigid)).T,
-                    placed.rigid),
+                    placed.rigid, placed.means),
           reduction, placed.where);
   }
   log_basis(*basis, placed.where);
@@ -327,7 +331,7 @@ VectorX frequencies(const FiniteElementModel& model, const std::vector<int>& fix
   const MatrixX rigid = rigid_motions_left(model.nodes, model.rotations, fixed_dofs);
   const FramePlacement placed{.nodes = model.nodes, .fixed_dofs = fixed_dofs, .rigid = rigid, .where = where};
   const SupportedProblem problem =
-      supported(model.stiffness, model.mass, free_motions(placed, model.rotations, {}).T, rigid);
+      supported(model.stiffness, model.mass, free_motions(placed, model.rotations, {}).T, rigid, {});
   if (count < 0 || count > problem.T.cols())
     throw SceneError(
         std::to_string(count) + " frequencies of " + std::to_string(problem.T.cols()) + " free degrees of freedom.",

@@ -20,8 +20,7 @@ struct ThreeNodeFrame {
 /// One-node frame: clamped to these nodes, three or more off one line; mesh axes at their mean. A single node is
 /// clamped together with all its elements. The nodes keep their distances: a face that is pulled or bent cannot shrink
 /// across (Poisson's strain), nor warp when it is twisted, which stiffens what is near. That is a body welded to
-/// something rigid; where it is not, a ThreeNodeFrame or mean axes hold no strain, and FlexibleBody::average() ties the
-/// face by its mean.
+/// something rigid; where it is not, a MeanTangentFrame holds the same face by its mean alone.
 struct TangentFrame {
   std::vector<int> nodes;
 };
@@ -32,13 +31,20 @@ struct HingeFrame {
 };
 /// Free-free modes, mesh axes at the undeformed centre of mass.
 struct MeanAxisFrame {};
-using BodyFrame = std::variant<MeanAxisFrame, ThreeNodeFrame, TangentFrame, HingeFrame>;
 
 /// Nodes by label, and how much each counts in an average; no weights: all alike.
 struct WeightedNodes {
   std::vector<int> ids;
   std::vector<double> weights{};
 };
+/// Held by the mean motion of these nodes, three or more off one line: mesh axes at their mean, and of the rigid motion
+/// that fits their displacements best (least squares, weighted) position and rotation are zero. Six conditions and no
+/// more, so that the nodes strain as they like: a face that is pulled shrinks across (Poisson), a twisted one warps.
+/// Modes and static shapes are those of a body that a FixedJoint holds at FlexibleBody::average() of the same nodes.
+struct MeanTangentFrame {
+  WeightedNodes nodes;
+};
+using BodyFrame = std::variant<MeanAxisFrame, ThreeNodeFrame, TangentFrame, HingeFrame, MeanTangentFrame>;
 
 /// Static shapes for the interfaces that are `loaded`, six each (docs/equations.md 6).
 enum class InterfaceModes {

@@ -39,11 +39,6 @@ PivotedCholesky pivoted_cholesky(const MatrixX& G, double tolerance) {
 
 }  // namespace
 
-MatrixX static_deflections(const SparseMatrix& K, const SparseMatrix& M, const MatrixX& rigid, const MatrixX& loads,
-                           const std::string& where) {
-  return ElasticProblem(K, M, rigid, where).static_deflections(loads);
-}
-
 MatrixX straining(const ElasticProblem& problem, MatrixX X) {
   const SparseMatrix &K = problem.stiffness(), &M = problem.mass();
   const double noise = eigenvalue_noise(K, M);
@@ -79,7 +74,7 @@ EigenModes joined(const ElasticProblem& problem, const EigenModes& modes, const 
 MatrixX krylov_shapes(const ElasticProblem& problem, const MatrixX& loads, int blocks) {
   MatrixX all(loads.rows(), 0), forces = loads;
   for (int block = 0; block < blocks && forces.cols() > 0; ++block) {
-    const MatrixX next = added_directions(problem, all, problem.static_deflections(forces));
+    const MatrixX next = added_directions(problem, all, problem.deflections(forces));
     forces = problem.mass() * next;
     all = beside(all, next);
   }

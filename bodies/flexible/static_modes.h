@@ -5,12 +5,6 @@
 
 namespace lithe {
 
-/// Deflections K x = f under `loads` (n x k), each load first rid of what moves the body along `rigid` (n x r, motions
-/// that meet no stiffness, maybe no column): inertia relief. M-orthogonal to them, accurate to round-off.
-/// `where` names model and support: SceneError if the body is a mechanism otherwise.
-MatrixX static_deflections(const SparseMatrix& K, const SparseMatrix& M, const MatrixX& rigid, const MatrixX& loads,
-                           const std::string& where);
-
 /// Those of the shapes that store energy: rigid motions, up to rounding noise of K, are left out.
 MatrixX straining(const ElasticProblem& problem, MatrixX shapes);
 
