@@ -13,7 +13,7 @@
 #include "joints/fixed_joint.h"
 #include "joints/forces/point_force.h"
 
-namespace lithe::test {
+namespace lithe::test::mean_tangent_frame_test {
 namespace {
 
 /// A block 1 x 0.2 x 0.2 m of 8-node bricks, one across: the four nodes of a face bear a uniform stress alike.
@@ -149,4 +149,4 @@ TEST(MeanTangentFrame, RefusesNodesOnALineAndAllNodalCoordinates) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::mean_tangent_frame_test

@@ -7,7 +7,7 @@
 
 #include "engine/block_factor.h"
 
-namespace lithe::test {
+namespace lithe::test::linear_block_test {
 namespace {
 
 /// A free chain of n springs and masses, D = tridiag(-1, 2, -1) - softening E: its eigenvalues are
@@ -95,4 +95,4 @@ TEST(LinearBlock, GoesOnAfterASingularBlock) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::linear_block_test
