@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <map>
-#include <sstream>
 
 #include "engine/assembler.h"
 #include "engine/batch_of.h"
@@ -465,13 +464,11 @@ class SystemBuilder {
         assembler.factorize({0, 0, 1}, still, no_load, nullptr);
       }
     }
-    for (int row : dependent) system_.redundant_.push_back({row, system_.layout_.row_name(row), ""});
-    if (!dependent.empty())
-      system_.row_scales_ =
-          row_compliances(system_.blocks_, assembler.work_.values).cwiseSqrt().unaryExpr([](double scale) {
-            return scale > 0 ? scale : 1;
-          });
     if (dependent.empty()) return;
+    for (int row : dependent) system_.redundant_.push_back({row, system_.layout_.row_name(row), ""});
+    system_.row_scales_ = row_compliances(system_.blocks_, assembler.work_.values)
+                              .cwiseSqrt()
+                              .unaryExpr([](double scale) { return scale > 0 ? scale : 1; });
     log::warn(dependent_rows_text(graph_, system_.layout_, dependent));
     // Which row each of them repeats: the largest partner in its null vector z, Gᵀ z = 0. A solution each: some only.
     constexpr std::size_t kCompared = 100;
