@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <map>
-#include <sstream>
 
 #include "engine/assembler.h"
 #include "engine/batch_of.h"

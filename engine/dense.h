@@ -2,10 +2,11 @@
 
 #include <Eigen/Dense>
 
-/// Eigen's dense products and decompositions of MatrixXd, compiled once, in dense.cpp and dense_eigen.cpp: each costs a source that uses it
-/// two to fifteen seconds otherwise. Part of every precompiled header of ours; nobody needs to include it. What is
-/// declared here is not instantiated where it is used, what is not declared works as ever. Decompositions take their
-/// argument's type into their code: give them a MatrixXd, not an expression.
+/// Eigen's dense products and decompositions of MatrixXd, compiled once, in dense.cpp and dense_eigen.cpp: otherwise
+/// each costs a source that uses it two to fifteen seconds. It is in the precompiled headers of the libraries and
+/// tests; nobody needs to include it, and lithe.h leaves it out. What is declared here is not instantiated where it is
+/// used; what is not declared works as always. Decompositions are templates over their argument: give them a MatrixXd,
+/// not an expression.
 namespace Eigen {
 
 // clang-format off

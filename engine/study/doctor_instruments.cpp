@@ -36,8 +36,8 @@ struct OutOfBudget {};
 /// Told of every step.
 class Probe : public Observer {
  public:
-  Probe(Watched& run, const std::vector<Sensor>& sensors, const Integrator& integrator, const DiagnoseOptions& options)
-      : run_(run), sensors_(sensors), integrator_(integrator), options_(options), begun_(std::clock()) {}
+  Probe(Watched& run, const Integrator& integrator, const DiagnoseOptions& options)
+      : run_(run), integrator_(integrator), options_(options), begun_(std::clock()) {}
 
   void observe(Snapshot& now) override {
     const BodyEnergy energy = now.assembler().energy();
@@ -98,7 +98,6 @@ class Probe : public Observer {
   }
 
   Watched& run_;
-  const std::vector<Sensor>& sensors_;
   const Integrator& integrator_;
   const DiagnoseOptions& options_;
   std::clock_t begun_;
@@ -240,7 +239,7 @@ Watched run_watched(const System& system, const std::vector<Sensor>& sensors, co
   run.integrator = integrator.name();
   run.last = run.before = start;
   Simulation simulation{system, integrator};
-  Probe probe(run, sensors, integrator, options);
+  Probe probe(run, integrator, options);
   simulation.observe(probe, every_step());
   State state = start;
   try {

@@ -8,8 +8,8 @@ set(header_globs ${LITHE_LIBRARIES})
 list(TRANSFORM header_globs REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/\\1/*.h")
 file(GLOB_RECURSE public_headers CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} ${header_globs})
 # block_kernels.h, a matter of the factor alone, would cost each scene 2.6 s of compile time; static_equations.h is one
-# of searches alone.
-list(FILTER public_headers EXCLUDE REGEX "^engine/(block_kernels|static_equations)\\.h$")
+# of searches alone, dense.h of how the libraries are compiled.
+list(FILTER public_headers EXCLUDE REGEX "^engine/(block_kernels|static_equations|dense)\\.h$")
 # Nor do users need what the readers and reductions are made of.
 list(FILTER public_headers EXCLUDE REGEX
      "/(dof_table|fixed_columns|matrix_entries|ansys_archive|nastran_deck|shape_functions|elastic_problem|static_modes|general_inertia|eigen_modes|quadratic_deflection)\\.h$")
