@@ -26,6 +26,7 @@ class Assembler final : public EquationsOfMotion {
   const std::vector<int>& redundant_rows() const override { return redundant_rows_; }
   void recall_rows(const std::vector<int>& left_out) override;
   void track_rows(std::vector<int>& left_out) const override { left_out = redundant_rows_; }
+  bool has_loops() const override { return factor_.guarded(); }
   bool reacts() const override { return system_.reacts_; }
   const std::vector<int>& velocity_rows() const override { return system_.velocity_rows(); }
   void recall(const VectorX& quadrants) override;

@@ -22,6 +22,8 @@ class BlockFactorOf {
   /// Where branches of the motion of closed loops meet, rows give way whose pivot nears round-off:
   /// the motion goes on as its velocity tells, and the next step, off that position, is on the constraints again.
   void factorize(const std::vector<Scalar>& values);
+  /// Whether joints close loops: rows may lose rank on the way.
+  bool guarded() const { return guarded_; }
   /// Rows whose pivot in the last factorisation was small beside their compliance: they nearly depend on other rows
   /// that are kept. Found only where loops close and rows are dropped.
   const std::vector<int>& weak_rows() const { return weak_rows_; }
@@ -77,7 +79,7 @@ class BlockFactorOf {
   std::vector<int> compliant_;                   // factor diagonal, values index, count: triples
   std::vector<std::vector<int>> schur_targets_;  // of each linear block, by pairs of its parts
   std::vector<Scalar> blocks_;
-  bool guarded_ = false;  // the graph has loops: rows may lose rank on the way
+  bool guarded_ = false;
   VectorX compliance_;    // g S⁻¹ gᵀ of each row, while a guarded factor is made
   std::vector<int> weak_rows_;
   std::vector<int> dropped_;

@@ -48,6 +48,8 @@ class EquationsOfMotion {
   /// on nothing but its state.
   virtual void recall_rows(const std::vector<int>& /*left_out*/) {}
   virtual void track_rows(std::vector<int>& /*left_out*/) const {}
+  /// Whether joints close loops: only then can constraints lose rank on the way.
+  virtual bool has_loops() const { return true; }
   /// Whether f depends on lambda (friction by reactions).
   virtual bool reacts() const = 0;
   /// Rows on velocities alone (rolling), sorted: their g is zero always.

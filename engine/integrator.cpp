@@ -105,9 +105,10 @@ void Integrator::watch_steps(double length, bool cut) {
 
 /// A step through a singular pose, if one is near.
 bool Integrator::pass_singular_pose(EquationsOfMotion& equations, State& state, double t_stop) {
+  shrunk_ = false;
+  if (!equations.has_loops()) return false;
   constexpr double kFarthest = 20, kShortest = 1.0 / 16, kTurn = 0.01;  // of the step; of the usual one; rad
   if (!singular_pose_) singular_pose_ = std::make_unique<SingularPose>(equations);
-  shrunk_ = false;
   double turning = 0;
   for (const auto& b : equations.layout().bodies())
     if (b.frame) turning = std::max(turning, state.v.segment<3>(b.v + 3).norm());

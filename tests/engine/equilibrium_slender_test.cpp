@@ -132,9 +132,8 @@ struct Bars : Structure {
     tip = graph.ground().marker({}, A);
     for (int i = 0; i < count; ++i) {
       const std::string number = std::to_string(i + 1);
-      const Vector3 corner = A * Vector3(length * i, -height / 2, -height / 2);
       auto& bar = graph.add<FlexibleBody>(
-          "bar " + number, {.basis = basis, .position = corner + A * basis->origin, .orientation = A});
+          "bar " + number, {.basis = basis, .position = A * Vector3(length * i, -height / 2, -height / 2), .orientation = A});
       graph.add<FixedJoint>("weld " + number, {tip, bar.average(x_min)});
       tip = bar.average(x_max);
     }
