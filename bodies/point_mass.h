@@ -2,14 +2,14 @@
 
 #include <vector>
 
-#include "engine/batch.h"
-#include "engine/point_body.h"
+#include "engine/assembly/batch.h"
+#include "engine/model/point_body.h"
 
 namespace lithe {
 
 /// A particle: three coordinates, the place of its mass in the world, and no axes.
 ///   m (p̈ - g) = f
-/// Joints and forces that act at its place alone may hold it; what would turn it is refused (engine/point_body.h).
+/// Joints and forces that act at its place alone may hold it; what would turn it is refused (engine/model/point_body.h).
 class PointMass final : public PointBody {
  public:
   struct Parameters {

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "engine/batch.h"
-#include "engine/body.h"
+#include "engine/assembly/batch.h"
+#include "engine/model/body.h"
 
 namespace lithe {
 

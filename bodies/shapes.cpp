@@ -5,8 +5,8 @@
 #include <BulletCollision/CollisionShapes/btSphereShape.h>
 #include <LinearMath/btConvexHullComputer.h>
 
-#include "engine/checks.h"
-#include "engine/error.h"
+#include "engine/base/checks.h"
+#include "engine/base/error.h"
 
 namespace lithe {
 namespace {

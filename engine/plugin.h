@@ -1,11 +1,11 @@
 #pragma once
 
-#include "engine/joint_coordinate.h"
-#include "engine/page/drawing.h"
+#include "engine/model/drawing.h"
+#include "engine/model/joint_coordinate.h"
+#include "engine/plugin/plugin_body.h"
+#include "engine/plugin/plugin_integrator.h"
+#include "engine/plugin/plugin_tables.h"
 #include "engine/plugin_abi.h"
-#include "engine/plugin_body.h"
-#include "engine/plugin_integrator.h"
-#include "engine/plugin_tables.h"
 
 /// All that a plug-in includes: the interfaces, the rows joints are composed of, what measures angles and
 /// displacements, parameters by name, what bodies are drawn by, and

@@ -160,7 +160,7 @@ typedef struct lithe_body_energy {
   double kinetic, elastic, gravity; /* joules */
 } lithe_body_energy;
 
-/* Motion of a marker (engine/marker.h). */
+/* Motion of a marker (engine/model/marker.h). */
 typedef struct lithe_marker_kinematics {
   size_t struct_size;
   lithe_marker motion;
@@ -214,7 +214,7 @@ typedef struct lithe_row_slice {
   int32_t count;
 } lithe_row_slice;
 
-/* M(q) v_dot + G(q, t)ᵀ lambda = f(q, v, t),  g(q, t) = 0  (engine/equations_of_motion.h). Everything after evaluate()
+/* M(q) v_dot + G(q, t)ᵀ lambda = f(q, v, t),  g(q, t) = 0  (engine/motion/equations_of_motion.h). Everything after evaluate()
    refers to the state evaluated last. Functions return 0; otherwise end the step and return what they returned: the
    host knows why. */
 typedef struct lithe_equations {

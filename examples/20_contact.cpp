@@ -9,7 +9,7 @@
 #include <cstdio>
 
 #include "bodies/flexible/surface_mesh.h"
-#include "engine/contact/contact_sensors.h"
+#include "engine/observe/contact_sensors.h"
 #include "integrators/moreau_jean.h"
 #include "joints/contact/contact.h"
 #include "lithe/lithe.h"

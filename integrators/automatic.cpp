@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "engine/checkpoint/archive.h"
-#include "engine/checks.h"
-#include "engine/error.h"
+#include "engine/archive/archive.h"
+#include "engine/base/checks.h"
+#include "engine/base/error.h"
 #include "integrators/explicit_runge_kutta.h"
 #include "integrators/lie_bdf.h"
 #include "integrators/radau.h"

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "engine/integrator.h"
+#include "engine/motion/integrator.h"
 
 namespace lithe {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
-#include "engine/checkpoint/archive.h"
-#include "engine/error.h"
+#include "engine/archive/archive.h"
+#include "engine/base/error.h"
 
 namespace lithe {
 

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "engine/layout.h"
+#include "engine/model/layout.h"
 
 namespace lithe {
 

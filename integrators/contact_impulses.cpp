@@ -7,9 +7,9 @@
 #include <sstream>
 #include <utility>
 
-#include "engine/checkpoint/archive.h"
-#include "engine/contact/gauss_seidel.h"
-#include "engine/log.h"
+#include "engine/archive/archive.h"
+#include "engine/base/log.h"
+#include "engine/cones/gauss_seidel.h"
 
 namespace lithe {
 namespace {

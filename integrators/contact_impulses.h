@@ -3,10 +3,10 @@
 #include <memory>
 #include <optional>
 
-#include "engine/contact/cone_problem.h"
+#include "engine/cones/cone_problem.h"
 #include "engine/contact/rigid_contacts.h"
-#include "engine/equations_of_motion.h"
-#include "engine/state.h"
+#include "engine/model/state.h"
+#include "engine/motion/equations_of_motion.h"
 #include "integrators/static_friction.h"
 
 namespace lithe {

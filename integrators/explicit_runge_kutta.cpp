@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "engine/checkpoint/archive.h"
-#include "engine/checks.h"
+#include "engine/archive/archive.h"
+#include "engine/base/checks.h"
 
 namespace lithe {
 namespace {

@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "engine/integrator.h"
+#include "engine/motion/integrator.h"
 #include "integrators/runge_kutta_step.h"
 
 namespace lithe {

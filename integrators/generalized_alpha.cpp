@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "engine/checkpoint/archive.h"
-#include "engine/checks.h"
-#include "engine/error.h"
+#include "engine/archive/archive.h"
+#include "engine/base/checks.h"
+#include "engine/base/error.h"
 
 namespace lithe {
 namespace {

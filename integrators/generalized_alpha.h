@@ -1,7 +1,7 @@
 #pragma once
 
-#include "engine/integrator.h"
-#include "engine/projection.h"
+#include "engine/motion/integrator.h"
+#include "engine/motion/projection.h"
 
 namespace lithe {
 

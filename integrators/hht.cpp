@@ -1,6 +1,6 @@
 #include "integrators/hht.h"
 
-#include "engine/error.h"
+#include "engine/base/error.h"
 
 namespace lithe {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/checkpoint/archive.h"
+#include "engine/archive/archive.h"
 #include "integrators/generalized_alpha.h"
 
 namespace lithe {

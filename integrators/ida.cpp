@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <string>
 
-#include "engine/checkpoint/archive.h"
-#include "engine/checks.h"
-#include "engine/error.h"
-#include "engine/projection.h"
+#include "engine/archive/archive.h"
+#include "engine/base/checks.h"
+#include "engine/base/error.h"
+#include "engine/motion/projection.h"
 #include "integrators/stabilized_index2.h"
 #include "integrators/sundials_internal.h"
 

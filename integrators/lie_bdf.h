@@ -2,8 +2,8 @@
 
 #include <memory>
 
-#include "engine/checkpoint/kept_factor.h"
-#include "engine/integrator.h"
+#include "engine/motion/integrator.h"
+#include "engine/motion/kept_factor.h"
 #include "integrators/bdf_history.h"
 
 namespace lithe {

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "engine/projection.h"
+#include "engine/motion/projection.h"
 #include "integrators/lie_bdf.h"
 
 namespace lithe {

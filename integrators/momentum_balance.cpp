@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "engine/checkpoint/archive.h"
-#include "engine/checks.h"
+#include "engine/archive/archive.h"
+#include "engine/base/checks.h"
 
 namespace lithe {
 namespace {

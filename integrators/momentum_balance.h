@@ -3,8 +3,8 @@
 #include <optional>
 #include <string>
 
-#include "engine/integrator.h"
-#include "engine/projection.h"
+#include "engine/motion/integrator.h"
+#include "engine/motion/projection.h"
 
 namespace lithe {
 

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/checkpoint/archive.h"
-#include "engine/checks.h"
-#include "engine/contact/direct_cone_solver.h"
-#include "engine/error.h"
-#include "engine/projection.h"
+#include "engine/archive/archive.h"
+#include "engine/base/checks.h"
+#include "engine/base/error.h"
+#include "engine/cones/direct_cone_solver.h"
+#include "engine/motion/projection.h"
 
 namespace lithe {
 

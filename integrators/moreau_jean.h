@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/integrator.h"
+#include "engine/motion/integrator.h"
 #include "integrators/contact_impulses.h"
 
 namespace lithe {

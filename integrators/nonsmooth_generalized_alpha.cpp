@@ -1,8 +1,8 @@
 #include "integrators/nonsmooth_generalized_alpha.h"
 
-#include "engine/checkpoint/archive.h"
-#include "engine/checks.h"
-#include "engine/contact/direct_cone_solver.h"
+#include "engine/archive/archive.h"
+#include "engine/base/checks.h"
+#include "engine/cones/direct_cone_solver.h"
 
 namespace lithe {
 

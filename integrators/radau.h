@@ -2,8 +2,8 @@
 
 #include <optional>
 
-#include "engine/integrator.h"
-#include "engine/projection.h"
+#include "engine/motion/integrator.h"
+#include "engine/motion/projection.h"
 #include "integrators/radau_stages.h"
 
 namespace lithe {

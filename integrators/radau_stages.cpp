@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "engine/checkpoint/archive.h"
+#include "engine/archive/archive.h"
 
 namespace lithe {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "engine/checkpoint/kept_factor.h"
-#include "engine/integrator.h"
+#include "engine/motion/integrator.h"
+#include "engine/motion/kept_factor.h"
 
 namespace lithe {
 

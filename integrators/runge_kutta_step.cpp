@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/checkpoint/archive.h"
+#include "engine/archive/archive.h"
 
 namespace lithe {
 namespace {

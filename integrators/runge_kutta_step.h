@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "engine/integrator.h"
-#include "engine/projection.h"
+#include "engine/motion/integrator.h"
+#include "engine/motion/projection.h"
 #include "integrators/runge_kutta_tableau.h"
 
 namespace lithe {

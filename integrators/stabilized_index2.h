@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/integrator.h"
+#include "engine/motion/integrator.h"
 
 namespace lithe {
 

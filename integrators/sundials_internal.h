@@ -6,8 +6,8 @@
 #include <exception>
 #include <string>
 
-#include "engine/error.h"
-#include "engine/math.h"
+#include "engine/base/error.h"
+#include "engine/base/math.h"
 
 namespace lithe {
 

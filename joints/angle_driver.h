@@ -1,8 +1,8 @@
 #pragma once
 
-#include "engine/batch.h"
-#include "engine/constraint.h"
-#include "engine/motion_law.h"
+#include "engine/assembly/batch.h"
+#include "engine/model/constraint.h"
+#include "engine/model/motion_law.h"
 
 namespace lithe {
 

@@ -1,9 +1,9 @@
 #pragma once
 
-#include "engine/batch.h"
-#include "engine/constraint.h"
-#include "engine/joint_coordinate.h"
-#include "engine/motion_law.h"
+#include "engine/assembly/batch.h"
+#include "engine/model/constraint.h"
+#include "engine/model/joint_coordinate.h"
+#include "engine/model/motion_law.h"
 
 namespace lithe {
 
@@ -15,7 +15,7 @@ namespace lithe {
 class CoordinateDrive final : public Joint</*markers=*/2, /*rows=*/1> {
  public:
   struct Parameters {
-    MotionLaw motion;  // f(t), m or rad (engine/motion_law.h)
+    MotionLaw motion;  // f(t), m or rad (engine/model/motion_law.h)
   };
   /// Throws SceneError without a motion, and for more than one coordinate.
   CoordinateDrive(CoordinateSet coordinate, Parameters parameters);

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "engine/batch.h"
-#include "engine/constraint.h"
+#include "engine/assembly/batch.h"
+#include "engine/model/constraint.h"
 
 namespace lithe {
 

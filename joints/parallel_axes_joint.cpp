@@ -1,7 +1,7 @@
 #include "joints/parallel_axes_joint.h"
 
-#include "engine/batch_of.h"
-#include "engine/drawn.h"
+#include "engine/assembly/batch_of.h"
+#include "engine/model/drawn.h"
 
 namespace lithe {
 

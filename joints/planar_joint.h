@@ -1,8 +1,8 @@
 #pragma once
 
-#include "engine/batch.h"
-#include "engine/constraint.h"
-#include "engine/joint_coordinate.h"
+#include "engine/assembly/batch.h"
+#include "engine/model/constraint.h"
+#include "engine/model/joint_coordinate.h"
 
 namespace lithe {
 

@@ -1,6 +1,6 @@
 #include "joints/point_on_plane_joint.h"
 
-#include "engine/batch_of.h"
+#include "engine/assembly/batch_of.h"
 
 namespace lithe {
 

@@ -1,9 +1,9 @@
 #include "joints/rack_and_pinion.h"
 
-#include "engine/batch_of.h"
-#include "engine/checks.h"
-#include "engine/drawn.h"
-#include "engine/joint_coordinate.h"
+#include "engine/assembly/batch_of.h"
+#include "engine/base/checks.h"
+#include "engine/model/drawn.h"
+#include "engine/model/joint_coordinate.h"
 
 namespace lithe {
 

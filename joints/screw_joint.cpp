@@ -1,8 +1,8 @@
 #include "joints/screw_joint.h"
 
-#include "engine/batch_of.h"
-#include "engine/checks.h"
-#include "engine/drawn.h"
+#include "engine/assembly/batch_of.h"
+#include "engine/base/checks.h"
+#include "engine/model/drawn.h"
 
 namespace lithe {
 

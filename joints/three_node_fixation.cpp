@@ -1,6 +1,6 @@
 #include "joints/three_node_fixation.h"
 
-#include "engine/batch_of.h"
+#include "engine/assembly/batch_of.h"
 
 namespace lithe {
 

@@ -2,8 +2,8 @@
 
 #include <array>
 
-#include "engine/batch.h"
-#include "engine/constraint.h"
+#include "engine/assembly/batch.h"
+#include "engine/model/constraint.h"
 
 namespace lithe {
 

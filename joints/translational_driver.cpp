@@ -1,7 +1,7 @@
 #include "joints/translational_driver.h"
 
-#include "engine/batch_of.h"
-#include "engine/error.h"
+#include "engine/assembly/batch_of.h"
+#include "engine/base/error.h"
 
 namespace lithe {
 

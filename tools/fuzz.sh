@@ -25,7 +25,7 @@ flags=(-std=c++20 -O1 -g1 -fsanitize=fuzzer-no-link,address,undefined -fno-sanit
 hdf5=$(pkg-config --libs hdf5-serial 2>/dev/null || pkg-config --libs hdf5)
 
 # What the readers need; CHOLMOD, spdlog and the rest of the engine stay out.
-sources=(engine/error.cpp engine/output/{partial_file,table,csv,binary,hdf5_file,hdf5_table}.cpp
+sources=(engine/base/error.cpp engine/output/{partial_file,table,csv,binary,hdf5_file,hdf5_table}.cpp
   bodies/flexible/basis_file.cpp bodies/flexible/elements/{solid_element,shape_functions}.cpp
   tools/fuzz/{fuzz,targets,body_targets,table_targets}.cpp)
 for source in bodies/flexible/readers/*.cpp; do

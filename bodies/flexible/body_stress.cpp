@@ -1,6 +1,6 @@
 #include "bodies/flexible/body_stress.h"
 
-#include "engine/error.h"
+#include "engine/base/error.h"
 
 namespace lithe {
 namespace {

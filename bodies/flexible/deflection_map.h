@@ -1,7 +1,7 @@
 #pragma once
 
 #include "bodies/flexible/modal_basis.h"
-#include "engine/marker.h"
+#include "engine/model/marker.h"
 
 namespace lithe {
 

@@ -1,6 +1,6 @@
 #include "bodies/flexible/deformation_writer.h"
 
-#include "engine/snapshot.h"
+#include "engine/observe/snapshot.h"
 
 namespace lithe {
 namespace {

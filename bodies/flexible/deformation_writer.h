@@ -5,7 +5,7 @@
 #include <string>
 
 #include "bodies/flexible/body_stress.h"
-#include "engine/observer.h"
+#include "engine/observe/observer.h"
 #include "engine/output/vtu.h"
 
 namespace lithe {

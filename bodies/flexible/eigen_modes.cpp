@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "bodies/flexible/elastic_problem.h"
-#include "engine/error.h"
+#include "engine/base/error.h"
 
 namespace lithe {
 namespace {

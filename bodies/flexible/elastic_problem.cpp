@@ -4,7 +4,7 @@
 #include <Eigen/LU>
 #include <limits>
 
-#include "engine/error.h"
+#include "engine/base/error.h"
 
 namespace lithe {
 namespace {

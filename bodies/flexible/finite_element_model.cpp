@@ -9,7 +9,7 @@
 
 #include "bodies/flexible/general_inertia.h"
 #include "bodies/flexible/sparse_cholesky.h"
-#include "engine/error.h"
+#include "engine/base/error.h"
 
 namespace lithe {
 namespace {

@@ -3,9 +3,9 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 
-#include "engine/batch_of.h"
-#include "engine/checks.h"
-#include "engine/error.h"
+#include "engine/assembly/batch_of.h"
+#include "engine/base/checks.h"
+#include "engine/base/error.h"
 
 namespace lithe {
 namespace {

@@ -8,9 +8,9 @@
 #include "bodies/flexible/deflection_map.h"
 #include "bodies/flexible/flexible_inertia.h"
 #include "bodies/flexible/reduction.h"
-#include "engine/batch.h"
-#include "engine/deformable_body.h"
-#include "engine/page/drawing.h"
+#include "engine/assembly/batch.h"
+#include "engine/model/deformable_body.h"
+#include "engine/model/drawing.h"
 
 namespace lithe {
 

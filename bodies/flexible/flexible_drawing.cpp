@@ -4,7 +4,7 @@
 #include "bodies/flexible/elements/stress_recovery.h"
 #include "bodies/flexible/flexible_body.h"
 #include "bodies/flexible/surface_mesh.h"
-#include "engine/error.h"
+#include "engine/base/error.h"
 
 namespace lithe {
 namespace flexible_drawing {

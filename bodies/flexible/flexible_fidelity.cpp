@@ -3,7 +3,7 @@
 
 #include "bodies/flexible/flexible_body.h"
 #include "bodies/flexible/selected_basis.h"
-#include "engine/error.h"
+#include "engine/base/error.h"
 
 namespace lithe {
 

@@ -3,8 +3,8 @@
 #include <memory>
 
 #include "bodies/flexible/inertia_integrals.h"
-#include "engine/marker.h"
-#include "engine/math.h"
+#include "engine/base/math.h"
+#include "engine/model/marker.h"
 
 namespace lithe {
 

@@ -1,7 +1,7 @@
 #include "bodies/flexible/flexible_body.h"
 #include "bodies/flexible/node_sets.h"
-#include "engine/checks.h"
-#include "engine/error.h"
+#include "engine/base/checks.h"
+#include "engine/base/error.h"
 
 namespace lithe {
 

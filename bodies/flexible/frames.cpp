@@ -6,7 +6,7 @@
 
 #include "bodies/flexible/general_inertia.h"
 #include "bodies/flexible/node_sets.h"
-#include "engine/error.h"
+#include "engine/base/error.h"
 
 namespace lithe {
 namespace {

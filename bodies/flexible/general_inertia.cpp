@@ -4,7 +4,7 @@
 #include <array>
 
 #include "bodies/flexible/inertia_integrals.h"
-#include "engine/error.h"
+#include "engine/base/error.h"
 
 namespace lithe {
 namespace {

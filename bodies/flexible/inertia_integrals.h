@@ -1,7 +1,7 @@
 #pragma once
 
 #include "bodies/flexible/modal_basis.h"
-#include "engine/math.h"
+#include "engine/base/math.h"
 
 namespace lithe {
 

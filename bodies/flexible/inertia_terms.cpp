@@ -7,9 +7,9 @@
 #include <cstdio>
 
 #include "bodies/flexible/inertia_integrals.h"
-#include "engine/checkpoint/archive.h"
-#include "engine/checks.h"
-#include "engine/error.h"
+#include "engine/archive/archive.h"
+#include "engine/base/checks.h"
+#include "engine/base/error.h"
 
 namespace lithe {
 namespace {

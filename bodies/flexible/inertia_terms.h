@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "bodies/flexible/modal_basis.h"
-#include "engine/observer.h"
+#include "engine/observe/observer.h"
 
 namespace lithe {
 

@@ -9,7 +9,7 @@
 
 #include "bodies/flexible/inertia_integrals.h"
 #include "bodies/flexible/reduction.h"
-#include "engine/error.h"
+#include "engine/base/error.h"
 
 namespace lithe {
 

@@ -6,9 +6,9 @@
 #include <cstdio>
 
 #include "bodies/flexible/node_sets.h"
-#include "engine/error.h"
+#include "engine/base/error.h"
+#include "engine/observe/sensors.h"
 #include "engine/output/partial_file.h"
-#include "engine/sensors.h"
 
 namespace lithe {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "bodies/flexible/finite_element_model.h"
 #include "bodies/flexible/flexible_body.h"
-#include "engine/snapshot.h"
+#include "engine/observe/snapshot.h"
 
 namespace lithe {
 

@@ -8,8 +8,8 @@
 #include "bodies/flexible/elements/solid_element.h"
 #include "bodies/flexible/inertia_integrals.h"
 #include "bodies/flexible/static_modes.h"
-#include "engine/error.h"
-#include "engine/log.h"
+#include "engine/base/error.h"
+#include "engine/base/log.h"
 
 namespace lithe {
 namespace {

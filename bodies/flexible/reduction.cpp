@@ -15,8 +15,8 @@
 #include "bodies/flexible/node_sets.h"
 #include "bodies/flexible/quadratic_deflection.h"
 #include "bodies/flexible/static_modes.h"
-#include "engine/error.h"
-#include "engine/log.h"
+#include "engine/base/error.h"
+#include "engine/base/log.h"
 
 namespace lithe {
 namespace {

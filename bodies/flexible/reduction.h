@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "bodies/flexible/modal_basis.h"
-#include "engine/deformable_body.h"
-#include "engine/math.h"
+#include "engine/base/math.h"
+#include "engine/model/deformable_body.h"
 
 namespace lithe {
 

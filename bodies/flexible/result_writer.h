@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bodies/flexible/body_stress.h"
-#include "engine/observer.h"
+#include "engine/observe/observer.h"
 #include "engine/output/hdf5_series.h"
 
 namespace lithe {

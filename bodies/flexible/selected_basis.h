@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "bodies/flexible/modal_basis.h"
-#include "engine/deformable_body.h"
+#include "engine/model/deformable_body.h"
 
 namespace lithe {
 

@@ -5,8 +5,8 @@
 #include <numeric>
 
 #include "bodies/flexible/deformation_writer.h"
-#include "engine/checkpoint/archive.h"
-#include "engine/error.h"
+#include "engine/archive/archive.h"
+#include "engine/base/error.h"
 
 namespace lithe {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "bodies/flexible/body_stress.h"
-#include "engine/observer.h"
+#include "engine/observe/observer.h"
 
 namespace lithe {
 

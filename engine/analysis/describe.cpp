@@ -3,7 +3,7 @@
 #include <sstream>
 
 #include "engine/analysis/free_motions.h"
-#include "engine/assembler.h"
+#include "engine/assembly/assembler.h"
 
 namespace lithe {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "engine/system.h"
+#include "engine/assembly/system.h"
 
 namespace lithe {
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/equations_of_motion.h"
+#include "engine/motion/equations_of_motion.h"
 
 namespace lithe {
 

@@ -4,9 +4,10 @@
 #include <cmath>
 
 #include "engine/analysis/free_motions.h"
-#include "engine/checkpoint/archive.h"
-#include "engine/checks.h"
-#include "engine/error.h"
+#include "engine/archive/archive.h"
+#include "engine/base/checks.h"
+#include "engine/base/error.h"
+#include "engine/base/number_text.h"
 
 namespace lithe {
 namespace {

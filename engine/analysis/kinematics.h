@@ -1,8 +1,8 @@
 #pragma once
 
-#include "engine/integrator.h"
-#include "engine/projection.h"
-#include "engine/sensors.h"
+#include "engine/motion/integrator.h"
+#include "engine/motion/projection.h"
+#include "engine/observe/sensors.h"
 
 namespace lithe {
 

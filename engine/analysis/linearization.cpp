@@ -6,9 +6,10 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/error.h"
-#include "engine/log.h"
-#include "engine/projection.h"
+#include "engine/base/error.h"
+#include "engine/base/log.h"
+#include "engine/base/number_text.h"
+#include "engine/motion/projection.h"
 
 namespace lithe {
 namespace {

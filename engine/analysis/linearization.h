@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "engine/analysis/perturbation.h"
-#include "engine/observer.h"
+#include "engine/observe/observer.h"
 
 namespace lithe {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/projection.h"
+#include "engine/motion/projection.h"
 
 namespace lithe {
 namespace {

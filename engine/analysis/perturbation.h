@@ -1,8 +1,8 @@
 #pragma once
 
 #include "engine/analysis/free_motions.h"
-#include "engine/assembler.h"
-#include "engine/state.h"
+#include "engine/assembly/assembler.h"
+#include "engine/model/state.h"
 
 namespace lithe {
 

@@ -21,12 +21,13 @@ Vector6 flat(const ContactLoad& load) {
 
 }  // namespace
 
-ContactForces::ContactForces(const std::vector<ContactRecord>& records, const Layout& layout, const Workspace& work,
+ContactForces::ContactForces(const std::vector<ContactRecord>& records, const Layout& layout,
+                             const std::vector<MarkerKinematics>& markers, const VectorX& velocity,
                              std::vector<BodyState> bodies)
-    : records_(records), bodies_(std::move(bodies)), velocity_(work.v) {
+    : records_(records), bodies_(std::move(bodies)), velocity_(velocity) {
   std::size_t most = 0;
   for (const ContactRecord& record : records) {
-    places_.emplace_back(record, layout, work, bodies_);
+    places_.emplace_back(record, layout, markers, bodies_);
     detectors_.push_back(record.element->make_detector());
     most = std::max(most, record.markers.size());
     const auto law = record.element->law();

@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "engine/body.h"
 #include "engine/contact/contact_rows.h"
+#include "engine/model/body.h"
 
 namespace lithe {
 
@@ -13,8 +13,9 @@ namespace lithe {
 /// stiffness. Rigid ones act by what State::contacts says they did.
 class ContactForces {
  public:
-  ContactForces(const std::vector<ContactRecord>& records, const Layout& layout, const Workspace& work,
-                std::vector<BodyState> bodies);
+  /// Borrows the records, the table of markers and the velocities.
+  ContactForces(const std::vector<ContactRecord>& records, const Layout& layout,
+                const std::vector<MarkerKinematics>& markers, const VectorX& velocity, std::vector<BodyState> bodies);
 
   /// What was in touch at the last accepted state: the compliant laws' memory, the rigid laws' loads.
   void recall(const ContactMemory& memory) { memory_ = memory; }

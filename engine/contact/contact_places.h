@@ -2,9 +2,8 @@
 
 #include <vector>
 
-#include "engine/contact/contact_element.h"
-#include "engine/layout.h"
-#include "engine/workspace.h"
+#include "engine/model/contact_element.h"
+#include "engine/model/layout.h"
 
 namespace lithe {
 
@@ -21,11 +20,12 @@ struct ContactRecord {
 /// Where the colliders are, and their bodies' slices, for one assembler.
 class ContactPlaces final : public ContactPoses {
  public:
-  ContactPlaces(const ContactRecord& record, const Layout& layout, const Workspace& work,
+  /// All of them are borrowed: the table of markers, and the bodies' states by layout.
+  ContactPlaces(const ContactRecord& record, const Layout& layout, const std::vector<MarkerKinematics>& markers,
                 const std::vector<BodyState>& bodies)
-      : record_(record), layout_(layout), work_(work), bodies_(bodies) {}
+      : record_(record), layout_(layout), markers_(markers), bodies_(bodies) {}
 
-  const MarkerKinematics& collider(int i) const override { return work_.markers[record_.places[i]]; }
+  const MarkerKinematics& collider(int i) const override { return markers_[record_.places[i]]; }
   void node(int i, int marker, MarkerKinematics& out) const override {
     record_.markers[i].body->marker_kinematics(bodies_[record_.bodies[i]], marker, Level::velocity, out);
   }
@@ -43,8 +43,8 @@ class ContactPlaces final : public ContactPoses {
  private:
   const ContactRecord& record_;
   const Layout& layout_;
-  const Workspace& work_;
-  const std::vector<BodyState>& bodies_;  // by layout
+  const std::vector<MarkerKinematics>& markers_;
+  const std::vector<BodyState>& bodies_;
 };
 
 }  // namespace lithe

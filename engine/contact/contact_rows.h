@@ -2,8 +2,8 @@
 
 #include <vector>
 
+#include "engine/base/math.h"
 #include "engine/contact/contact_places.h"
-#include "engine/math.h"
 
 namespace lithe {
 

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <tuple>
 
-#include "engine/assembler.h"
+#include "engine/motion/equations_of_motion.h"
 
 namespace lithe {
 namespace {
@@ -15,19 +15,20 @@ constexpr double kNear = 1e-6;  // m: looked at whatever the speed
 
 }  // namespace
 
-RigidContacts::RigidContacts(Assembler& equations, const BlockStructure& blocks) : equations_(equations) {
-  for (const ContactRecord& record : equations.system().contacts()) {
+RigidContacts::RigidContacts(Scene scene) : scene_(std::move(scene)) {
+  for (const ContactRecord& record : scene_.records) {
     reach_.emplace_back(record.markers.size(), 0.0);
     located_.push_back(record.element->law() == ContactElement::Law::rigid &&
                        !record.element->located_pairs().empty());
   }
-  group_bodies(blocks);
+  group_bodies();
 }
 
-void RigidContacts::group_bodies(const BlockStructure& blocks) {
-  const auto& bodies = equations_.layout().bodies();
+void RigidContacts::group_bodies() {
+  const BlockStructure& blocks = scene_.blocks;
+  const auto& bodies = scene_.equations.layout().bodies();
   const int n = static_cast<int>(bodies.size());
-  std::vector<int> body_of(equations_.layout().v_count()), parent(n);
+  std::vector<int> body_of(scene_.equations.layout().v_count()), parent(n);
   for (int b = 0; b < n; ++b)
     for (int i = 0; i < (bodies[b].frame ? 6 : 0) + bodies[b].linear; ++i) body_of[bodies[b].v + i] = b;
   // 1. Who shares rows or couplings.
@@ -51,15 +52,11 @@ void RigidContacts::group_bodies(const BlockStructure& blocks) {
     tied[a] = tied[b] = 1;
     parent[root(a)] = root(b);
   }
-  for (const auto& entry : equations_.system().graph().forces()) {
-    if (!entry.make_batch) continue;
-    for (const Marker& m : entry.markers)
-      if (const int b = equations_.find_body(*m.body); b >= 0) tied[b] = 1;  // its load has a tangent
-  }
+  for (const int b : scene_.loaded) tied[b] = 1;  // its load has a tangent
   // 2. Components, by their first body.
   std::vector<int> component(n, -1);
   component_.assign(n, -1);
-  place_.assign(equations_.layout().v_count(), 0);
+  place_.assign(scene_.equations.layout().v_count(), 0);
   for (int b = 0; b < n; ++b) {
     int& c = component[root(b)];
     if (c < 0) c = static_cast<int>(components_.size()), components_.emplace_back();
@@ -88,9 +85,9 @@ void RigidContacts::find(ConstVectorRef v, double horizon) {
   points_.clear();
   pairs_.clear();
   happenings_.clear();
-  ContactForces& contacts = *equations_.contacts();
-  const double fall = horizon * horizon * equations_.system().gravity().norm();
-  for (const ContactRecord& record : equations_.system().contacts()) {
+  ContactForces& contacts = scene_.contacts;
+  const double fall = horizon * horizon * scene_.gravity;
+  for (const ContactRecord& record : scene_.records) {
     if (record.element->law() != ContactElement::Law::rigid) continue;
     const ContactPlaces& places = contacts.places()[record.number];
     auto& reach = reach_[record.number];
@@ -150,7 +147,7 @@ void RigidContacts::respond_together() {
     }
   std::size_t most = 0;
   for (const auto& of : columns_) most = std::max(most, of.size());
-  rv_.resize(equations_.layout().v_count()), rl_.resize(equations_.layout().row_count());
+  rv_.resize(scene_.equations.layout().v_count()), rl_.resize(scene_.equations.layout().row_count());
   for (std::size_t k = 0; k < most; ++k) {
     rv_.setZero(), rl_.setZero();
     for (const auto& of : columns_) {
@@ -159,7 +156,7 @@ void RigidContacts::respond_together() {
       const ContactRows::Side& side = row.sides[of[k].side];
       for (int c = 0; c < side.count; ++c) rv_[side.velocity + c] = rows_.values(side)[of[k].row + row.rows * c];
     }
-    equations_.solve(rv_, rl_);
+    scene_.equations.solve(rv_, rl_);
     for (std::size_t g = 0; g < columns_.size(); ++g) {
       if (k >= columns_[g].size()) continue;
       const Column& column = columns_[g][k];
@@ -199,7 +196,7 @@ ConeProblem& RigidContacts::form() {
         problem_.groups.push_back({problem_.velocities, size});
         problem_.velocities += size;
         if (component.alone) {
-          const Eigen::Map<const Matrix6> S(equations_.workspace().values.data() + component.values);
+          const Eigen::Map<const Matrix6> S(scene_.values.data() + component.values);
           component.inertia.inertia = S.bottomRightCorner<3, 3>().inverse();
         }
       }
@@ -274,7 +271,7 @@ void RigidContacts::recall_slip(const ContactMemory& memory, VectorRef at_start,
 
 void RigidContacts::remember(ConstVectorRef r, ConstVectorRef v, double h, ConstVectorRef slip_at_start,
                              ConstVectorRef slip_at_end, ContactMemory& memory) const {
-  const auto& contacts = equations_.system().contacts();
+  const auto& contacts = scene_.records;
   std::erase_if(
       memory, [&](const ContactTrace& t) { return contacts[t.element].element->law() == ContactElement::Law::rigid; });
   for (std::size_t i = 0; i < points_.size(); ++i) {

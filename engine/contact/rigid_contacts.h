@@ -2,19 +2,28 @@
 
 #include <vector>
 
-#include "engine/block_structure.h"
-#include "engine/contact/cone_problem.h"
+#include "engine/cones/cone_problem.h"
 #include "engine/contact/contact_event.h"
 #include "engine/contact/contact_forces.h"
+#include "engine/factor/block_structure.h"
 
 namespace lithe {
 
-class Assembler;
 
 /// The contacts of rigid surfaces as integrators see them, at the state evaluated last by the equations of motion.
 class RigidContacts {
  public:
-  RigidContacts(Assembler& equations, const BlockStructure& blocks);
+  /// What they act in: all of it is borrowed and outlives them.
+  struct Scene {
+    EquationsOfMotion& equations;
+    const BlockStructure& blocks;
+    const std::vector<double>& values;  // of its blocks
+    const std::vector<ContactRecord>& records;
+    ContactForces& contacts;
+    std::vector<int> loaded;  // bodies that force elements act on, by layout
+    double gravity;           // m/s²
+  };
+  explicit RigidContacts(Scene scene);
 
   struct Point {
     RigidContact law;
@@ -36,7 +45,7 @@ class RigidContacts {
   const std::vector<Point>& points() const { return points_; }
   const std::vector<Pair>& pairs() const { return pairs_; }
 
-  /// The problem of impulses at these points (engine/contact/cone_problem.h), but for `free`, with Y = S⁻¹ Hᵀ of the
+  /// The problem of impulses at these points (engine/cones/cone_problem.h), but for `free`, with Y = S⁻¹ Hᵀ of the
   /// last factor.
   ConeProblem& form();
   /// As formed last, to be given another `free` or friction.
@@ -67,12 +76,12 @@ class RigidContacts {
 
  private:
   const ContactTrace* find_trace(const ContactMemory& memory, const ContactRows::Row& row) const;
-  void group_bodies(const BlockStructure& blocks);
+  void group_bodies();
   void add_groups();
   void respond_alone(const ContactRows::Row& row, const ContactRows::Side& side, ConeProblem::Side& to);
   void respond_together();
 
-  Assembler& equations_;
+  const Scene scene_;
   // Bodies that joints or springs tie are one component.
   struct Component {
     std::vector<int> bodies, velocities;  // velocities: of the whole system, in order

@@ -13,9 +13,9 @@
 #include <sstream>
 #include <system_error>
 
-#include "engine/error.h"
+#include "engine/base/error.h"
+#include "engine/base/number_text.h"
 #include "engine/output/gnuplot.h"
-#include "engine/output/number_text.h"
 #include "engine/output/partial_file.h"
 
 namespace lithe {

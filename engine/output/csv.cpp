@@ -3,7 +3,7 @@
 #include <fstream>
 #include <string_view>
 
-#include "engine/output/number_text.h"
+#include "engine/base/number_text.h"
 #include "engine/output/partial_file.h"
 
 namespace lithe {

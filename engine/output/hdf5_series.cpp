@@ -7,7 +7,7 @@
 #include <map>
 #include <system_error>
 
-#include "engine/error.h"
+#include "engine/base/error.h"
 #include "engine/output/hdf5_internal.h"
 
 namespace lithe {

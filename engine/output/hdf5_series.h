@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/math.h"
+#include "engine/base/math.h"
 
 namespace lithe {
 

@@ -1,6 +1,6 @@
 #include "engine/output/hdf5_table.h"
 
-#include "engine/error.h"
+#include "engine/base/error.h"
 #include "engine/output/hdf5_file.h"
 
 namespace lithe {

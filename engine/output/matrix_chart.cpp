@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <ostream>
 
-#include "engine/error.h"
+#include "engine/base/error.h"
 #include "engine/output/gnuplot.h"
 
 namespace lithe {

@@ -10,10 +10,10 @@
 #include <sstream>
 #include <system_error>
 
+#include "engine/base/number_text.h"
 #include "engine/output/csv.h"
 #include "engine/output/hdf5_series.h"
 #include "engine/output/hdf5_table.h"
-#include "engine/output/number_text.h"
 
 namespace lithe {
 namespace {

@@ -8,8 +8,8 @@
 #include <span>
 #include <string_view>
 
-#include "engine/error.h"
-#include "engine/output/number_text.h"
+#include "engine/base/error.h"
+#include "engine/base/number_text.h"
 #include "engine/output/partial_file.h"
 
 namespace lithe {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/math.h"
+#include "engine/base/math.h"
 
 namespace lithe {
 

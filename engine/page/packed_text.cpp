@@ -1,6 +1,6 @@
 #include <zlib.h>
 
-#include "engine/error.h"
+#include "engine/base/error.h"
 #include "engine/page/run_record_internal.h"
 
 namespace lithe {

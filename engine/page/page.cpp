@@ -8,9 +8,9 @@
 #include <numeric>
 #include <set>
 
+#include "engine/base/version.h"
 #include "engine/output/partial_file.h"
 #include "engine/page/run_record_internal.h"
-#include "engine/version.h"
 
 namespace lithe {
 namespace page_parts {

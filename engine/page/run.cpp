@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine/base/number_text.h"
 #include "engine/page/run_record_internal.h"
 
 namespace lithe {

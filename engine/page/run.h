@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "engine/event.h"
-#include "engine/observer.h"
-#include "engine/page/drawing.h"
-#include "engine/sensors.h"
+#include "engine/model/drawing.h"
+#include "engine/observe/event.h"
+#include "engine/observe/observer.h"
+#include "engine/observe/sensors.h"
 
 namespace lithe {
 

@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/event.h"
-#include "engine/math.h"
-#include "engine/page/drawing.h"
+#include "engine/base/math.h"
+#include "engine/model/drawing.h"
+#include "engine/observe/event.h"
 #include "engine/page/run.h"
 
 namespace lithe {

@@ -2,9 +2,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "engine/class_name.h"
+#include "engine/base/class_name.h"
 #include "engine/page/scene_plan_internal.h"
-#include "engine/stand_in.h"
+#include "engine/simplify/stand_in.h"
 
 namespace lithe {
 namespace {

@@ -1,3 +1,4 @@
+#include "engine/base/number_text.h"
 #include "engine/contact/contact_forces.h"
 #include "engine/page/scene_plan_internal.h"
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/deformable_body.h"
+#include "engine/model/deformable_body.h"
 #include "engine/output/chart.h"
 
 namespace lithe {

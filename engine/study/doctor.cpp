@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/base/number_text.h"
 #include "engine/study/doctor_internal.h"
 
 namespace lithe {

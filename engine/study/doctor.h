@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "engine/assembly/system.h"
 #include "engine/study/study.h"
-#include "engine/system.h"
 
 namespace lithe {
 

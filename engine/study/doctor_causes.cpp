@@ -2,7 +2,8 @@
 #include <cmath>
 
 #include "engine/analysis/linearization.h"
-#include "engine/projection.h"
+#include "engine/base/number_text.h"
+#include "engine/motion/projection.h"
 #include "engine/study/doctor_internal.h"
 
 namespace lithe::doctor {

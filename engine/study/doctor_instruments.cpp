@@ -6,7 +6,8 @@
 #include <ctime>
 
 #include "engine/analysis/free_motions.h"
-#include "engine/simulation.h"
+#include "engine/base/number_text.h"
+#include "engine/run/simulation.h"
 #include "engine/study/doctor_internal.h"
 
 namespace lithe::doctor {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/snapshot.h"
+#include "engine/observe/snapshot.h"
 #include "engine/study/doctor.h"
 
 /// The doctor's instruments.

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <set>
 
-#include "engine/assembler.h"
+#include "engine/assembly/assembler.h"
 #include "engine/study/doctor_internal.h"
 
 namespace lithe {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/driven_oscillator.h"
+#include "engine/run/driven_oscillator.h"
 
 namespace lithe {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "engine/math.h"
+#include "engine/base/math.h"
 
 namespace lithe {
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-#include "engine/snapshot.h"
+#include "engine/observe/snapshot.h"
 #include "engine/study/driven_oscillators.h"
 
 namespace lithe {

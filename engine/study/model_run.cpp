@@ -1,10 +1,11 @@
 #include "engine/study/model_run.h"
 
-#include "engine/batch_of.h"
-#include "engine/lean_simulation.h"
-#include "engine/projection.h"
-#include "engine/simplification.h"
-#include "engine/simulation.h"
+#include "engine/assembly/batch_of.h"
+#include "engine/base/number_text.h"
+#include "engine/motion/projection.h"
+#include "engine/run/lean_simulation.h"
+#include "engine/run/simulation.h"
+#include "engine/simplify/simplification.h"
 #include "engine/study/certificate.h"
 #include "engine/study/study_run.h"
 

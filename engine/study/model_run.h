@@ -5,14 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "engine/deformable_body.h"
-#include "engine/integrator.h"
+#include "engine/assembly/system.h"
+#include "engine/model/deformable_body.h"
+#include "engine/model/state.h"
+#include "engine/model/system_graph.h"
+#include "engine/motion/integrator.h"
+#include "engine/observe/sensors.h"
 #include "engine/output/table.h"
-#include "engine/sensors.h"
-#include "engine/state.h"
 #include "engine/study/recorded_wrench.h"
-#include "engine/system.h"
-#include "engine/system_graph.h"
 
 namespace lithe {
 
@@ -57,7 +57,7 @@ struct RunRequest {
   double duration = 1;  // s
   int samples = 100;    // instants after the first
   Tolerance tolerance{};
-  bool simplify = false;  // the graph first (engine/simplification.h), islands by themselves (engine/lean_simulation.h)
+  bool simplify = false;  // the graph first (engine/simplify/simplification.h), islands by themselves (engine/run/lean_simulation.h)
   bool dynamics = true;   // whether accelerations and multipliers of the samples are wanted: what estimates need
 };
 /// Runs the scene with its bodies so modelled, under wrenches on their frames if there are any; the graph is left at

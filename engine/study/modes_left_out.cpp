@@ -5,8 +5,8 @@
 #include <cstdio>
 
 #include "engine/analysis/linearization.h"
-#include "engine/error.h"
-#include "engine/log.h"
+#include "engine/base/error.h"
+#include "engine/base/log.h"
 #include "engine/study/model_run.h"
 
 namespace lithe {

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/equilibrium.h"
-#include "engine/system_graph.h"
+#include "engine/analysis/equilibrium.h"
+#include "engine/model/system_graph.h"
 
 namespace lithe {
 

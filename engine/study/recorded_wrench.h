@@ -1,10 +1,10 @@
 #pragma once
 
 #include <algorithm>
-#include "engine/batch.h"
-#include "engine/force_element.h"
+#include "engine/assembly/batch.h"
+#include "engine/model/force_element.h"
 
-#include "engine/math.h"
+#include "engine/base/math.h"
 
 namespace lithe {
 

@@ -4,11 +4,11 @@
 #include <numeric>
 #include <sstream>
 
-#include "engine/contact/contact_element.h"
-#include "engine/error.h"
-#include "engine/islands.h"
-#include "engine/log.h"
-#include "engine/simplification.h"
+#include "engine/base/error.h"
+#include "engine/base/log.h"
+#include "engine/model/contact_element.h"
+#include "engine/model/islands.h"
+#include "engine/simplify/simplification.h"
 #include "engine/study/study_run.h"
 
 namespace lithe {

@@ -33,7 +33,7 @@ struct SolveMethods {
 struct SolveOptions {
   int samples = 100;            // instants after the first, evenly spaced
   std::string scene = "scene";  // its name on the sheet
-  /// The graph first: welded bodies, planar motion, islands (engine/simplification.h). The answer is the same.
+  /// The graph first: welded bodies, planar motion, islands (engine/simplify/simplification.h). The answer is the same.
   bool simplify = true;
   /// Deflections are known to be small: their second order stays out of the statement where a basis has no data for it.
   /// Else nothing is certified with such a basis.

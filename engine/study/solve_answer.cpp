@@ -2,7 +2,7 @@
 #include <numeric>
 #include <utility>
 
-#include "engine/error.h"
+#include "engine/base/error.h"
 #include "engine/study/solve_internal.h"
 #include "engine/study/study_run.h"
 

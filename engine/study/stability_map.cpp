@@ -4,7 +4,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "engine/error.h"
+#include "engine/base/error.h"
 #include "engine/output/matrix_chart.h"
 #include "engine/output/partial_file.h"
 #include "engine/study/study_run.h"

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "engine/integrator.h"
-#include "engine/sensors.h"
-#include "engine/system_graph.h"
+#include "engine/model/system_graph.h"
+#include "engine/motion/integrator.h"
+#include "engine/observe/sensors.h"
 
 namespace lithe {
 

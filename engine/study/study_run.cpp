@@ -3,8 +3,8 @@
 #include <cmath>
 #include <ctime>
 
-#include "engine/assembler.h"
-#include "engine/snapshot.h"
+#include "engine/assembly/assembler.h"
+#include "engine/observe/snapshot.h"
 
 namespace lithe {
 namespace {

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "engine/assembly/system.h"
 #include "engine/output/table.h"
 #include "engine/study/study.h"
-#include "engine/system.h"
 
 namespace lithe {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/output/number_text.h"
+#include "engine/base/number_text.h"
 #include "engine/output/partial_file.h"
 #include "engine/study/study_run.h"
 #include "engine/study/sweep_internal.h"

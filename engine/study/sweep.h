@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/error.h"
+#include "engine/base/error.h"
 #include "engine/output/table.h"
 #include "engine/study/progress.h"
 #include "engine/study/sweep_parameters.h"

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <random>
 
-#include "engine/checks.h"
-#include "engine/error.h"
+#include "engine/base/checks.h"
+#include "engine/base/error.h"
 
 namespace lithe {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/checks.h"
+#include "engine/base/checks.h"
 #include "engine/output/csv.h"
 
 namespace lithe {

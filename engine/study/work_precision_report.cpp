@@ -2,7 +2,7 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/output/number_text.h"
+#include "engine/base/number_text.h"
 #include "engine/output/partial_file.h"
 #include "engine/study/text_table.h"
 #include "engine/study/work_precision.h"

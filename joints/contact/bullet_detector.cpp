@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "engine/error.h"
+#include "engine/base/error.h"
 #include "joints/contact/contact.h"
 #include "joints/contact/shape_internal.h"
 #include "joints/contact/triangles_internal.h"

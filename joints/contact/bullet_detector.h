@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "engine/contact/contact_point.h"
+#include "engine/model/contact_point.h"
 
 namespace lithe {
 

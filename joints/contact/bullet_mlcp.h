@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/contact/cone_problem.h"
+#include "engine/cones/cone_problem.h"
 
 namespace lithe {
 

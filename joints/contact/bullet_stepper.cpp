@@ -11,9 +11,9 @@
 #include <cmath>
 #include <map>
 
-#include "engine/checks.h"
-#include "engine/error.h"
-#include "engine/projection.h"
+#include "engine/base/checks.h"
+#include "engine/base/error.h"
+#include "engine/motion/projection.h"
 #include "joints/contact/contact.h"
 #include "joints/contact/shape_internal.h"
 #include "joints/fixed_joint.h"

@@ -2,8 +2,8 @@
 
 #include <memory>
 
-#include "engine/integrator.h"
-#include "engine/system.h"
+#include "engine/assembly/system.h"
+#include "engine/motion/integrator.h"
 
 namespace lithe {
 

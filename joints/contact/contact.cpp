@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/checks.h"
+#include "engine/base/checks.h"
 #include "joints/contact/bullet_detector.h"
 
 namespace lithe {

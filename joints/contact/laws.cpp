@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "engine/checks.h"
+#include "engine/base/checks.h"
 
 namespace lithe {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/contact/contact_element.h"
+#include "engine/model/contact_element.h"
 
 namespace lithe {
 

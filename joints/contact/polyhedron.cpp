@@ -4,7 +4,7 @@
 #include <map>
 #include <numeric>
 
-#include "engine/error.h"
+#include "engine/base/error.h"
 
 namespace lithe {
 namespace polyhedron_parts {

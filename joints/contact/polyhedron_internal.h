@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/math.h"
+#include "engine/base/math.h"
 
 namespace lithe {
 

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "engine/contact/contact_point.h"
+#include "engine/model/contact_point.h"
 #include "joints/contact/polyhedron_internal.h"
 #include "joints/contact/shapes.h"
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <map>
 
-#include "engine/checks.h"
-#include "engine/error.h"
+#include "engine/base/checks.h"
+#include "engine/base/error.h"
 #include "joints/contact/shape_internal.h"
 
 namespace lithe {

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "engine/marker.h"
-#include "engine/math.h"
+#include "engine/base/math.h"
+#include "engine/model/marker.h"
 
 namespace lithe {
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "engine/contact/contact_point.h"
+#include "engine/model/contact_point.h"
 #include "joints/contact/shape_internal.h"
 
 /// Contact of surfaces made of triangles. One-sided: their outside is where they are counter-clockwise. Exact for what

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "engine/batch.h"
-#include "engine/force_element.h"
+#include "engine/assembly/batch.h"
+#include "engine/model/force_element.h"
 
 namespace lithe {
 

@@ -2,9 +2,9 @@
 
 #include <functional>
 
-#include "engine/batch.h"
-#include "engine/force_element.h"
-#include "engine/joint_coordinate.h"
+#include "engine/assembly/batch.h"
+#include "engine/model/force_element.h"
+#include "engine/model/joint_coordinate.h"
 
 namespace lithe {
 

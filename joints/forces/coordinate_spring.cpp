@@ -1,7 +1,7 @@
 #include "joints/forces/coordinate_spring.h"
 
-#include "engine/batch_of.h"
-#include "engine/checks.h"
+#include "engine/assembly/batch_of.h"
+#include "engine/base/checks.h"
 
 namespace lithe {
 

@@ -2,10 +2,10 @@
 
 #include <optional>
 
-#include "engine/batch.h"
-#include "engine/force_element.h"
-#include "engine/joint_coordinate.h"
-#include "engine/tension_law.h"
+#include "engine/assembly/batch.h"
+#include "engine/model/force_element.h"
+#include "engine/model/joint_coordinate.h"
+#include "engine/model/tension_law.h"
 
 namespace lithe {
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "engine/batch_of.h"
-#include "engine/checks.h"
+#include "engine/assembly/batch_of.h"
+#include "engine/base/checks.h"
 
 namespace lithe {
 

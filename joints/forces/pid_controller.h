@@ -2,10 +2,10 @@
 
 #include <limits>
 
-#include "engine/batch.h"
-#include "engine/force_element.h"
-#include "engine/joint_coordinate.h"
-#include "engine/motion_law.h"
+#include "engine/assembly/batch.h"
+#include "engine/model/force_element.h"
+#include "engine/model/joint_coordinate.h"
+#include "engine/model/motion_law.h"
 
 namespace lithe {
 

@@ -2,8 +2,8 @@
 
 #include <functional>
 
-#include "engine/batch.h"
-#include "engine/force_element.h"
+#include "engine/assembly/batch.h"
+#include "engine/model/force_element.h"
 
 namespace lithe {
 

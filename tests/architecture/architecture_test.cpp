@@ -59,9 +59,9 @@ TEST(Architecture, EveryIncludeFollowsTheArrowsOfTheHouse) {
 }
 
 TEST_F(PlantedTree, ArrowsBetweenFoldersAreKept) {
-  EXPECT_TRUE(is_allowed("engine/a.cpp", "#include \"engine/body.h\""));
+  EXPECT_TRUE(is_allowed("engine/a.cpp", "#include \"engine/model/body.h\""));
   EXPECT_TRUE(is_allowed("bodies/flexible/a.cpp", "#include \"bodies/rigid_body.h\""));
-  EXPECT_TRUE(is_allowed("joints/a.h", "#include \"engine/constraint.h\""));
+  EXPECT_TRUE(is_allowed("joints/a.h", "#include \"engine/model/constraint.h\""));
   EXPECT_TRUE(is_allowed("examples/01_a.cpp", "#include \"lithe/lithe.h\""));
   EXPECT_TRUE(is_allowed("examples/02_a.cpp", "#include \"examples/support/study.h\""));
   EXPECT_TRUE(is_caught("bodies/a.cpp", "#include \"examples/support/study.h\""));
@@ -76,7 +76,7 @@ TEST_F(PlantedTree, ArrowsBetweenFoldersAreKept) {
   EXPECT_TRUE(is_caught("joints/a.cpp", "#include \"plugins/rod/rod.h\""));
   EXPECT_TRUE(is_caught("examples/02_a.cpp", "#include \"examples/common.h\""));
   EXPECT_TRUE(is_caught("engine/a.cpp", "#include \"tests/support/checks.h\""));
-  EXPECT_TRUE(is_caught("plugins/rod/rod.cpp", "#include \"engine/constraint.h\""));
+  EXPECT_TRUE(is_caught("plugins/rod/rod.cpp", "#include \"engine/model/constraint.h\""));
   EXPECT_TRUE(is_caught("plugins/rod/rod.cpp", "#include \"plugins/cam/cam.h\""));
   EXPECT_TRUE(is_caught("plugins/rod/rod.cpp", "#include <boost/graph/adjacency_list.hpp>"));
   EXPECT_TRUE(is_caught("engine/output/a.cpp", "#include \"../body.h\""));
@@ -85,22 +85,22 @@ TEST_F(PlantedTree, ArrowsBetweenFoldersAreKept) {
 }
 
 TEST_F(PlantedTree, EachPackageHasOneHome) {
-  EXPECT_TRUE(is_allowed("engine/system_graph.cpp", "#include <boost/graph/adjacency_list.hpp>"));
-  EXPECT_TRUE(is_allowed("engine/log.cpp", "#include <spdlog/spdlog.h>"));
+  EXPECT_TRUE(is_allowed("engine/model/system_graph.cpp", "#include <boost/graph/adjacency_list.hpp>"));
+  EXPECT_TRUE(is_allowed("engine/base/log.cpp", "#include <spdlog/spdlog.h>"));
   EXPECT_TRUE(is_allowed("integrators/ida.cpp", "#include <ida/ida.h>"));
   EXPECT_TRUE(is_allowed("integrators/ida.cpp", "#include <nvector/nvector_serial.h>"));
-  EXPECT_TRUE(is_allowed("engine/static_equations.cpp", "#include <sunlinsol/sunlinsol_klu.h>"));
+  EXPECT_TRUE(is_allowed("engine/analysis/static_equations.cpp", "#include <sunlinsol/sunlinsol_klu.h>"));
   EXPECT_TRUE(is_allowed("joints/contact/bullet_contact.cpp", "#include <btBulletCollisionCommon.h>"));
   EXPECT_TRUE(is_allowed("bodies/flexible/reduction.cpp", "#include <Spectra/SymGEigsShiftSolver.h>"));
   EXPECT_TRUE(is_allowed("bodies/flexible/reduction.cpp", "#include <Eigen/CholmodSupport>"));
   EXPECT_TRUE(is_allowed("joints/a.cpp", "#include <nlohmann/json.hpp>"));
-  EXPECT_TRUE(is_allowed("engine/plugin_loader.cpp", "#include <dlfcn.h>"));
+  EXPECT_TRUE(is_allowed("engine/plugin/plugin_loader.cpp", "#include <dlfcn.h>"));
   EXPECT_TRUE(is_allowed("integrators/a.cpp", "#include <Eigen/SparseLU>"));
 
-  EXPECT_TRUE(is_caught("engine/layout.cpp", "#include <boost/graph/adjacency_list.hpp>"));
+  EXPECT_TRUE(is_caught("engine/model/layout.cpp", "#include <boost/graph/adjacency_list.hpp>"));
   EXPECT_TRUE(is_caught("engine/system.cpp", "#include <fmt/format.h>"));
   EXPECT_TRUE(is_caught("integrators/radau.cpp", "#include <ida/ida.h>"));
-  EXPECT_TRUE(is_caught("engine/equilibrium.cpp", "#include <sunlinsol/sunlinsol_klu.h>"));
+  EXPECT_TRUE(is_caught("engine/analysis/equilibrium.cpp", "#include <sunlinsol/sunlinsol_klu.h>"));
   EXPECT_TRUE(is_caught("integrators/radau.cpp", "#include <sunmatrix/sunmatrix_sparse.h>"));
   EXPECT_TRUE(is_caught("joints/revolute_joint.cpp", "#include <LinearMath/btVector3.h>"));
   EXPECT_TRUE(is_caught("joints/a.cpp", "#include <Spectra/SymGEigsShiftSolver.h>"));
@@ -111,12 +111,12 @@ TEST_F(PlantedTree, EachPackageHasOneHome) {
   EXPECT_TRUE(is_caught("examples/01_a.cpp", "std::system(command);"));
   EXPECT_TRUE(is_caught("examples/01_a.cpp", "run(\"gnuplot chart.gp\");"));
   EXPECT_TRUE(is_caught("engine/output/vtu.cpp", "#include <spawn.h>"));
-  EXPECT_TRUE(is_allowed("engine/simulation.cpp", "return simulation.system();"));
+  EXPECT_TRUE(is_allowed("engine/run/simulation.cpp", "return simulation.system();"));
   EXPECT_TRUE(is_allowed("engine/output/chart.cpp", "if (posix_spawnp(&child, \"gnuplot\", actions) != 0) return;"));
 }
 
 TEST_F(PlantedTree, OneHomeIsOneFile) {
-  plant("engine/system_graph.cpp", "#include <boost/graph/adjacency_list.hpp>\n");
+  plant("engine/model/system_graph.cpp", "#include <boost/graph/adjacency_list.hpp>\n");
   EXPECT_TRUE(find_violations(root_).empty());
   EXPECT_TRUE(is_caught("engine/topology.cpp", "#include <boost/graph/connected_components.hpp>"));
 }

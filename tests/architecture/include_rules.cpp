@@ -39,11 +39,11 @@ const std::vector<Package>& packages() {
   const std::string statics = R"(engine/(.*/)?static_equations\.cpp)";
   static const std::vector<Package> all = {
       {"Boost.Math", std::regex(R"(boost/math/.*)"), std::regex(R"(engine/event_finder\.cpp)"),
-       "engine/event_finder.cpp"},
+       "engine/run/event_finder.cpp"},
       {"Boost", std::regex(R"(boost/(?!math/).*)"),
        std::regex(R"(engine/(system_graph\w*|topology\w*|graph_topology)\.cpp)"),
-       "one of engine/system_graph*.cpp, engine/topology*.cpp, engine/graph_topology.cpp", true},
-      {"spdlog, fmt", std::regex(R"((spdlog|fmt)/.*)"), std::regex(R"(engine/log\.cpp)"), "engine/log.cpp"},
+       "one of engine/system_graph*.cpp, engine/topology*.cpp, engine/factor/graph_topology.cpp", true},
+      {"spdlog, fmt", std::regex(R"((spdlog|fmt)/.*)"), std::regex(R"(engine/log\.cpp)"), "engine/base/log.cpp"},
       {"IDA", std::regex(R"(idas?/.*|klu\.h|Eigen/KLUSupport)"), std::regex(ida), "integrators/ida*.cpp"},
       {"CVODE", std::regex(R"(cvodes?/.*)"), std::regex(cvode), "integrators/adams*.cpp"},
       {"SUNDIALS", std::regex(R"((kinsol|sundials|nvector|sunmatrix|sunlinsol|sunnonlinsol|arkode)/.*)"),
@@ -120,11 +120,11 @@ std::string without_comments(const std::string& line, bool& in_comment) {
   return code;
 }
 
-/// Includes written from the root, "engine/body.h": the arrows between folders.
+/// Includes written from the root, "engine/model/body.h": the arrows between folders.
 std::optional<std::string> broken_arrow(const Source& source, const std::string& included) {
   const std::size_t slash = included.find('/');
   if (slash == std::string::npos || included.starts_with('.'))
-    return "includes are written from the root, as in \"engine/body.h\"";
+    return "includes are written from the root, as in \"engine/model/body.h\"";
   const std::string target = included.substr(0, slash);
 
   // What examples need to report lies beside them; nobody else includes it.

@@ -15,7 +15,7 @@ struct Violation {
   std::string reason;  // the rule it breaks
 };
 
-/// "engine/body.h:12: #include <boost/...>: Boost lives in ..."
+/// "engine/model/body.h:12: #include <boost/...>: Boost lives in ..."
 std::string to_string(const Violation& violation);
 
 /// Reads every source and header in engine/, bodies/, joints/, integrators/, plugins/ and examples/ below `root`: the

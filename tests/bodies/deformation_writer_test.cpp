@@ -5,12 +5,12 @@
 #include <array>
 #include <cstdio>
 
-#include "engine/simulation.h"
-#include "engine/snapshot.h"
+#include "engine/observe/snapshot.h"
+#include "engine/run/simulation.h"
 #include "integrators/generalized_alpha.h"
 #include "joints/revolute_joint.h"
 #include "tests/bodies/flexible_models.h"
-#include "tests/engine/output_scratch_folder.h"
+#include "tests/engine/output/output_scratch_folder.h"
 
 namespace lithe::test::deformation_writer_test {
 namespace {
@@ -31,9 +31,9 @@ TEST(DeformationWriter, gives_paraview_the_moving_mesh_with_its_volume_and_its_n
   simulation.observe(writer, every(0.05));
   simulation.run(state, 0.1);
 
-  // Through VTK's own reader: tests/engine/read_vtu.py prints points, cells, volume and sums of the fields.
+  // Through VTK's own reader: tests/engine/output/read_vtu.py prints points, cells, volume and sums of the fields.
   const std::string command =
-      "/usr/bin/python3 '" LITHE_SOURCE_DIR "/tests/engine/read_vtu.py' '" + folder.path("rod_0002.vtu") + "' 2>&1";
+      "/usr/bin/python3 '" LITHE_SOURCE_DIR "/tests/engine/output/read_vtu.py' '" + folder.path("rod_0002.vtu") + "' 2>&1";
   FILE* pipe = popen(command.c_str(), "r");
   std::string text;
   std::array<char, 4096> part;

@@ -13,7 +13,7 @@
 #include "bodies/flexible/finite_element_model.h"
 #include "bodies/flexible/readers/calculix.h"
 #include "bodies/flexible/readers/matrix_market.h"
-#include "engine/error.h"
+#include "engine/base/error.h"
 
 /// The finite-element models of examples/data/pendulum and what tests ask of them.
 namespace lithe::test {

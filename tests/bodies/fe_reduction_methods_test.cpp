@@ -2,7 +2,7 @@
 #include <numbers>
 
 #include "bodies/flexible/flexible_body.h"
-#include "engine/assembler.h"
+#include "engine/assembly/assembler.h"
 #include "integrators/explicit_runge_kutta.h"
 #include "joints/revolute_joint.h"
 #include "tests/bodies/bar_model.h"

@@ -7,7 +7,7 @@
 
 #include "bodies/flexible/flexible_body.h"
 #include "bodies/rigid_body.h"
-#include "engine/assembler.h"
+#include "engine/assembly/assembler.h"
 #include "integrators/explicit_runge_kutta.h"
 #include "joints/constant_velocity_joint.h"
 #include "joints/cylindrical_joint.h"

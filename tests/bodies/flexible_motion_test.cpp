@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bodies/flexible/flexible_body.h"
-#include "engine/assembler.h"
+#include "engine/assembly/assembler.h"
 #include "integrators/explicit_runge_kutta.h"
 #include "tests/bodies/flexible_models.h"
 #include "tests/support/linear_algebra.h"

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "bodies/flexible/flexible_body.h"
-#include "engine/recorder.h"
-#include "engine/simulation.h"
+#include "engine/observe/recorder.h"
+#include "engine/run/simulation.h"
 #include "integrators/explicit_runge_kutta.h"
 #include "joints/revolute_joint.h"
 #include "tests/bodies/fe_models.h"

@@ -7,9 +7,9 @@
 
 #include "bodies/flexible/elements/meshes.h"
 #include "bodies/flexible/flexible_body.h"
-#include "engine/equilibrium.h"
-#include "engine/error.h"
-#include "engine/snapshot.h"
+#include "engine/analysis/equilibrium.h"
+#include "engine/base/error.h"
+#include "engine/observe/snapshot.h"
 #include "joints/fixed_joint.h"
 #include "joints/forces/point_force.h"
 

@@ -1,5 +1,5 @@
 // Modes that stand still while they are quiet: what freezing keeps, what it takes, and that it lets go in time.
-#include "engine/mode_freezing.h"
+#include "engine/run/mode_freezing.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include "bodies/flexible/elements/meshes.h"
 #include "bodies/flexible/flexible_body.h"
 #include "bodies/rigid_body.h"
-#include "engine/projection.h"
-#include "engine/sensors.h"
-#include "engine/simulation.h"
+#include "engine/motion/projection.h"
+#include "engine/observe/sensors.h"
+#include "engine/run/simulation.h"
 #include "integrators/explicit_runge_kutta.h"
 #include "integrators/generalized_alpha.h"
 #include "integrators/radau.h"

@@ -2,10 +2,10 @@
 #include <gtest/gtest.h>
 
 #include "bodies/flexible/flexible_body.h"
-#include "engine/assembler.h"
-#include "engine/equilibrium.h"
-#include "engine/sensors.h"
-#include "engine/snapshot.h"
+#include "engine/analysis/equilibrium.h"
+#include "engine/assembly/assembler.h"
+#include "engine/observe/sensors.h"
+#include "engine/observe/snapshot.h"
 #include "joints/fixed_joint.h"
 #include "joints/forces/distributed_load.h"
 #include "tests/bodies/bar_model.h"

@@ -4,7 +4,7 @@
 
 #include "bodies/rigid_body.h"
 #include "engine/analysis/linearization.h"
-#include "engine/simplification.h"
+#include "engine/simplify/simplification.h"
 #include "joints/coordinate_drive.h"
 #include "joints/distance_joint.h"
 #include "joints/forces/bushing.h"

@@ -11,10 +11,10 @@
 #include "bodies/flexible/nodal_loads.h"
 #include "bodies/flexible/result_writer.h"
 #include "bodies/flexible/stress_observer.h"
+#include "engine/observe/recorder.h"
 #include "engine/output/hdf5_file.h"
 #include "engine/output/hdf5_table.h"
-#include "engine/recorder.h"
-#include "engine/simulation.h"
+#include "engine/run/simulation.h"
 #include "integrators/explicit_runge_kutta.h"
 #include "integrators/generalized_alpha.h"
 #include "joints/fixed_joint.h"
@@ -22,7 +22,7 @@
 #include "joints/revolute_joint.h"
 #include "joints/spherical_joint.h"
 #include "tests/bodies/fe_models.h"
-#include "tests/engine/output_scratch_folder.h"
+#include "tests/engine/output/output_scratch_folder.h"
 
 namespace lithe::test::recovery_test {
 namespace {
@@ -57,9 +57,9 @@ double root_stress(const FlexibleBody& rod, Snapshot& now) {
   return largest;
 }
 
-/// Through VTK's own reader: tests/engine/read_vtu.py prints points, cells, and sums of the fields.
+/// Through VTK's own reader: tests/engine/output/read_vtu.py prints points, cells, and sums of the fields.
 std::string vtk_text(const std::string& path) {
-  const std::string command = "/usr/bin/python3 '" LITHE_SOURCE_DIR "/tests/engine/read_vtu.py' '" + path + "' 2>&1";
+  const std::string command = "/usr/bin/python3 '" LITHE_SOURCE_DIR "/tests/engine/output/read_vtu.py' '" + path + "' 2>&1";
   FILE* pipe = popen(command.c_str(), "r");
   std::string text;
   std::array<char, 4096> part;

@@ -4,7 +4,7 @@
 #include "bodies/flexible/elements/meshes.h"
 #include "bodies/flexible/elements/solid_element.h"
 #include "bodies/flexible/reduction.h"
-#include "engine/error.h"
+#include "engine/base/error.h"
 #include "tests/bodies/fe_models.h"
 
 namespace lithe::test::stiffness_of_elements_test {

@@ -6,8 +6,8 @@
 #include <set>
 
 #include "bodies/flexible/elements/meshes.h"
-#include "engine/error.h"
-#include "engine/system_graph.h"
+#include "engine/base/error.h"
+#include "engine/model/system_graph.h"
 #include "tests/bodies/flexible_models.h"
 
 namespace lithe::test::surface_mesh_test {

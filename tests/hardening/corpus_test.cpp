@@ -5,10 +5,10 @@
 #include <iterator>
 
 #include "bodies/flexible/basis_file.h"
-#include "engine/error.h"
+#include "engine/base/error.h"
 #include "engine/output/binary.h"
 #include "engine/output/hdf5_table.h"
-#include "tests/engine/output_scratch_folder.h"
+#include "tests/engine/output/output_scratch_folder.h"
 #include "tools/fuzz/targets.h"
 
 namespace lithe::test {

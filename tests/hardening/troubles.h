@@ -7,9 +7,9 @@
 #include <stdexcept>
 
 #include "bodies/rigid_body.h"
-#include "engine/batch_of.h"
-#include "engine/observer.h"
-#include "engine/simulation.h"
+#include "engine/assembly/batch_of.h"
+#include "engine/observe/observer.h"
+#include "engine/run/simulation.h"
 
 /// Elements of a user that go wrong at some time, and a pendulum that they are part of.
 namespace lithe::test {

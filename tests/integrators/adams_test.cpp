@@ -5,9 +5,9 @@
 #include <stdexcept>
 
 #include "bodies/rigid_body.h"
-#include "engine/batch_of.h"
-#include "engine/error.h"
-#include "engine/projection.h"
+#include "engine/assembly/batch_of.h"
+#include "engine/base/error.h"
+#include "engine/motion/projection.h"
 #include "integrators/adams.h"
 #include "joints/angle_driver.h"
 #include "joints/forces/bushing.h"

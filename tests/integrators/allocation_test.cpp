@@ -9,7 +9,7 @@
 #include "bodies/flexible/flexible_body.h"
 #include "bodies/flexible/readers/calculix.h"
 #include "bodies/rigid_body.h"
-#include "engine/contact/gauss_seidel.h"
+#include "engine/cones/gauss_seidel.h"
 #include "integrators/explicit_runge_kutta.h"
 #include "integrators/generalized_alpha.h"
 #include "integrators/moreau_jean.h"

@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "bodies/rigid_body.h"
-#include "engine/contact/contact_sensors.h"
-#include "engine/simulation.h"
-#include "engine/system_graph.h"
+#include "engine/model/system_graph.h"
+#include "engine/observe/contact_sensors.h"
+#include "engine/run/simulation.h"
 #include "integrators/explicit_runge_kutta.h"
 #include "integrators/generalized_alpha.h"
 #include "integrators/moreau_jean.h"

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "bodies/rigid_body.h"
-#include "engine/error.h"
+#include "engine/base/error.h"
 #include "joints/forces/spring_damper.h"
 #include "tests/integrators/conserving_scenes.h"
 #include "tests/support/methods.h"

@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "bodies/rigid_body.h"
-#include "engine/batch_of.h"
-#include "engine/error.h"
-#include "engine/projection.h"
+#include "engine/assembly/batch_of.h"
+#include "engine/base/error.h"
+#include "engine/motion/projection.h"
 #include "joints/forces/spring_damper.h"
 #include "tests/integrators/pendulum_errors.h"
 

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "bodies/rigid_body.h"
-#include "engine/batch_of.h"
-#include "engine/error.h"
+#include "engine/assembly/batch_of.h"
+#include "engine/base/error.h"
 #include "joints/forces/spring_damper.h"
 #include "tests/integrators/pendulum_errors.h"
 

@@ -7,8 +7,8 @@
 
 #include "bodies/flexible/flexible_body.h"
 #include "bodies/rigid_body.h"
-#include "engine/batch_of.h"
-#include "engine/error.h"
+#include "engine/assembly/batch_of.h"
+#include "engine/base/error.h"
 #include "joints/forces/joint_friction.h"
 #include "joints/forces/spring_damper.h"
 #include "joints/prismatic_joint.h"

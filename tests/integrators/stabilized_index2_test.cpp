@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "bodies/rigid_body.h"
-#include "engine/projection.h"
+#include "engine/motion/projection.h"
 #include "joints/forces/spring_damper.h"
 #include "joints/revolute_joint.h"
 #include "tests/support/methods.h"

@@ -4,8 +4,8 @@
 #include <array>
 
 #include "bodies/rigid_body.h"
-#include "engine/batch_of.h"
-#include "engine/error.h"
+#include "engine/assembly/batch_of.h"
+#include "engine/base/error.h"
 #include "integrators/automatic.h"
 #include "integrators/explicit_runge_kutta.h"
 #include "integrators/generalized_alpha.h"

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "engine/force_element.h"
+#include "engine/model/force_element.h"
 #include "joints/angle_driver.h"
 #include "joints/constant_velocity_joint.h"
 #include "joints/cylindrical_joint.h"

@@ -4,7 +4,7 @@
 #include <numbers>
 #include <random>
 
-#include "engine/error.h"
+#include "engine/base/error.h"
 #include "tests/joints/contact_motion.h"
 
 /// Laws of compliant contacts: along the normal, and what they share.

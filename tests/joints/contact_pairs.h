@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "bodies/rigid_body.h"
-#include "engine/ground.h"
-#include "engine/system_graph.h"
+#include "engine/model/ground.h"
+#include "engine/model/system_graph.h"
 #include "joints/contact/bullet_detector.h"
 #include "joints/contact/contact.h"
 

@@ -5,7 +5,7 @@
 #include <map>
 #include <set>
 
-#include "engine/error.h"
+#include "engine/base/error.h"
 #include "tests/joints/contact_pairs.h"
 
 namespace lithe::test::contact_shapes_test {

@@ -3,8 +3,8 @@
 #include <array>
 
 #include "bodies/integral_state.h"
-#include "engine/recorder.h"
-#include "engine/simulation.h"
+#include "engine/observe/recorder.h"
+#include "engine/run/simulation.h"
 #include "joints/forces/bushing.h"
 #include "joints/forces/coordinate_motor.h"
 #include "joints/forces/coordinate_spring.h"

@@ -4,7 +4,7 @@
 
 #include "bodies/integral_state.h"
 #include "bodies/rigid_body.h"
-#include "engine/system.h"
+#include "engine/assembly/system.h"
 #include "joints/constant_velocity_joint.h"
 #include "joints/coordinate_coupling.h"
 #include "joints/coordinate_drive.h"

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "bodies/rigid_body.h"
-#include "engine/assembler.h"
+#include "engine/assembly/assembler.h"
 #include "joints/forces/point_force.h"
 #include "joints/forces/spring_damper.h"
 #include "joints/forces/user_force.h"

@@ -3,8 +3,8 @@
 #include <array>
 
 #include "engine/analysis/kinematics.h"
-#include "engine/recorder.h"
-#include "engine/simulation.h"
+#include "engine/observe/recorder.h"
+#include "engine/run/simulation.h"
 #include "joints/coordinate_drive.h"
 #include "joints/fixed_joint.h"
 #include "joints/forces/joint_friction.h"

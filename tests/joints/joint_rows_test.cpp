@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "bodies/rigid_body.h"
-#include "engine/assembler.h"
+#include "engine/assembly/assembler.h"
 #include "joints/angle_driver.h"
 #include "joints/cylindrical_joint.h"
 #include "joints/distance_joint.h"

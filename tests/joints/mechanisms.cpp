@@ -1,6 +1,6 @@
 #include "tests/joints/mechanisms.h"
 
-#include "engine/snapshot.h"
+#include "engine/observe/snapshot.h"
 
 namespace lithe::test {
 

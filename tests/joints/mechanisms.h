@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "bodies/rigid_body.h"
-#include "engine/sensors.h"
+#include "engine/observe/sensors.h"
 #include "joints/revolute_joint.h"
 #include "tests/support/methods.h"
 #include "tests/support/scenes.h"

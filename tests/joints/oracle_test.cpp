@@ -3,7 +3,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "engine/assembler.h"
+#include "engine/assembly/assembler.h"
 #include "joints/angle_driver.h"
 #include "joints/cylindrical_joint.h"
 #include "joints/distance_joint.h"

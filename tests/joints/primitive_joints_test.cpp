@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "bodies/point_mass.h"
-#include "engine/rotations.h"
-#include "engine/simplification.h"
+#include "engine/base/rotations.h"
+#include "engine/simplify/simplification.h"
 #include "joints/coordinate_drive.h"
 #include "joints/orientation_joint.h"
 #include "joints/parallel_axes_joint.h"

@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "bodies/rigid_body.h"
-#include "engine/assembler.h"
-#include "engine/log.h"
+#include "engine/assembly/assembler.h"
+#include "engine/base/log.h"
 #include "integrators/generalized_alpha.h"
 #include "joints/fixed_joint.h"
 #include "joints/revolute_joint.h"

@@ -4,7 +4,7 @@
 #include <fstream>
 
 #include "bodies/rigid_body.h"
-#include "engine/simulation.h"
+#include "engine/run/simulation.h"
 #include "integrators/generalized_alpha.h"
 #include "plugins/massless_rod/massless_rod.cpp"
 #include "tests/plugins/plugins.h"

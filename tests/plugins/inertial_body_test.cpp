@@ -12,10 +12,10 @@
 #include <sstream>
 
 #include "bodies/rigid_body.h"
-#include "engine/assembler.h"
-#include "engine/batch_of.h"
-#include "engine/equilibrium.h"
-#include "engine/error.h"
+#include "engine/analysis/equilibrium.h"
+#include "engine/assembly/assembler.h"
+#include "engine/assembly/batch_of.h"
+#include "engine/base/error.h"
 #include "engine/output/csv.h"
 #include "integrators/explicit_runge_kutta.h"
 #include "integrators/generalized_alpha.h"

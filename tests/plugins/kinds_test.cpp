@@ -2,11 +2,11 @@
 #include <gtest/gtest.h>
 
 #include "bodies/rigid_body.h"
-#include "engine/assembler.h"
-#include "engine/batch_of.h"
-#include "engine/recorder.h"
-#include "engine/simulation.h"
-#include "engine/snapshot.h"
+#include "engine/assembly/assembler.h"
+#include "engine/assembly/batch_of.h"
+#include "engine/observe/recorder.h"
+#include "engine/observe/snapshot.h"
+#include "engine/run/simulation.h"
 #include "integrators/generalized_alpha.h"
 #include "joints/cylindrical_joint.h"
 #include "joints/distance_joint.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/registry.h"
+#include "engine/plugin/registry.h"
 
 /// Where plug-ins lie as libraries.
 namespace lithe::test {

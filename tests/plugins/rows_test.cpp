@@ -4,8 +4,8 @@
 #include <cstring>
 
 #include "bodies/rigid_body.h"
-#include "engine/assembler.h"
-#include "engine/batch_of.h"
+#include "engine/assembly/assembler.h"
+#include "engine/assembly/batch_of.h"
 #include "plugins/cam_follower/cam_follower.cpp"
 #include "plugins/massless_rod/massless_rod.cpp"
 #include "tests/plugins/kinds/bungee.cpp"

@@ -11,8 +11,8 @@
 #include <fstream>
 
 #include "bodies/rigid_body.h"
-#include "engine/recorder.h"
-#include "engine/simulation.h"
+#include "engine/observe/recorder.h"
+#include "engine/run/simulation.h"
 #include "joints/cylindrical_joint.h"
 #include "joints/distance_joint.h"
 #include "joints/forces/coordinate_spring.h"

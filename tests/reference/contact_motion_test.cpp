@@ -2,8 +2,8 @@
 // carried on, and what is refused.
 #include <gtest/gtest.h>
 
-#include "engine/lean_simulation.h"
-#include "engine/simplification.h"
+#include "engine/run/lean_simulation.h"
+#include "engine/simplify/simplification.h"
 #include "integrators/generalized_alpha.h"
 #include "integrators/radau.h"
 #include "joints/fixed_joint.h"

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "bodies/rigid_body.h"
-#include "engine/contact/contact_sensors.h"
-#include "engine/simulation.h"
-#include "engine/system_graph.h"
+#include "engine/model/system_graph.h"
+#include "engine/observe/contact_sensors.h"
+#include "engine/run/simulation.h"
 #include "integrators/automatic.h"
 #include "integrators/moreau_jean.h"
 #include "integrators/nonsmooth_generalized_alpha.h"

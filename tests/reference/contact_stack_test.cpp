@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "bodies/rigid_body.h"
-#include "engine/contact/contact_sensors.h"
-#include "engine/simulation.h"
-#include "engine/system_graph.h"
+#include "engine/model/system_graph.h"
+#include "engine/observe/contact_sensors.h"
+#include "engine/run/simulation.h"
 #include "integrators/moreau_jean.h"
 #include "integrators/nonsmooth_generalized_alpha.h"
 #include "joints/contact/contact.h"

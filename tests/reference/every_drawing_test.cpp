@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "engine/snapshot.h"
+#include "engine/observe/snapshot.h"
 #include "integrators/automatic.h"
 #include "integrators/explicit_runge_kutta.h"
 #include "integrators/generalized_alpha.h"

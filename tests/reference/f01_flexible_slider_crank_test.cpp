@@ -5,9 +5,9 @@
 #include <numbers>
 
 #include "bodies/flexible/flexible_body.h"
-#include "engine/batch_of.h"
-#include "engine/sensors.h"
-#include "engine/snapshot.h"
+#include "engine/assembly/batch_of.h"
+#include "engine/observe/sensors.h"
+#include "engine/observe/snapshot.h"
 #include "integrators/explicit_runge_kutta.h"
 #include "joints/coordinate_drive.h"
 #include "joints/point_on_line_joint.h"

@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "bodies/flexible/flexible_body.h"
-#include "engine/sensors.h"
-#include "engine/snapshot.h"
+#include "engine/observe/sensors.h"
+#include "engine/observe/snapshot.h"
 #include "joints/coordinate_drive.h"
 #include "joints/fixed_joint.h"
 #include "joints/revolute_joint.h"

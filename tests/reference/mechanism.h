@@ -3,7 +3,7 @@
 #include <string>
 
 #include "bodies/rigid_body.h"
-#include "engine/system_graph.h"
+#include "engine/model/system_graph.h"
 
 /// Bodies drawn in world terms: what the problem statements of mechanisms give.
 namespace lithe::test {

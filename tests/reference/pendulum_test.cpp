@@ -7,7 +7,7 @@
 
 #include "bodies/flexible/flexible_body.h"
 #include "bodies/rigid_body.h"
-#include "engine/assembler.h"
+#include "engine/assembly/assembler.h"
 #include "engine/output/csv.h"
 #include "integrators/generalized_alpha.h"
 #include "joints/revolute_joint.h"

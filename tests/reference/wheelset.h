@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "bodies/rigid_body.h"
-#include "engine/batch_of.h"
-#include "engine/constraint.h"
-#include "engine/force_element.h"
+#include "engine/assembly/batch_of.h"
+#include "engine/model/constraint.h"
+#include "engine/model/force_element.h"
 
 /// A railway wheelset on straight track, scaled to a roller rig (Simeon, Führer & Rentrop 1991; creep forces after
 /// Jaschinski 1990; "wheelset" of the IVP Test Set), made of elements of the engine's public interfaces.

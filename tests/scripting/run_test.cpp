@@ -5,7 +5,7 @@
 
 #include "bodies/rigid_body.h"
 #include "engine/page/run.h"
-#include "engine/simulation.h"
+#include "engine/run/simulation.h"
 #include "tests/scripting/command.h"
 
 namespace lithe::test::run_test {

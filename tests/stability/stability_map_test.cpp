@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bodies/rigid_body.h"
-#include "engine/error.h"
+#include "engine/base/error.h"
 #include "integrators/explicit_runge_kutta.h"
 #include "integrators/generalized_alpha.h"
 #include "joints/distance_joint.h"

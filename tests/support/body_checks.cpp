@@ -1,7 +1,7 @@
 #include "tests/support/body_checks.h"
 
-#include "engine/assembler.h"
-#include "engine/projection.h"
+#include "engine/assembly/assembler.h"
+#include "engine/motion/projection.h"
 #include "tests/support/dense.h"
 #include "tests/support/linear_algebra.h"
 #include "tests/support/motion.h"

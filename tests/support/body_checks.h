@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/system_graph.h"
+#include "engine/model/system_graph.h"
 
 /// What every kind of body owes (HOUSE, section 10), in one line: draw one body in a graph, add what markers it has.
 namespace lithe::test {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/assembler.h"
+#include "engine/assembly/assembler.h"
 
 /// The blocks of an assembled system as dense matrices: slow, obvious, for comparison.
 namespace lithe::test {

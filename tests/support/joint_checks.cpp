@@ -1,6 +1,6 @@
 #include "tests/support/joint_checks.h"
 
-#include "engine/assembler.h"
+#include "engine/assembly/assembler.h"
 #include "tests/support/dense.h"
 #include "tests/support/linear_algebra.h"
 #include "tests/support/motion.h"

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/system_graph.h"
+#include "engine/model/system_graph.h"
 
 /// What every joint and every force element owes, whatever bodies it ties: draw a scene, add the element, and check it
 /// in one line. Bodies of any kind serve, so a new kind of body is checked by drawing it between the joints that exist.

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/math.h"
+#include "engine/base/math.h"
 
 /// Dense linear algebra for comparisons, compiled once: each of Eigen's decompositions takes seconds to compile.
 namespace lithe::test {

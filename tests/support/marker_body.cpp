@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "engine/checks.h"
+#include "engine/base/checks.h"
 
 namespace lithe::test {
 

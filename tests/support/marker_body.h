@@ -3,8 +3,8 @@
 #include <memory>
 #include <vector>
 
-#include "engine/batch_of.h"
-#include "engine/body.h"
+#include "engine/assembly/batch_of.h"
+#include "engine/model/body.h"
 
 namespace lithe::test {
 

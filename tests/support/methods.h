@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "engine/integrator.h"
+#include "engine/motion/integrator.h"
 
 /// The integrators that scenes are run with, one line each.
 namespace lithe::test {

@@ -2,7 +2,7 @@
 
 #include <random>
 
-#include "engine/layout.h"
+#include "engine/model/layout.h"
 
 /// Random states and smooth motions through them, for checks by differences.
 namespace lithe::test {

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "engine/math.h"
+#include "engine/base/math.h"
 
 /// Compares the engine with a file of expected values (format: reference oracle, one JSON file a case).
 namespace lithe::oracle {

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bodies/flexible/flexible_body.h"
-#include "engine/system_graph.h"
+#include "engine/model/system_graph.h"
 
 namespace lithe::oracle {
 

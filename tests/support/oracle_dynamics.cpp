@@ -2,8 +2,8 @@
 #include <stdexcept>
 
 #include "bodies/flexible/flexible_body.h"
-#include "engine/assembler.h"
-#include "engine/projection.h"
+#include "engine/assembly/assembler.h"
+#include "engine/motion/projection.h"
 #include "integrators/explicit_runge_kutta.h"
 #include "joints/angle_driver.h"
 #include "joints/cylindrical_joint.h"

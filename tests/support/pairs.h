@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "bodies/flexible/reduction.h"
-#include "engine/system_graph.h"
+#include "engine/model/system_graph.h"
 
 /// Scenes of two markers on every pairing of bodies, to hang a joint or a force between. A new kind of body joins them
 /// by one more entry.

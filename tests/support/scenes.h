@@ -3,8 +3,8 @@
 #include <functional>
 #include <initializer_list>
 
-#include "engine/assembler.h"
-#include "engine/integrator.h"
+#include "engine/assembly/assembler.h"
+#include "engine/motion/integrator.h"
 
 /// Classical scenes, assembled and ready to move.
 namespace lithe::test {

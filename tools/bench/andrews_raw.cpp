@@ -14,7 +14,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "engine/math.h"
+#include "engine/base/math.h"
 #include "integrators/runge_kutta_tableau.h"
 #include "tools/bench/measure.h"
 #include "tools/bench/peers/mechanisms.h"

@@ -4,7 +4,7 @@
 //   --method rk5|rk8|adams|automatic  --tol 1e-6  --T 1  time, s   --reference FILE  joint points at T   --repeat 5
 //   --evaluations K  accelerations of the chain as released, K times, instead of a run; limit_explicit.cpp is the same
 //                    without an engine
-#include "engine/assembler.h"
+#include "engine/assembly/assembler.h"
 #include "tools/bench/runs.h"
 #include "tools/bench/scenes.h"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/system_graph.h"
+#include "engine/model/system_graph.h"
 
 /// Structures full of closed loops, of unit rods (1 kg, 1 m), drawn at rest.
 namespace lithe::bench {

@@ -12,7 +12,7 @@
 #include <Eigen/LU>
 #include <vector>
 
-#include "engine/math.h"
+#include "engine/base/math.h"
 #include "tools/bench/alpha_method.h"
 #include "tools/bench/measure.h"
 

@@ -11,7 +11,7 @@
 #include <random>
 #include <vector>
 
-#include "engine/math.h"
+#include "engine/base/math.h"
 #include "tools/bench/measure.h"
 
 namespace lithe::bench {

@@ -4,8 +4,8 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "engine/assembler.h"
-#include "engine/simulation.h"
+#include "engine/assembly/assembler.h"
+#include "engine/run/simulation.h"
 #include "integrators/adams.h"
 #include "integrators/automatic.h"
 #include "integrators/explicit_runge_kutta.h"

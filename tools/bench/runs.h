@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/integrator.h"
-#include "engine/system.h"
+#include "engine/assembly/system.h"
+#include "engine/motion/integrator.h"
 
 /// Runs by a tolerance: a method by its name, what a run has cost, and its error.
 namespace lithe::bench {

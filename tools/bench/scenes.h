@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "bodies/flexible/flexible_body.h"
-#include "engine/assembler.h"
-#include "engine/system_graph.h"
+#include "engine/assembly/assembler.h"
+#include "engine/model/system_graph.h"
 #include "integrators/generalized_alpha.h"
 #include "tools/bench/measure.h"
 

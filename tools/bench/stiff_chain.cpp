@@ -5,7 +5,7 @@
 //   --reference FILE  joint points at T   --repeat 5   --write FILE  the joint points, instead of a JSON line
 #include <cstdio>
 
-#include "engine/assembler.h"
+#include "engine/assembly/assembler.h"
 #include "tools/bench/runs.h"
 #include "tools/bench/scenes.h"
 

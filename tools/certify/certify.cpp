@@ -9,7 +9,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "engine/error.h"
+#include "engine/base/error.h"
 #include "engine/study/model_error.h"
 #include "integrators/solve.h"
 #include "tools/certify/report.h"

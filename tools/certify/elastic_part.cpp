@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 
 #include "bodies/flexible/elements/solid_element.h"
-#include "engine/batch_of.h"
+#include "engine/assembly/batch_of.h"
 #include "joints/fixed_joint.h"
 #include "joints/revolute_joint.h"
 #include "joints/spherical_joint.h"

@@ -10,7 +10,7 @@
 #include "bodies/flexible/finite_element_model.h"
 #include "bodies/flexible/flexible_body.h"
 #include "bodies/rigid_body.h"
-#include "engine/system_graph.h"
+#include "engine/model/system_graph.h"
 
 namespace lithe {
 

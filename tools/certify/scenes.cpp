@@ -4,9 +4,9 @@
 #include <cmath>
 #include <ctime>
 
+#include "engine/observe/recorder.h"
 #include "engine/output/csv.h"
-#include "engine/recorder.h"
-#include "engine/simulation.h"
+#include "engine/run/simulation.h"
 
 namespace lithe::certify {
 

@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "engine/integrator.h"
-#include "engine/motion_law.h"
+#include "engine/model/motion_law.h"
+#include "engine/motion/integrator.h"
+#include "engine/observe/sensors.h"
 #include "engine/output/table.h"
-#include "engine/sensors.h"
 #include "tools/certify/elastic_part.h"
 
 namespace lithe::certify {

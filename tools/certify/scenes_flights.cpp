@@ -1,7 +1,7 @@
 // Free bodies, and bars on springs.
 #include <cmath>
 
-#include "engine/batch_of.h"
+#include "engine/assembly/batch_of.h"
 #include "joints/forces/spring_damper.h"
 #include "joints/forces/user_force.h"
 #include "tools/certify/scenes.h"

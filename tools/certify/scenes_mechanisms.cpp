@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "bodies/shapes.h"
-#include "engine/batch_of.h"
+#include "engine/assembly/batch_of.h"
 #include "joints/coordinate_drive.h"
 #include "joints/prismatic_joint.h"
 #include "joints/revolute_joint.h"

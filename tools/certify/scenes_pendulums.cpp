@@ -3,7 +3,7 @@
 
 #include "bodies/flexible/readers/calculix.h"
 #include "bodies/shapes.h"
-#include "engine/batch_of.h"
+#include "engine/assembly/batch_of.h"
 #include "engine/output/csv.h"
 #include "joints/fixed_joint.h"
 #include "joints/revolute_joint.h"

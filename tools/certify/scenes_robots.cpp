@@ -1,7 +1,7 @@
 // What drives turn: arms, booms, hubs. Elastic parts are clamped to rigid hubs.
 
 #include "bodies/shapes.h"
-#include "engine/batch_of.h"
+#include "engine/assembly/batch_of.h"
 #include "joints/coordinate_drive.h"
 #include "joints/fixed_joint.h"
 #include "joints/forces/user_force.h"

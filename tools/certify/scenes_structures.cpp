@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "bodies/flexible/readers/read_flexible_body.h"
-#include "engine/batch_of.h"
+#include "engine/assembly/batch_of.h"
 #include "joints/coordinate_drive.h"
 #include "joints/fixed_joint.h"
 #include "joints/forces/user_force.h"

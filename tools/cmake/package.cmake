@@ -7,9 +7,10 @@ set(LITHE_LIBRARIES integrators joints bodies engine)  # users first: the order 
 set(header_globs ${LITHE_LIBRARIES})
 list(TRANSFORM header_globs REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/\\1/*.h")
 file(GLOB_RECURSE public_headers CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} ${header_globs})
-# block_kernels.h, a matter of the factor alone, would cost each scene 2.6 s of compile time; static_equations.h is one
-# of searches alone, dense.h of how the libraries are compiled.
-list(FILTER public_headers EXCLUDE REGEX "^engine/(block_kernels|static_equations|dense)\\.h$")
+# What no scene names, and would pay for with each compile: factors, kernels, the insides of contact and of assembly.
+list(FILTER public_headers EXCLUDE REGEX "^engine/(factor|forward)/|^engine/base/dense\\.h$")
+list(FILTER public_headers EXCLUDE REGEX
+     "^engine/(analysis/static_equations|assembly/(find_rigid_scene|least_norm|moment_check|redundancy)|cones/(cone_interior|cone_newton|dense_cones|friction_block)|contact/(contact_correction|contact_forces|contact_places|contact_rows|rigid_contacts)|motion/(kept_factor|singular_pose)|simplify/rows_in_plane)\\.h$")
 # Nor do users need what the readers and reductions are made of.
 list(FILTER public_headers EXCLUDE REGEX
      "/(dof_table|fixed_columns|matrix_entries|ansys_archive|nastran_deck|shape_functions|elastic_problem|static_modes|general_inertia|eigen_modes|quadratic_deflection)\\.h$")
@@ -25,8 +26,8 @@ target_include_directories(lithe INTERFACE $<BUILD_INTERFACE:${PROJECT_BINARY_DI
                            $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 target_link_libraries(lithe INTERFACE ${LITHE_LIBRARIES})
 
-# Headers keep their folders, so "engine/body.h" means the same installed as here. The private ones come along: a public
-# template may lean on one.
+# Headers keep their folders, so "engine/model/body.h" means the same installed as here. The private ones come along: a
+# public template may lean on one.
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/lithe)
 install(TARGETS lithe ${LITHE_LIBRARIES} EXPORT lithe_targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT lithe_targets NAMESPACE lithe:: FILE lithe-targets.cmake DESTINATION ${package_dir})

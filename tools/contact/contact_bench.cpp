@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "engine/contact/gauss_seidel.h"
+#include "engine/cones/gauss_seidel.h"
 #include "integrators/moreau_jean.h"
 #include "joints/contact/bullet_stepper.h"
 #include "tools/bench/measure.h"

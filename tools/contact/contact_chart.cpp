@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <limits>
 
-#include "engine/assembler.h"
+#include "engine/assembly/assembler.h"
 #include "engine/output/chart.h"
 #include "engine/output/csv.h"
 #include "integrators/explicit_runge_kutta.h"

@@ -6,8 +6,8 @@
 #include <variant>
 #include <vector>
 
-#include "engine/integrator.h"
-#include "engine/system.h"
+#include "engine/assembly/system.h"
+#include "engine/motion/integrator.h"
 #include "joints/contact/contact.h"
 
 /// Motions with contact whose end is known to many digits, for work-precision charts.

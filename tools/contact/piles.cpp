@@ -7,7 +7,7 @@
 #include <unordered_map>
 
 #include "bodies/rigid_body.h"
-#include "engine/assembler.h"
+#include "engine/assembly/assembler.h"
 #include "joints/contact/contact.h"
 
 namespace lithe::contact_bench {

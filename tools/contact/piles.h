@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/integrator.h"
-#include "engine/system.h"
+#include "engine/assembly/system.h"
+#include "engine/motion/integrator.h"
 
 /// Scenes of many contacts, as every engine gets them, and what is measured of a run.
 namespace lithe::contact_bench {

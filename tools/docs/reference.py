@@ -12,38 +12,45 @@ from xml.etree import ElementTree
 # (page, title, what it holds, headers)
 TOPICS = [
     ("scene", "Drawing a scene", "The graph, its bodies, joints and markers, and what `assemble` makes of it.",
-     ["engine/system_graph.h", "engine/marker.h", "engine/ground.h", "engine/element.h", "engine/system.h",
-      "engine/snapshot.h", "engine/state.h", "engine/math.h", "engine/rotations.h",
-      "engine/world_placement.h", "engine/motion_law.h", "engine/joint_coordinate.h",
-      "engine/simplification.h", "engine/deformable_body.h", "engine/error.h", "engine/checks.h", "engine/drawn.h",
-      "engine/log.h", "engine/located.h", "engine/version.h"]),
+     ["engine/model/system_graph.h", "engine/model/marker.h", "engine/model/ground.h", "engine/model/element.h",
+      "engine/assembly/system.h",
+      "engine/observe/snapshot.h", "engine/model/state.h", "engine/base/math.h", "engine/base/rotations.h",
+      "engine/model/world_placement.h", "engine/model/motion_law.h", "engine/model/joint_coordinate.h",
+      "engine/simplify/simplification.h", "engine/model/deformable_body.h", "engine/base/error.h",
+      "engine/base/checks.h", "engine/model/drawn.h",
+      "engine/base/log.h", "engine/base/version.h"]),
     ("running", "Running it", "The loop, what watches it, what happens on the way.",
-     ["engine/simulation.h", "engine/integrator.h", "engine/observer.h", "engine/recorder.h", "engine/event*.h",
-      "engine/watches.h", "engine/lean_simulation.h", "engine/islands.h", "engine/sleeping_integrator.h",
-      "engine/mode_freezing.h", "engine/projection.h", "engine/interrupt.h", "engine/checkpoint/*.h"]),
+     ["engine/run/simulation.h", "engine/motion/integrator.h", "engine/observe/observer.h",
+      "engine/observe/recorder.h", "engine/observe/event.h", "engine/run/event_finder.h",
+      "engine/observe/watches.h", "engine/run/lean_simulation.h", "engine/model/islands.h",
+      "engine/run/sleeping_integrator.h",
+      "engine/run/mode_freezing.h", "engine/motion/projection.h", "engine/base/interrupt.h",
+      "engine/run/checkpoint.h", "engine/archive/*.h"]),
     ("sensors", "Sensors", "What is read off a state: pure functions of a snapshot.",
-     ["engine/sensors.h", "engine/contact/contact_sensors.h"]),
+     ["engine/observe/sensors.h", "engine/observe/contact_sensors.h"]),
     ("bodies", "Bodies", "What has mass.", ["bodies/*.h"]),
     ("flexible", "Flexible bodies", "From a finite-element code's nodes, M and K to modes, motion and stress.",
      ["bodies/flexible/*.h"]),
     ("joints", "Joints and drives", "What ties markers.", ["joints/*.h"]),
     ("forces", "Forces", "What pulls at markers and coordinates.", ["joints/forces/*.h"]),
     ("contact", "Contact", "Shapes, laws and the element between them.",
-     ["joints/contact/*.h", "engine/contact/*.h"]),
+     ["joints/contact/*.h", "engine/contact/*.h", "engine/cones/*.h", "engine/model/contact_*.h"]),
     ("integrators", "Integrators", "What advances time.", ["integrators/*.h"]),
     ("analysis", "Analyses", "Equilibrium, kinematics, linearization, Campbell diagrams, descriptions.",
-     ["engine/analysis/*.h", "engine/equilibrium.h"]),
+     ["engine/analysis/*.h", "engine/analysis/equilibrium.h"]),
     ("study", "Studies", "Work against precision, sweeps, the doctor, `solve()` and its certificate.",
      ["engine/study/*.h"]),
     ("output", "Results", "Tables, charts, files; the run as one page.", ["engine/output/*.h", "engine/page/*.h"]),
     ("extending", "Interfaces for your own", "What a body, joint, force, integrator or plug-in implements.",
-     ["engine/body.h", "engine/point_body.h", "engine/constraint.h", "engine/force_element.h", "engine/connector.h", "engine/batch.h",
-      "engine/equations_of_motion.h", "engine/plugin*.h", "engine/registry.h", "engine/loaded_*.h",
-      "engine/parameters.h", "engine/field.h", "engine/memory*.h"]),
+     ["engine/model/body.h", "engine/model/point_body.h", "engine/model/constraint.h",
+      "engine/model/force_element.h", "engine/model/connector.h", "engine/assembly/batch.h",
+      "engine/motion/equations_of_motion.h", "engine/plugin*.h",
+      "engine/base/parameters.h"]),
     ("machinery", "Machinery", "What stands between a graph and an integrator; for those who work on the engine.",
      ["engine/*.h"]),
 ]
-EXCLUDED = ["*_internal.h", "*/detail/*", "engine/plugin_abi.h", "engine/batch_of.h", "engine/block_kernels.h", "engine/plugin_tables.h"]
+EXCLUDED = ["*_internal.h", "*/detail/*", "engine/plugin_abi.h", "engine/assembly/batch_of.h",
+            "engine/factor/block_kernels.h", "engine/plugin/plugin_tables.h"]
 # What readers and reductions are made of is not public (tools/cmake/package.cmake).
 EXCLUDED += [f"*/{name}.h" for name in (
     "dof_table", "fixed_columns", "matrix_entries", "ansys_archive", "nastran_deck", "shape_functions",
@@ -137,7 +144,8 @@ def write_topics(root, out):
         "# API reference\n\nThe public headers of `engine/`, `bodies/`, `joints/` and `integrators/`, by topic, from "
         "their own comments. `#include \"lithe/lithe.h\"` has them all; namespace `lithe`.\n\n"
         f"| topic | what | headers |\n|---|---|---|\n{rows}\n\n"
-        "Not here: `engine/plugin_abi.h`, the C border of plug-ins, which is read as it stands. What has no comment yet "
+        "Not here: `engine/plugin_abi.h`, the C border of plug-ins,
+        which is read as it stands. What has no comment yet "
         "is [listed](undocumented.md).\n\n"
         f"```{{toctree}}\n:hidden:\n\n{toc}\nundocumented\n```\n")
 

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <string>
 
-#include "engine/error.h"
+#include "engine/base/error.h"
 #include "tools/fuzz/targets.h"
 
 // Messages are of no interest here, and spdlog is not linked.

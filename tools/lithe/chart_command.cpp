@@ -1,7 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
-#include "engine/error.h"
+#include "engine/base/error.h"
 #include "tools/lithe/commands.h"
 #include "tools/lithe/compiler_messages.h"
 #include "tools/lithe/scene_program.h"

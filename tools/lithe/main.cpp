@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "engine/error.h"
+#include "engine/base/error.h"
 #include "tools/lithe/commands.h"
 
 int main(int argc, char** argv) {

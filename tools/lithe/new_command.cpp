@@ -5,7 +5,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "engine/error.h"
+#include "engine/base/error.h"
 #include "tools/lithe/commands.h"
 #include "tools/lithe/installation.h"
 

@@ -10,7 +10,7 @@
 #include <cstring>
 #include <sstream>
 
-#include "engine/error.h"
+#include "engine/base/error.h"
 
 namespace lithe::command {
 namespace {

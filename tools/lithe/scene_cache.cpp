@@ -12,7 +12,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "engine/error.h"
+#include "engine/base/error.h"
 #include "tools/lithe/process.h"
 
 namespace lithe::command {

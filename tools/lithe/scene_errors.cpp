@@ -5,8 +5,8 @@
 #include <cstdlib>
 #include <exception>
 
-#include "engine/error.h"
-#include "engine/interrupt.h"
+#include "engine/base/error.h"
+#include "engine/base/interrupt.h"
 
 namespace lithe {
 namespace {

@@ -8,7 +8,7 @@
 #include <iterator>
 #include <regex>
 
-#include "engine/error.h"
+#include "engine/base/error.h"
 #include "tools/lithe/compiler_messages.h"
 #include "tools/lithe/process.h"
 #include "tools/lithe/scene_cache.h"

@@ -4,7 +4,7 @@
 #include <memory>
 #include <set>
 
-#include "engine/error.h"
+#include "engine/base/error.h"
 #include "engine/page/page.h"
 #include "tools/lithe/commands.h"
 

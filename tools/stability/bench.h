@@ -5,9 +5,9 @@
 #include <functional>
 #include <string>
 
-#include "engine/assembler.h"
-#include "engine/integrator.h"
-#include "engine/system_graph.h"
+#include "engine/assembly/assembler.h"
+#include "engine/model/system_graph.h"
+#include "engine/motion/integrator.h"
 
 namespace lithe::lab {
 

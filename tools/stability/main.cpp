@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "engine/error.h"
+#include "engine/base/error.h"
 #include "engine/study/study_run.h"
 #include "tools/stability/lab.h"
 #include "tools/stability/open_cells.h"

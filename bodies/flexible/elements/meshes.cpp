@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "bodies/flexible/elements/solid_element.h"
-#include "engine/checks.h"
+#include "engine/base/checks.h"
 
 namespace lithe {
 namespace {

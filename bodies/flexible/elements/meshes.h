@@ -4,7 +4,7 @@
 #include <string>
 
 #include "bodies/flexible/finite_element_model.h"
-#include "engine/math.h"
+#include "engine/base/math.h"
 
 namespace lithe {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "bodies/flexible/finite_element_model.h"
-#include "engine/math.h"
+#include "engine/base/math.h"
 
 namespace lithe {
 

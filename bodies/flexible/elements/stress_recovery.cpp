@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "bodies/flexible/elements/shape_functions.h"
-#include "engine/error.h"
+#include "engine/base/error.h"
 
 namespace lithe {
 namespace {

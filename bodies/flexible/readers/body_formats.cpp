@@ -15,7 +15,7 @@
 #include "bodies/flexible/readers/nastran.h"
 #include "bodies/flexible/readers/sid.h"
 #include "bodies/flexible/readers/text_file.h"
-#include "engine/error.h"
+#include "engine/base/error.h"
 
 namespace lithe {
 namespace {

@@ -7,7 +7,7 @@
 #include <unordered_set>
 
 #include "bodies/flexible/readers/text_file.h"
-#include "engine/error.h"
+#include "engine/base/error.h"
 
 namespace lithe {
 namespace {

@@ -2,7 +2,7 @@
 #include <ostream>
 
 #include "bodies/flexible/readers/calculix_deck.h"
-#include "engine/error.h"
+#include "engine/base/error.h"
 #include "engine/output/partial_file.h"
 
 namespace lithe {

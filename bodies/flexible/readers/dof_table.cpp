@@ -6,8 +6,8 @@
 #include <unordered_set>
 
 #include "bodies/flexible/readers/matrix_entries.h"
-#include "engine/error.h"
-#include "engine/log.h"
+#include "engine/base/error.h"
+#include "engine/base/log.h"
 
 namespace lithe {
 namespace {

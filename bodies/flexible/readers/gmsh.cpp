@@ -6,8 +6,8 @@
 #include <unordered_map>
 
 #include "bodies/flexible/readers/text_file.h"
-#include "engine/error.h"
-#include "engine/log.h"
+#include "engine/base/error.h"
+#include "engine/base/log.h"
 
 namespace lithe {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/error.h"
+#include "engine/base/error.h"
 
 namespace lithe {
 namespace {

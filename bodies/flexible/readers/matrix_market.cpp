@@ -5,7 +5,7 @@
 
 #include "bodies/flexible/readers/matrix_entries.h"
 #include "bodies/flexible/readers/text_file.h"
-#include "engine/error.h"
+#include "engine/base/error.h"
 
 namespace lithe {
 namespace {

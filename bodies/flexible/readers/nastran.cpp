@@ -7,7 +7,7 @@
 #include "bodies/flexible/readers/nastran_deck.h"
 #include "bodies/flexible/readers/nastran_op4.h"
 #include "bodies/flexible/readers/text_file.h"
-#include "engine/error.h"
+#include "engine/base/error.h"
 
 namespace lithe {
 namespace {

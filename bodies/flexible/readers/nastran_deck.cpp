@@ -8,7 +8,7 @@
 
 #include "bodies/flexible/readers/fixed_columns.h"
 #include "bodies/flexible/readers/text_file.h"
-#include "engine/error.h"
+#include "engine/base/error.h"
 
 namespace lithe {
 namespace {

@@ -11,8 +11,8 @@
 #include "bodies/flexible/readers/fixed_columns.h"
 #include "bodies/flexible/readers/matrix_entries.h"
 #include "bodies/flexible/readers/text_file.h"
-#include "engine/error.h"
-#include "engine/log.h"
+#include "engine/base/error.h"
+#include "engine/base/log.h"
 
 namespace lithe {
 namespace {

@@ -9,7 +9,7 @@
 #include "bodies/flexible/readers/body_formats.h"
 #include "bodies/flexible/readers/unit_system.h"
 #include "bodies/flexible/reduction.h"
-#include "engine/error.h"
+#include "engine/base/error.h"
 
 namespace lithe {
 namespace {

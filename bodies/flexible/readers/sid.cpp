@@ -10,7 +10,7 @@
 
 #include "bodies/flexible/readers/sid_inertia.h"
 #include "bodies/flexible/readers/sid_table.h"
-#include "engine/error.h"
+#include "engine/base/error.h"
 
 namespace lithe {
 namespace {

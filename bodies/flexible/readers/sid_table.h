@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "bodies/flexible/readers/text_file.h"
-#include "engine/math.h"
+#include "engine/base/math.h"
 
 namespace lithe {
 

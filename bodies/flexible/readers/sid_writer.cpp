@@ -4,7 +4,7 @@
 
 #include "bodies/flexible/readers/sid.h"
 #include "bodies/flexible/readers/sid_inertia.h"
-#include "engine/error.h"
+#include "engine/base/error.h"
 #include "engine/output/partial_file.h"
 
 namespace lithe {

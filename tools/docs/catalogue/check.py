@@ -20,9 +20,10 @@ PICTURES = ROOT / "docs/pictures/catalogue"
 
 FOLDERS = ["joints", "joints/forces", "joints/contact", "bodies", "bodies/flexible", "bodies/flexible/readers"]
 FOLDERS += ["bodies/flexible/elements", "integrators", "plugins/massless_rod", "plugins/cam_follower"]
-FOLDERS += ["plugins/inertial_body", "engine/contact"]
-FILES = ["engine/ground.h", "engine/mode_freezing.h", "engine/sleeping_integrator.h", "engine/analysis/kinematics.h"]
-FILES += ["engine/analysis/campbell.h", "engine/analysis/linearization.h", "engine/equilibrium.h", "engine/event.h"]
+FOLDERS += ["plugins/inertial_body", "engine/cones", "engine/contact"]
+FILES = ["engine/model/ground.h", "engine/model/contact_element.h", "engine/run/mode_freezing.h"]
+FILES += ["engine/run/sleeping_integrator.h", "engine/analysis/kinematics.h"]
+FILES += ["engine/analysis/campbell.h", "engine/analysis/linearization.h", "engine/analysis/equilibrium.h", "engine/observe/event.h"]
 
 # What is derived from one of these is a thing of the catalogue: it has a heading and a picture of its own.
 BASES = r"\b(Joint<|Constraint|Force<|ForceElement|ContactElement|Body|DeformableBody|PointBody|Integrator|MomentumBalance)"
@@ -31,11 +32,11 @@ BASES_THEMSELVES = {"ContactElement": "the engine's side of Contact", "MomentumB
 
 # Functions of which every one is named on a page.
 FUNCTIONS = [
-    ("engine/sensors.h", "Sensor", "sensors.md"),
-    ("engine/contact/contact_sensors.h", "Sensor", "sensors.md"),
+    ("engine/observe/sensors.h", "Sensor", "sensors.md"),
+    ("engine/observe/contact_sensors.h", "Sensor", "sensors.md"),
     ("engine/analysis/kinematics.h", "Sensor", "sensors.md"),
-    ("engine/motion_law.h", "MotionLaw", "drives.md"),
-    ("engine/tension_law.h", "TensionLaw", "forces.md"),
+    ("engine/model/motion_law.h", "MotionLaw", "drives.md"),
+    ("engine/model/tension_law.h", "TensionLaw", "forces.md"),
     ("joints/contact/shapes.h", "Shape", "contact/shapes.md"),
     ("bodies/shapes.h", "MassProperties", "bodies/rigid_body.md"),
 ]

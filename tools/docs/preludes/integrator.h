@@ -1,7 +1,7 @@
 #pragma once
 
-#include "engine/checkpoint/archive.h"
-#include "engine/integrator.h"
+#include "engine/archive/archive.h"
+#include "engine/motion/integrator.h"
 
 /// What the pages show of an integrator is part of a class derived from this.
 namespace lithe::integrator {

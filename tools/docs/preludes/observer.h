@@ -1,7 +1,7 @@
 #pragma once
 
-#include "engine/checkpoint/archive.h"
-#include "engine/observer.h"
+#include "engine/archive/archive.h"
+#include "engine/observe/observer.h"
 
 /// What the pages show of an observer is part of a class derived from this.
 namespace lithe::observer {

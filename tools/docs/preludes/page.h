@@ -4,9 +4,9 @@
 #include <filesystem>
 
 #include "bodies/flexible/surface_mesh.h"
-#include "engine/contact/contact_sensors.h"
-#include "engine/interrupt.h"
-#include "engine/mode_freezing.h"
+#include "engine/base/interrupt.h"
+#include "engine/observe/contact_sensors.h"
+#include "engine/run/mode_freezing.h"
 #include "joints/contact/contact.h"
 #include "lithe/lithe.h"
 

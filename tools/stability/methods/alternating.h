@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "engine/integrator.h"
+#include "engine/motion/integrator.h"
 
 namespace lithe::lab {
 

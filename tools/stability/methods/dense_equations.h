@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/equations_of_motion.h"
+#include "engine/motion/equations_of_motion.h"
 
 namespace lithe::lab {
 

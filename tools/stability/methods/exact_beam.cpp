@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/math.h"
+#include "engine/base/math.h"
 
 namespace lithe::lab {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <functional>
 
-#include "engine/motion_law.h"
+#include "engine/model/motion_law.h"
 
 namespace lithe::lab {
 

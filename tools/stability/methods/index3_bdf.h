@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/integrator.h"
+#include "engine/motion/integrator.h"
 #include "tools/stability/methods/step_pattern.h"
 
 namespace lithe::lab {

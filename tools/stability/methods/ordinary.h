@@ -2,7 +2,7 @@
 
 #include <functional>
 
-#include "engine/math.h"
+#include "engine/base/math.h"
 #include "integrators/runge_kutta_tableau.h"
 
 /// Classical methods on ẏ = f(t, y), y a plain vector: for scenes in minimal coordinates, outside the engine, and for

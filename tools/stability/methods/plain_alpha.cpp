@@ -3,7 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 
-#include "engine/projection.h"
+#include "engine/motion/projection.h"
 #include "tools/stability/methods/dense_equations.h"
 
 namespace lithe::lab {

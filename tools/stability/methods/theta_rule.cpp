@@ -1,7 +1,7 @@
 #include "tools/stability/methods/theta_rule.h"
 
-#include "engine/error.h"
-#include "engine/projection.h"
+#include "engine/base/error.h"
+#include "engine/motion/projection.h"
 #include "tools/stability/methods/step_pattern.h"
 
 namespace lithe::lab {

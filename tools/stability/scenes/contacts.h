@@ -1,7 +1,7 @@
 #pragma once
 
 #include "bodies/rigid_body.h"
-#include "engine/contact/direct_cone_solver.h"
+#include "engine/cones/direct_cone_solver.h"
 #include "integrators/moreau_jean.h"
 #include "integrators/nonsmooth_generalized_alpha.h"
 #include "joints/contact/contact.h"

@@ -5,7 +5,7 @@
 
 #include "bodies/flexible/flexible_body.h"
 #include "bodies/rigid_body.h"
-#include "engine/equilibrium.h"
+#include "engine/analysis/equilibrium.h"
 #include "joints/distance_joint.h"
 #include "joints/fixed_joint.h"
 #include "joints/forces/point_force.h"

@@ -1,6 +1,6 @@
 #include "tools/stability/scenes/natural_rods.h"
 
-#include "engine/batch_of.h"
+#include "engine/assembly/batch_of.h"
 #include "joints/distance_joint.h"
 
 namespace lithe {

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "engine/batch.h"
-#include "engine/body.h"
-#include "engine/system_graph.h"
+#include "engine/assembly/batch.h"
+#include "engine/model/body.h"
+#include "engine/model/system_graph.h"
 #include "tools/stability/bench.h"
 
 namespace lithe::lab {

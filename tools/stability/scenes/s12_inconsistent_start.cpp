@@ -1,6 +1,6 @@
 // S12: the flexible slider-crank F01 (IVP Test Set "crank", Simeon 1996) from its published start of nine digits.
 #include "bodies/flexible/flexible_body.h"
-#include "engine/projection.h"
+#include "engine/motion/projection.h"
 #include "joints/coordinate_drive.h"
 #include "joints/point_on_line_joint.h"
 #include "tools/stability/lab.h"

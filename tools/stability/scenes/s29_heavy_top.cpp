@@ -1,6 +1,6 @@
 // S29: the heavy top over 67 nutations: a rotation of 0.75 rad a step is too much for RK4, and normalising hides it.
 #include "bodies/rigid_body.h"
-#include "engine/error.h"
+#include "engine/base/error.h"
 #include "joints/spherical_joint.h"
 #include "tools/stability/bench.h"
 #include "tools/stability/methods/ordinary.h"

@@ -1,7 +1,7 @@
 // S31: a force law with kinks: error estimates of high order do not see all of a crossing. The published scene is the
 // wheelset R15, whose creep force is cut off; here it is a spring that is stiffer on one side, of known motion.
 #include "bodies/rigid_body.h"
-#include "engine/simulation.h"
+#include "engine/run/simulation.h"
 #include "joints/forces/coordinate_spring.h"
 #include "joints/forces/coordinate_stop.h"
 #include "joints/prismatic_joint.h"

@@ -1,5 +1,5 @@
 // S41: a column under nine tenths of its Euler load: a body that is linear in its deformation does not feel the load.
-#include "engine/equilibrium.h"
+#include "engine/analysis/equilibrium.h"
 #include "joints/fixed_joint.h"
 #include "joints/forces/point_force.h"
 #include "tools/stability/scenes/beam.h"

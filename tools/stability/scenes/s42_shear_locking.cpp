@@ -2,7 +2,7 @@
 // shear. A program of its own: the engine takes elements from others.
 #include <Eigen/LU>
 
-#include "engine/math.h"
+#include "engine/base/math.h"
 #include "tools/stability/lab.h"
 
 namespace lithe::lab {

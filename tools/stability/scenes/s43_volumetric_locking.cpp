@@ -1,7 +1,7 @@
 // S43: bilinear quadrilaterals lock as ν goes to 0.5. A program of its own: the engine takes elements from others.
 #include <Eigen/SparseCholesky>
 
-#include "engine/math.h"
+#include "engine/base/math.h"
 #include "tools/stability/lab.h"
 
 namespace lithe::lab {

@@ -1,6 +1,6 @@
 // S44: the flexible four-bar with a tilted axis through its collinear pose, where parallelogram and anti-parallelogram
 // meet.
-#include "engine/equilibrium.h"
+#include "engine/analysis/equilibrium.h"
 #include "joints/coordinate_drive.h"
 #include "joints/fixed_joint.h"
 #include "joints/revolute_joint.h"

@@ -1,6 +1,6 @@
 // S60: a ball that bounces (C01): infinitely many impacts before t* = 4.0637 s, then rest.
-#include "engine/error.h"
-#include "engine/simulation.h"
+#include "engine/base/error.h"
+#include "engine/run/simulation.h"
 #include "joints/point_on_plane_joint.h"
 #include "tools/stability/scenes/contacts.h"
 

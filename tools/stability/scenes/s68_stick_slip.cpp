@@ -1,5 +1,5 @@
 // S68: a mass on a spring, dragged by a belt (C06): sticks and slips with a period of 0.628811 s.
-#include "engine/simulation.h"
+#include "engine/run/simulation.h"
 #include "joints/forces/coordinate_motor.h"
 #include "joints/forces/user_force.h"
 #include "joints/prismatic_joint.h"

@@ -1,0 +1,590 @@
+#include <algorithm>
+#include <map>
+
+#include "engine/assembly/assembler.h"
+#include "engine/assembly/batch_of.h"
+#include "engine/assembly/find_rigid_scene.h"
+#include "engine/assembly/moment_check.h"
+#include "engine/assembly/redundancy.h"
+#include "engine/assembly/system.h"
+#include "engine/base/error.h"
+#include "engine/base/log.h"
+#include "engine/factor/block_factor.h"
+#include "engine/model/drawn.h"
+#include "engine/motion/projection.h"
+
+namespace lithe {
+
+const Layout::RowSlice& System::rows(const Constraint& constraint) const {
+  const auto& ours = graph_->constraints();
+  for (std::size_t i = 0; i < layout_.rows().size(); ++i)
+    if (ours[i].constraint == &constraint) return layout_.rows()[i];
+  throw SceneError("constraint '" + constraint.name() + "' is not in this system", constraint.where(),
+                   "use a joint of the graph that was assembled, added before assemble()");
+}
+
+bool System::may_leave_out(const std::vector<int>& rows) const {
+  if (rows.empty()) return true;
+  return rows.size() == redundant_.size() && rows.front() >= 0 && rows.back() < layout_.row_count() &&
+         std::is_sorted(rows.begin(), rows.end(), std::less_equal<>());
+}
+
+template std::unique_ptr<BodyBatch> make_body_batch<Ground>();
+
+/// Turns a graph into a system, in the order of its functions.
+class SystemBuilder {
+ public:
+  SystemBuilder(SystemGraph& graph, const AssembleOptions& options) : graph_(graph), options_(options) {
+    system_.graph_ = &graph;
+  }
+
+  System build() {
+    if (graph_.bodies().size() < 2)
+      throw SceneError("the scene has no body", "assemble", "add one: graph.add<RigidBody>(\"name\", {...})");
+    if (options_.threads < 1)
+      throw SceneError("assemble is to use " + std::to_string(options_.threads) + " threads", "assemble",
+                       "give one or more");
+    lay_out();
+    gather_markers();
+    gather_angles();
+    initialize_connectors();
+    find_velocity_rows();
+    plan_blocks();
+    fill_batches();
+    count_quadrants();
+    for (double& quadrants : system_.initial_.quadrants) quadrants = drawn::quadrants(quadrants);
+    if (options_.start == AssembleOptions::Start::as_drawn) {
+      system_.initial_ = {
+          0, q_, v_, VectorX::Zero(v_.size()), VectorX::Zero(system_.layout_.row_count()), system_.initial_.quadrants};
+      return std::move(system_);
+    }
+    find_redundant_rows();
+    make_initial_state();
+    choose_forward_method();
+    report();
+    return std::move(system_);
+  }
+
+ private:
+  struct Used {
+    int place;
+    MarkerKinematics drawn;
+  };
+
+  void lay_out() {
+    Layout& layout = system_.layout_;
+    for (const auto& b : graph_.bodies())
+      if (b.body != &graph_.ground()) layout.add_body(*b.body);
+    for (const auto& c : graph_.constraints()) layout.add_rows(c.constraint->name(), c.constraint->row_count());
+    q_.setZero(layout.q_count());
+    v_.setZero(layout.v_count());
+    for (const auto& s : layout.bodies()) {
+      const Coordinates c = s.body->coordinates();
+      auto q = q_.segment(s.q, c.q_count()), v = v_.segment(s.v, c.v_count());
+      s.body->initial_state(q, v);
+      for (int i = 0; i < q.size() + v.size(); ++i)
+        if (!std::isfinite(i < q.size() ? q[i] : v[i - q.size()]))
+          throw SceneError("body '" + s.body->name() + "' starts with a coordinate that is no number", s.body->where(),
+                           "give finite initial position, orientation and velocities");
+    }
+  }
+
+  /// Every marker that a connector uses gets a place in the table; its drawn pose tells what it is.
+  void gather_markers() {
+    const auto use = [&](const Marker& m) {
+      const auto [it, fresh] = used_.try_emplace({m.body, m.index}, Used{static_cast<int>(used_.size()), {}});
+      if (fresh) it->second.drawn = kinematics(m);
+    };
+    for (const auto& c : graph_.constraints())
+      for (const Marker& m : c.markers) use(m);
+    for (const auto& f : graph_.forces())
+      for (const Marker& m : f.markers) use(m);
+    system_.marker_count_ = static_cast<int>(used_.size());
+  }
+
+  /// Measured angles, in the order of constraints, then forces.
+  void gather_angles() {
+    const auto gather = [&](const Connector& connector, const std::vector<Marker>& markers) {
+      system_.first_angles_.push_back(static_cast<int>(system_.angles_.size()));
+      for (const MeasuredAngle& a : connector.angles()) {
+        const Marker &A = markers[a.A], &B = markers[a.B];
+        system_.angles_.push_back(
+            {used_.at({A.body, A.index}).place, used_.at({B.body, B.index}).place, a.axis, a.to_point, A, B});
+      }
+    };
+    // Counted from the drawing on, where initialize() measures too: drawn::angle() gives half a turn the same sign.
+    for (const auto& c : graph_.constraints()) gather(*c.constraint, c.markers);
+    for (const auto& f : graph_.forces()) gather(*f.force, f.markers);
+    system_.initial_.quadrants.setZero(static_cast<int>(system_.angles_.size()));
+  }
+
+  /// Angles of q_: as drawn first, then followed onto the constraints.
+  void count_quadrants() {
+    if (system_.angles_.empty()) return;
+    Assembler assembler(system_);
+    assembler.evaluate(0, q_, v_, Level::position);
+    assembler.track(system_.initial_.quadrants);
+  }
+
+  void find_velocity_rows() {
+    for (std::size_t i = 0; i < graph_.constraints().size(); ++i) {
+      const auto& c = graph_.constraints()[i];
+      const auto poses = drawn(c.markers);
+      ConstraintRows rows(static_cast<int>(poses.size()));
+      c.constraint->evaluate(0, connector::Views(poses.data(), static_cast<int>(poses.size())), rows);
+      for (int r = 0; r < rows.count(); ++r)
+        if (rows.on_velocity(r)) system_.velocity_rows_.push_back(system_.layout_.rows()[i].first + r);
+    }
+  }
+
+  MarkerKinematics kinematics(const Marker& m) {
+    auto& cache = drawn_caches_[m.body];
+    static const double none = 0;
+    BodyState state{&none, &none, nullptr};
+    if (m.body != &graph_.ground()) {
+      const auto& slice = slice_of(*m.body);
+      state = {q_.data() + slice.q, v_.data() + slice.v, nullptr};
+    }
+    if (!cache) {
+      cache = m.body->make_cache();
+      state.cache = cache.get();
+      m.body->evaluate(state, Level::velocity);
+    }
+    state.cache = cache.get();
+    MarkerKinematics k;
+    m.body->marker_kinematics(state, m.index, Level::velocity, k);
+    return k;
+  }
+
+  const Layout::BodySlice& slice_of(const Body& body) {
+    if (slices_.empty())
+      for (std::size_t i = 0; i < system_.layout_.bodies().size(); ++i)
+        slices_[system_.layout_.bodies()[i].body] = static_cast<int>(i);
+    return system_.layout_.bodies()[slices_.at(&body)];
+  }
+
+  std::vector<MarkerKinematics> drawn(const std::vector<Marker>& markers) const {
+    std::vector<MarkerKinematics> out;
+    for (const Marker& m : markers) out.push_back(used_.at({m.body, m.index}).drawn);
+    return out;
+  }
+
+  void initialize_connectors() {
+    for (const auto& c : graph_.constraints()) {
+      if (std::all_of(c.markers.begin(), c.markers.end(), [&](const Marker& m) { return m.body == &graph_.ground(); }))
+        throw SceneError("'" + c.constraint->name() + "' ties ground to ground", c.constraint->where(),
+                         "give at least one marker of a body");
+      initialize(*c.constraint, c.markers);
+    }
+    for (const auto& f : graph_.forces())
+      if (f.make_batch) initialize(*f.force, f.markers);
+  }
+
+  template <class Connector>
+  void initialize(Connector& element, const std::vector<Marker>& markers) const {
+    if (options_.start == AssembleOptions::Start::as_drawn) return;
+    const auto poses = drawn(markers);
+    try {
+      element.initialize(connector::Views(poses.data(), static_cast<int>(poses.size())));
+    } catch (const SceneError& error) {
+      throw SceneError("'" + element.name() + "': " + error.problem(), element.where(), error.mend());
+    }
+    refuse_moments(element, markers, poses);
+  }
+
+  void plan_blocks() {
+    BlockStructure& b = system_.blocks_;
+    const Layout& layout = system_.layout_;
+    b.velocity_count = layout.v_count();
+    for (const auto& s : layout.bodies()) {
+      BodyRecord record{s.q, s.v, -1, -1, {}, {}};
+      if (s.frame) {
+        record.frame = static_cast<int>(b.frames.size());
+        b.frames.push_back({s.v, b.reserve(36)});
+      }
+      if (s.linear > 0) {
+        record.linear = static_cast<int>(b.linears.size());
+        const LinearPattern* pattern = s.body->linear_pattern();
+        const int n = s.linear, coupled = s.frame ? 6 * n : 0;
+        BlockStructure::Linear linear{s.v + (s.frame ? 6 : 0), n, record.frame, 0, 0, 0, pattern};
+        linear.frame_linear = b.reserve(coupled);
+        linear.linear_frame = b.reserve(coupled);
+        linear.values = b.reserve(pattern ? static_cast<int>(pattern->rows.size()) : n);
+        b.linears.push_back(linear);
+      }
+      records_.push_back(record);
+    }
+    std::vector<std::pair<int, int>> couplings;
+    for (std::size_t i = 0; i < graph_.constraints().size(); ++i) {
+      const auto& c = graph_.constraints()[i];
+      const auto& rows = layout.rows()[i];
+      ConnectorRecord record = connect(c.markers, rows.first, rows.count, -1, false);
+      record.first_angle = system_.first_angles_[i];
+      if (couples(*c.constraint, drawn(c.markers))) add_couplings(record, couplings);
+      constraint_records_.push_back(record);
+    }
+    b.row_count = layout.row_count();
+    for (const auto& f : graph_.forces()) {
+      const int rows = f.force->row_count();
+      const int compliant = rows > 0 ? b.reserve(rows) : -1;
+      ConnectorRecord record = connect(f.markers, b.row_count, rows, compliant, true);
+      record.energy = static_cast<int>(force_records_.size());
+      const auto* contact = dynamic_cast<const ContactElement*>(f.force);
+      if (contact) add_contact(*contact, f.markers, record);
+      record.first_angle = system_.first_angles_[graph_.constraints().size() + force_records_.size()];
+      reactions_.push_back(reaction_of(*f.force, record));
+      if (!contact) add_couplings(record, couplings);
+      force_records_.push_back(record);
+      b.row_count += rows;
+      system_.compliant_count_ += rows;
+    }
+    std::sort(couplings.begin(), couplings.end());
+    couplings.erase(std::unique(couplings.begin(), couplings.end()), couplings.end());
+    for (const auto& [a, c] : couplings) {
+      BlockStructure::Coupling coupling{a, c, 0, 0};
+      coupling.ab = b.reserve(36);
+      coupling.ba = b.reserve(36);
+      b.couplings.push_back(coupling);
+    }
+  }
+
+  ConnectorRecord connect(const std::vector<Marker>& markers, int first_row, int rows, int compliant, bool loads) {
+    BlockStructure& b = system_.blocks_;
+    std::vector<MarkerSlot> slots(markers.size());
+    ConnectorRecord record;
+    record.first_row = first_row;
+    record.rows = -1;
+    if (rows > 0) {
+      record.rows = static_cast<int>(b.rows.size());
+      b.rows.push_back({first_row, rows, compliant});
+    }
+    record.slot_count = static_cast<int>(markers.size());
+    struct Touched {
+      int jacobian = -1;
+      bool linear_written = false;
+    };
+    std::map<const Body*, Touched> touched;
+    const auto moves = [&](const Body* body) {  // any of the markers on it moves with its linear coordinates
+      return std::any_of(markers.begin(), markers.end(), [&](const Marker& m) {
+        return m.body == body && used_.at({m.body, m.index}).drawn.elastic != nullptr;
+      });
+    };
+    for (std::size_t i = 0; i < markers.size(); ++i) {
+      const Marker& m = markers[i];
+      const Used& used = used_.at({m.body, m.index});
+      MarkerSlot slot{used.place, -1, -1, -1, 0, -1, false, false};
+      if (m.body == &graph_.ground()) {
+        add_once(ground_.markers, m.index, used.place);
+        if (loads) add_once(ground_.loaded, m.index, used.place);
+      } else {
+        const auto& s = slice_of(*m.body);
+        BodyRecord& body = records_[&s - system_.layout_.bodies().data()];
+        add_once(body.markers, m.index, used.place);
+        if (loads) add_once(body.loaded, m.index, used.place);
+        slot.velocity = s.v;
+        slot.frame = body.frame;
+        if (used.drawn.elastic) slot.linear = body.linear, slot.size = s.linear;
+        Touched& t = touched[m.body];
+        if (rows > 0 && t.jacobian < 0) {
+          const bool linear = moves(m.body);
+          t.jacobian = static_cast<int>(b.jacobians.size());
+          slot.first_frame = true;
+          BlockStructure::Jacobian G{record.rows, body.frame, 0, linear ? body.linear : -1, 0, s.v};
+          if (body.frame >= 0) G.values = b.reserve(6 * rows);
+          if (linear) G.linear_values = b.reserve(rows * s.linear);
+          b.jacobians.push_back(G);
+        }
+        slot.jacobian = t.jacobian;
+        slot.first_linear = slot.linear >= 0 && !t.linear_written;
+        t.linear_written |= slot.first_linear;
+      }
+      slots[i] = slot;
+    }
+    record.slots = keep(slots.data(), record.slot_count);
+    return record;
+  }
+
+  /// A connector's slots lie side by side in memory that does not move.
+  const MarkerSlot* keep(const MarkerSlot* slots, int count) {
+    constexpr std::size_t kChunk = 1024;
+    auto& chunks = system_.slots_;
+    if (chunks.empty() || chunks.back().size() + count > chunks.back().capacity())
+      chunks.emplace_back().reserve(std::max<std::size_t>(kChunk, count));
+    auto& chunk = chunks.back();
+    chunk.insert(chunk.end(), slots, slots + count);
+    return chunk.data() + chunk.size() - count;
+  }
+
+  void add_contact(const ContactElement& element, const std::vector<Marker>& markers, const ConnectorRecord& record) {
+    ContactRecord contact{&element, static_cast<int>(system_.contacts_.size()), record.energy, markers, {}, {}};
+    for (std::size_t i = 0; i < markers.size(); ++i) {
+      contact.places.push_back(record.slots[i].marker);
+      contact.bodies.push_back(markers[i].body == &graph_.ground()
+                                   ? -1
+                                   : static_cast<int>(&slice_of(*markers[i].body) - system_.layout_.bodies().data()));
+    }
+    system_.contacts_.push_back(std::move(contact));
+  }
+
+  ReactionRecord reaction_of(const ForceElement& force, const ConnectorRecord& record) {
+    ReactionRecord reaction{force.reaction_of(), {}, -1};
+    if (!reaction.joint) return reaction;
+    const auto& joints = graph_.constraints();
+    const auto at =
+        std::find_if(joints.begin(), joints.end(), [&](const auto& c) { return c.constraint == reaction.joint; });
+    if (at == joints.end())
+      throw SceneError("'" + force.name() + "' wants the reaction of a joint that is not in this scene", force.where(),
+                       "give a joint of the same graph");
+    BlockStructure& b = system_.blocks_;
+    reaction.record = constraint_records_[at - joints.begin()];
+    reaction.coupling = static_cast<int>(b.row_couplings.size());
+    b.row_couplings.push_back(
+        {record.rows, reaction.record.rows, b.reserve(b.rows[record.rows].count * b.rows[reaction.record.rows].count)});
+    system_.reacts_ = true;
+    return reaction;
+  }
+
+  static void add_once(std::vector<std::pair<int, int>>& markers, int index, int place) {
+    if (std::none_of(markers.begin(), markers.end(), [&](const auto& p) { return p.second == place; }))
+      markers.emplace_back(index, place);
+  }
+
+  /// Whether the load of a joint on one body depends on where the other is.
+  static bool couples(const Constraint& constraint, const std::vector<MarkerKinematics>& markers) {
+    const int n = static_cast<int>(markers.size());
+    ConstraintRows rows(n);
+    ConstraintRows::Stiffness K = ConstraintRows::Stiffness::Zero(6 * n, 6 * n);
+    double multipliers[kMaxRows];
+    for (int r = 0; r < kMaxRows; ++r) multipliers[r] = 1 + 0.37 * r;  // no accidental cancellation
+    rows.collect_stiffness(multipliers, &K);
+    constraint.evaluate(0, connector::Views(markers.data(), n), rows);
+    if (rows.written()) return true;
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j)
+        if (i != j && !K.block<6, 6>(6 * i, 6 * j).isZero(0)) return true;
+    return false;
+  }
+
+  static void add_couplings(const ConnectorRecord& record, std::vector<std::pair<int, int>>& couplings) {
+    for (int i = 0; i < record.slot_count; ++i)
+      for (int j = 0; j < record.slot_count; ++j) {
+        const int a = record.slots[i].frame, b = record.slots[j].frame;
+        if (a >= 0 && b >= 0 && a < b) couplings.emplace_back(a, b);
+      }
+  }
+
+  void fill_batches() {
+    auto& batches = system_.batches_;
+    std::map<std::type_index, int> number;
+    for (std::size_t i = 0; i < graph_.bodies().size(); ++i) {
+      const auto& entry = graph_.bodies()[i];
+      const auto [it, fresh] = number.try_emplace(entry.type, static_cast<int>(batches.bodies.size()));
+      if (fresh) batches.bodies.push_back(entry.make_batch()), batch_sizes_.push_back(0);
+      batches.bodies[it->second]->add(*entry.body, i == 0 ? ground_ : records_[i - 1]);
+      system_.body_places_.push_back({it->second, batch_sizes_[it->second]++});
+    }
+    number.clear();
+    for (std::size_t i = 0; i < graph_.constraints().size(); ++i) {
+      const auto& entry = graph_.constraints()[i];
+      const auto [it, fresh] = number.try_emplace(entry.type, static_cast<int>(batches.constraints.size()));
+      if (fresh) batches.constraints.push_back(entry.make_batch());
+      batches.constraints[it->second]->add(*entry.constraint, constraint_records_[i]);
+    }
+    number.clear();
+    for (std::size_t i = 0; i < graph_.forces().size(); ++i) {
+      const auto& entry = graph_.forces()[i];
+      if (!entry.make_batch) continue;
+      const auto [it, fresh] = number.try_emplace(entry.type, static_cast<int>(batches.forces.size()));
+      if (fresh) batches.forces.push_back(entry.make_batch());
+      batches.forces[it->second]->add(*entry.force, force_records_[i], reactions_[i]);
+    }
+  }
+
+  /// Rows that depend on others a small way from q_, along motions which the rows that are independent at q_ admit.
+  std::vector<int> dependent_nearby(double tolerance) {
+    constexpr double kMove = 3e-3;  // rad, or m beside the reach of the largest body
+    const Layout& layout = system_.layout_;
+    Assembler assembler(system_);
+    VectorX move = VectorX::Zero(v_.size()), force = move, rows = VectorX::Zero(layout.row_count());
+    const VectorX still = move, no_load = rows;
+    assembler.evaluate(0, q_, still, Level::velocity);
+    double reach = 0;
+    for (const MarkerKinematics& marker : assembler.work_.markers) reach = std::max(reach, marker.r.norm());
+    if (reach == 0) reach = 1;
+    // 1. Any motion, and what of it the rows admit: x with M x + Gᵀ y = M move, G x = 0.
+    for (const auto& b : layout.bodies())
+      if (b.frame)
+        for (int i = 0; i < 6; ++i) move[b.v + i] = std::sin(1 + 2.4 * (b.v + i)) * (i < 3 ? reach : 1);
+    assembler.residual(move, no_load, force);
+    VectorX load(force.size());
+    assembler.residual(still, no_load, load);
+    force -= load;
+    assembler.form({0, 0, 1}, still, no_load, nullptr);
+    const auto dropped = assembler.factor_->factorize_revealing(
+        assembler.work_.values, row_compliances(system_.blocks_, assembler.work_.values), tolerance);
+    assembler.solve(force, rows);
+    double size = 0;
+    for (const auto& b : layout.bodies())
+      if (b.frame)
+        size = std::max({size, force.segment<3>(b.v).cwiseAbs().maxCoeff() / reach,
+                         force.segment<3>(b.v + 3).cwiseAbs().maxCoeff()});
+    if (size < 1e-9) return dropped;  // nothing can move
+    VectorX q = q_;
+    force *= kMove / size;
+    layout.retract(q_, force, q);
+    // 2. Back onto those rows; what was truly redundant holds there too.
+    if (!Projector(assembler).position(0, q, 1e-10 * (1 + reach), 20).converged) return dropped;
+    assembler.evaluate(0, q, still, Level::velocity);
+    assembler.form({0, 0, 1}, still, no_load, nullptr);
+    assembler.factor_->drop_rows({});
+    return assembler.factor_->factorize_revealing(assembler.work_.values,
+                                                 row_compliances(system_.blocks_, assembler.work_.values), tolerance);
+  }
+
+  void find_redundant_rows() {
+    if (system_.layout_.row_count() == 0) return;
+    constexpr double kDependent = 1e-9;  // squared sine of the angle to the other rows
+    Assembler assembler(system_);
+    const VectorX still = VectorX::Zero(v_.size()), no_load = VectorX::Zero(system_.layout_.row_count());
+    assembler.evaluate(0, q_, still, Level::velocity);
+    assembler.form({0, 0, 1}, still, no_load, nullptr);
+    const bool tree = is_tree(graph_, system_.layout_);
+    std::vector<int> dependent =
+        tree ? dependent_within_joints(system_.blocks_, assembler.work_.values, kDependent)
+             : assembler.factor_->factorize_revealing(
+                   assembler.work_.values, row_compliances(system_.blocks_, assembler.work_.values), kDependent);
+    if (tree && !dependent.empty()) {
+      assembler.factor_->drop_rows(dependent);
+      assembler.factorize({0, 0, 1}, still, no_load, nullptr);
+    } else if (!dependent.empty()) {
+      // A pose that is singular by chance looks the same; out of it, its rows are needed.
+      const std::vector<int> nearby = dependent_nearby(kDependent);
+      if (nearby.size() < dependent.size()) {
+        log::warn("the start is a singular position: " + std::to_string(dependent.size() - nearby.size()) +
+                  " of its rows lose rank there alone\n  mend: none needed where velocities tell the branch to follow; "
+                  "accelerations at t = 0 are not unique.");
+        dependent = nearby;
+        assembler.factor_->drop_rows(dependent);
+        assembler.factorize({0, 0, 1}, still, no_load, nullptr);
+      }
+    }
+    if (dependent.empty()) return;
+    for (int row : dependent) system_.redundant_.push_back({row, system_.layout_.row_name(row), ""});
+    system_.row_scales_ = row_compliances(system_.blocks_, assembler.work_.values)
+                              .cwiseSqrt()
+                              .unaryExpr([](double scale) { return scale > 0 ? scale : 1; });
+    log::warn(dependent_rows_text(graph_, system_.layout_, dependent));
+    // Which row each of them repeats: the largest partner in its null vector z, Gᵀ z = 0. A solution each: some only.
+    constexpr std::size_t kCompared = 100;
+    VectorX rv = still, rl = no_load;
+    for (std::size_t k = 0; k < dependent.size(); ++k) {
+      RedundantRow& r = system_.redundant_[k];
+      if (k >= kCompared) {
+        r.repeats = "other rows";
+        continue;
+      }
+      rv.setZero(), rl.setZero();
+      rl[r.row] = 1;
+      assembler.add_row_forces(rl.data(), nullptr, rv.data());
+      rl.setZero();
+      assembler.solve(rv, rl);
+      int partner = 0;
+      if (rl.cwiseAbs().maxCoeff(&partner) > 1e-8) r.repeats = system_.layout_.row_name(partner);
+    }
+  }
+
+  void make_initial_state() {
+    Assembler assembler(system_);
+    Projector projector(assembler);
+    const Layout& layout = system_.layout_;
+    VectorX g = VectorX::Zero(layout.row_count());
+    const auto worst_row = [&] {
+      assembler.evaluate(0, q_, v_, Level::velocity);
+      assembler.constraint(Level::position, g);
+      int row = 0;
+      g.cwiseAbs().maxCoeff<Eigen::PropagateNaN>(&row);
+      return row;
+    };
+    if (layout.row_count() > 0) {
+      const VectorX q_drawn = q_;
+      const int drawn_row = worst_row();
+      const double drawn_gap = std::abs(g[drawn_row]);
+      if (options_.start == AssembleOptions::Start::refuse && drawn_gap > 1e-9)
+        throw SceneError(
+            "the start is not consistent: " + layout.row_name(drawn_row) + " is off by " + std::to_string(drawn_gap),
+            "assemble", "place the bodies so that the joint closes, or let assemble() move them");
+      const auto result = projector.position(0, q_, options_.position_tolerance, 60);
+      const int row = worst_row();
+      if (!(std::abs(g[row]) < 1e-8))
+        throw SceneError("the joints cannot be assembled: " + layout.row_name(row) + " stays off by " +
+                             std::to_string(std::abs(g[row])) + " after " + std::to_string(result.iterations) +
+                             " iterations",
+                         "assemble", "check lengths and marker positions, or start nearer to a pose that closes");
+      VectorX moved(layout.v_count());
+      layout.difference(q_drawn, q_, moved);
+      int where = 0;
+      if (moved.cwiseAbs().maxCoeff(&where) > 1e-6)
+        log::warn("bodies were moved onto the constraints, most: " + layout.velocity_name(where) + " by " +
+                  std::to_string(moved[where]) + " (" + layout.row_name(drawn_row) + " was off by " +
+                  std::to_string(drawn_gap) + ")");
+      const VectorX v_drawn = v_;
+      projector.velocity(0, q_, v_);
+      if ((v_ - v_drawn).cwiseAbs().maxCoeff(&where) > 1e-6 * (1 + v_drawn.cwiseAbs().maxCoeff()))
+        log::warn("velocities were made consistent, most: " + layout.velocity_name(where) + " from " +
+                  std::to_string(v_drawn[where]) + " to " + std::to_string(v_[where]));
+    }
+    system_.initial_ = {
+        0, q_, v_, VectorX::Zero(v_.size()), VectorX::Zero(layout.row_count()), system_.initial_.quadrants};
+    count_quadrants();
+    assembler.recall(system_.initial_.quadrants);
+    projector.accelerations(0, q_, v_, system_.initial_.v_dot, system_.initial_.lambda);
+    if (!system_.initial_.v_dot.allFinite())
+      throw SceneError("the accelerations at t = 0 are no numbers", "assemble",
+                       "look for a body without mass or inertia, or a force that divides by a zero distance");
+    assembler.minimum_norm(system_.initial_.lambda);
+  }
+
+  void choose_forward_method() {
+    if (!options_.forward_dynamics) return;
+    auto scene = find_rigid_scene(system_);
+    if (!scene) return;
+    scene->threads = options_.threads;
+    const auto kernel = make_forward_kernel(*scene);
+    if (!kernel) return;
+    system_.forward_method_ = kernel->method();
+    system_.rigid_ = std::make_unique<const RigidScene>(std::move(*scene));
+  }
+
+  void report() const {
+    const Layout& l = system_.layout_;
+    log::info("assembled: " + std::to_string(l.bodies().size()) + " bodies, " + std::to_string(l.q_count()) +
+              " coordinates, " + std::to_string(l.row_count()) + " constraint rows of rank " +
+              std::to_string(system_.rank()) + ", " + std::to_string(system_.degrees_of_freedom()) +
+              " degrees of freedom" +
+              (system_.forward_method_ == ForwardMethod::planar ? ", planar"
+               : system_.forward_method_ == ForwardMethod::tree ? ", a rigid tree"
+                                                                : ""));
+  }
+
+  SystemGraph& graph_;
+  AssembleOptions options_;
+  System system_;
+  VectorX q_, v_;
+  std::map<std::pair<const Body*, int>, Used> used_;
+  std::map<const Body*, std::unique_ptr<BodyCache>> drawn_caches_;
+  std::map<const Body*, int> slices_;
+  std::vector<BodyRecord> records_;
+  BodyRecord ground_{0, 0, -1, -1, {}, {}};
+  std::vector<ConnectorRecord> constraint_records_, force_records_;
+  std::vector<ReactionRecord> reactions_;
+  std::vector<int> batch_sizes_;
+};
+
+System assemble(SystemGraph& graph, const AssembleOptions& options) try {
+  return SystemBuilder(graph, options).build();
+} catch (...) {
+  rethrow_as_error("assemble", "the scene of " + std::to_string(graph.bodies().size() - 1) + " bodies",
+                   "see what it says; the graph can be assembled again");
+}
+
+}  // namespace lithe

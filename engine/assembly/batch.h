@@ -1,0 +1,82 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engine/assembly/workspace.h"
+#include "engine/model/batch_factories.h"
+#include "engine/model/body.h"
+#include "engine/model/constraint.h"
+#include "engine/model/force_element.h"
+
+namespace lithe {
+
+/// Where a body's blocks lie.
+struct BodyRecord {
+  int q, v, frame, linear;                   // frame, linear: indices into BlockStructure, -1: none
+  std::vector<std::pair<int, int>> markers;  // (marker of the body, place in the table): those that connectors use
+  std::vector<std::pair<int, int>> loaded;   // of these, those that force elements use
+};
+
+/// All bodies of one type; the loop knows the type, so its calls are inlined.
+class BodyBatch {
+ public:
+  virtual ~BodyBatch() = default;
+  /// Caches of all bodies of the batch, contiguous.
+  class Caches {
+   public:
+    virtual ~Caches() = default;
+    virtual BodyCache& at(int i) = 0;
+  };
+  virtual void add(const Body& body, BodyRecord record) = 0;
+  virtual std::unique_ptr<Caches> make_caches() const = 0;
+  /// Bodies to `level`, and their markers to `markers`: all of them, or those alone that force elements use.
+  virtual void evaluate(Workspace&, Caches&, Level level, Level markers) const = 0;
+  virtual void evaluate_loaded(Workspace&, Caches&, Level level) const = 0;
+  virtual void add_residual(Workspace&, Caches&, const double* v_dot, double* r) const = 0;
+  /// Writes the bodies' own blocks of S. `increment`: of the chart in which S is to act, or null.
+  virtual void write_tangent(Workspace&, Caches&, const BlockStructure&, const double* v_dot, const TangentWeights&,
+                             const double* increment) const = 0;
+};
+
+struct ConnectorRecord {
+  int first_row, rows;  // rows vertex index in BlockStructure::rows
+  int energy = -1;      // force elements: index into Workspace::force_energy
+  int first_angle = 0;  // of the connector's measured angles, in Workspace::quadrants
+  int slot_count = 0;
+  const MarkerSlot* slots = nullptr;  // the system's
+};
+
+/// All constraints of one type.
+class ConstraintBatch {
+ public:
+  virtual ~ConstraintBatch() = default;
+  virtual void add(const Constraint& constraint, ConnectorRecord record) = 0;
+  virtual void evaluate(Workspace&, const BlockStructure&, Level) const = 0;
+  /// Adds weight · ∂(Gᵀ lambda)/∂q to the bodies' blocks: the stiffness of loaded joints.
+  virtual void add_stiffness(Workspace&, const BlockStructure&, double weight, const double* lambda) const = 0;
+};
+
+/// The joint whose reaction a force element wants.
+struct ReactionRecord {
+  const Constraint* joint = nullptr;  // null: none
+  ConnectorRecord record;             // of the joint
+  int coupling = -1;                  // index into BlockStructure::row_couplings
+};
+
+/// All force elements of one type.
+class ForceBatch {
+ public:
+  virtual ~ForceBatch() = default;
+  virtual void add(const ForceElement& force, ConnectorRecord record, ReactionRecord reaction) = 0;
+  virtual void evaluate(Workspace&, const BlockStructure&) const = 0;
+  /// Adds the derivatives of loads by positions and velocities, and of the directions of loaded rows, as weighted.
+  virtual void add_tangent(Workspace&, const BlockStructure&, const TangentWeights&) const = 0;
+  /// Tensions that joints' reactions make (friction), for these multipliers.
+  virtual void react(Workspace&, const BlockStructure&, const double* lambda) const = 0;
+  /// Their derivatives by the multipliers; the diagonals of the rows' compliance are there.
+  virtual void write_reaction_tangent(Workspace&, const BlockStructure&, const double* lambda) const = 0;
+};
+
+}  // namespace lithe

@@ -1,0 +1,359 @@
+#pragma once
+
+#include <array>
+
+#include "engine/assembly/batch.h"
+#include "engine/assembly/connector_blocks.h"
+#include "engine/model/element_error.h"
+
+/// The loops over all elements of one type. Include this where a new type is first added to a graph.
+namespace lithe {
+
+template <class T>
+class BodyBatchOf final : public BodyBatch {
+ public:
+  using Cache = typename T::Cache;
+
+  void add(const Body& body, BodyRecord record) override {
+    bodies_.push_back(static_cast<const T*>(&body));
+    records_.push_back(std::move(record));
+  }
+
+  std::unique_ptr<Caches> make_caches() const override {
+    auto caches = std::make_unique<TypedCaches>();
+    caches->all.reserve(bodies_.size());
+    for (const T* body : bodies_) caches->all.emplace_back(*body);
+    return caches;
+  }
+
+  void evaluate(Workspace& work, Caches& caches, Level level, Level markers) const override {
+    for_each_named(bodies_, work.time, [&](std::size_t i) {
+      const BodyRecord& record = records_[i];
+      const BodyState state = state_of(work, caches, i);
+      bodies_[i]->T::evaluate(state, level);
+      for (const auto& [marker, place] : record.markers)
+        bodies_[i]->T::marker_kinematics(state, marker, markers, work.markers[place]);
+    });
+  }
+
+  void evaluate_loaded(Workspace& work, Caches& caches, Level level) const override {
+    for_each_named(bodies_, work.time, [&](std::size_t i) {
+      const BodyRecord& record = records_[i];
+      if (record.loaded.empty()) return;
+      const BodyState state = state_of(work, caches, i);
+      bodies_[i]->T::evaluate(state, level);
+      for (const auto& [marker, place] : record.loaded)
+        bodies_[i]->T::marker_kinematics(state, marker, level, work.markers[place]);
+    });
+  }
+
+  void add_residual(Workspace& work, Caches& caches, const double* v_dot, double* r) const override {
+    for_each_named(bodies_, work.time, [&](std::size_t i) {
+      bodies_[i]->T::add_residual(state_of(work, caches, i), v_dot + records_[i].v, work.gravity, r + records_[i].v);
+    });
+  }
+
+  void write_tangent(Workspace& work, Caches& caches, const BlockStructure& blocks, const double* v_dot,
+                     const TangentWeights& weights, const double* increment) const override {
+    double* values = work.values.data();
+    for_each_named(bodies_, work.time, [&](std::size_t i) {
+      const BodyRecord& record = records_[i];
+      double *frame = nullptr, *frame_linear = nullptr, *linear_frame = nullptr, *linear = nullptr;
+      int size = 0, entries = 0;
+      if (record.frame >= 0) frame = values + blocks.frames[record.frame].values;
+      if (record.linear >= 0) {
+        const auto& L = blocks.linears[record.linear];
+        size = L.size;
+        entries = L.pattern ? static_cast<int>(L.pattern->rows.size()) : size;
+        frame_linear = values + L.frame_linear, linear_frame = values + L.linear_frame, linear = values + L.values;
+      }
+      BodyTangent S{Eigen::Map<Matrix6>(frame), Eigen::Map<Matrix6X>(frame_linear, 6, record.frame < 0 ? 0 : size),
+                    Eigen::Map<MatrixX>(linear_frame, record.frame < 0 ? 0 : size, 6),
+                    Eigen::Map<VectorX>(linear, entries)};
+      const int coupled = static_cast<int>(S.frame_linear.size());
+      for (const auto& [at, count] : {std::pair(frame, 36), std::pair(frame_linear, coupled),
+                                      std::pair(linear_frame, coupled), std::pair(linear, entries)})
+        if (at) std::fill_n(at, count, 0.0);
+      bodies_[i]->T::add_tangent(state_of(work, caches, i), v_dot + record.v, work.gravity, weights, S);
+      if (!increment || record.frame < 0) return;
+      // d_dot = Jr⁻¹ omega: corrections of the increment turn the state by Jr(psi)
+      const Matrix3 chart = right_jacobian_inverse(Eigen::Map<const Vector3>(increment + record.v + 3));
+      auto turning = S.frame.template rightCols<3>();
+      turning = turning.lazyProduct(chart).eval();
+      auto columns = S.linear_frame.template rightCols<3>();
+      for (int k = 0; k < size; ++k) columns.row(k) = (columns.row(k) * chart).eval();
+    });
+  }
+
+ private:
+  struct TypedCaches final : Caches {
+    std::vector<Cache> all;
+    BodyCache& at(int i) override { return all[i]; }
+  };
+  BodyState state_of(const Workspace& work, Caches& caches, std::size_t i) const {
+    return {work.q.data() + records_[i].q, work.v.data() + records_[i].v, &static_cast<TypedCaches&>(caches).all[i]};
+  }
+
+  std::vector<const T*> bodies_;
+  std::vector<BodyRecord> records_;
+};
+
+namespace connector {
+
+template <class T>
+inline constexpr int kMarkersOf = [] {
+  if constexpr (requires { T::kMarkers; }) return T::kMarkers;
+  return 0;
+}();
+template <class T>
+inline constexpr int kRowsOf = [] {
+  if constexpr (requires { T::kRows; }) return T::kRows;
+  return 0;
+}();
+
+/// Views of the connector's markers, for a number of markers that the compiler may know.
+class Views {
+ public:
+  Views(const MarkerKinematics* table, const ConnectorRecord& record) : count_(record.slot_count) {
+    for (int m = 0; m < count_; ++m) new (at(m)) MarkerView(table[record.slots[m].marker], m);
+  }
+  Views(const MarkerKinematics* markers, int count) : count_(count) {
+    for (int m = 0; m < count_; ++m) new (at(m)) MarkerView(markers[m], m);
+  }
+  operator std::span<const MarkerView>() { return {at(0), static_cast<std::size_t>(count_)}; }
+
+ private:
+  MarkerView* at(int m) { return reinterpret_cast<MarkerView*>(storage_) + m; }
+  int count_;
+  alignas(MarkerView) unsigned char storage_[kMaxMarkers * sizeof(MarkerView)];
+};
+
+}  // namespace connector
+
+template <class T>
+class ConstraintBatchOf final : public ConstraintBatch {
+ public:
+  void add(const Constraint& constraint, ConnectorRecord record) override {
+    constraints_.push_back(static_cast<const T*>(&constraint));
+    records_.push_back(record);
+  }
+
+  void evaluate(Workspace& work, const BlockStructure& blocks, Level level) const override {
+    constexpr int kRows = connector::kRowsOf<T>;
+    for_each_named(constraints_, work.time, [&](std::size_t i) {
+      const ConnectorRecord& record = records_[i];
+      ConstraintRows rows(record.slot_count);
+      rows.recall(work.quadrants.data() + record.first_angle);
+      connector::Views views(work.markers.data(), record);
+      constraints_[i]->T::evaluate(work.time, views, rows);
+      const int count = kRows > 0 ? kRows : rows.count();
+      for (int r = 0; r < count; ++r) {
+        work.residual[record.first_row + r] = rows.residual(r);
+        work.rate[record.first_row + r] = rows.rate(r);
+      }
+      if (level == Level::acceleration)
+        for (int r = 0; r < count; ++r) {
+          double bias = rows.bias(r);
+          for (int m = 0; m < record.slot_count; ++m) {
+            const MarkerKinematics& k = work.markers[record.slots[m].marker];
+            bias += rows.wrench(r, m).force.dot(k.bias_v) + rows.wrench(r, m).torque.dot(k.bias_w);
+          }
+          work.bias[record.first_row + r] = bias;
+        }
+      for (int m = 0; m < record.slot_count; ++m)
+        connector::write_jacobian<kRows>(work, blocks, record.slots[m], count,
+                                         [&](int r) -> const Wrench& { return rows.wrench(r, m); });
+    });
+  }
+
+  void add_stiffness(Workspace& work, const BlockStructure& blocks, double weight,
+                     const double* lambda) const override {
+    for_each_named(constraints_, work.time, [&](std::size_t i) {
+      const ConnectorRecord& record = records_[i];
+      const double* multipliers = lambda + record.first_row;
+      ConstraintRows::Stiffness K;  // rows that have any set it to zero first
+      ConstraintRows rows(record.slot_count);
+      rows.collect_stiffness(multipliers, &K);
+      Wrench load[kMaxMarkers];
+      const auto evaluate = [&](connector::Views&& views, ConstraintRows& into, Wrench* out) {
+        into.recall(work.quadrants.data() + record.first_angle);
+        constraints_[i]->T::evaluate(work.time, views, into);
+        for (int m = 0; m < record.slot_count; ++m) {
+          out[m] = {Vector3::Zero(), Vector3::Zero()};
+          for (int r = 0; r < into.count(); ++r) {
+            out[m].force += multipliers[r] * into.wrench(r, m).force;
+            out[m].torque += multipliers[r] * into.wrench(r, m).torque;
+          }
+        }
+      };
+      evaluate({work.markers.data(), record}, rows, load);
+      if (rows.written()) {  // its wrenches are differenced over the markers' motions
+        K.setZero(6 * record.slot_count, 6 * record.slot_count);
+        connector::difference(
+            work, record, Level::position,
+            [&](const MarkerKinematics* markers, Wrench* out) {
+              ConstraintRows moved(record.slot_count);
+              evaluate({markers, record.slot_count}, moved, out);
+            },
+            K);
+      }
+      for (int m = 0; m < record.slot_count; ++m)
+        connector::add_load_stiffness(work, blocks, record.slots[m], load[m], weight);
+      if (rows.written() || rows.stiff()) connector::add_marker_stiffness(work, blocks, record, K, weight);
+    });
+  }
+
+ private:
+  std::vector<const T*> constraints_;
+  std::vector<ConnectorRecord> records_;
+};
+
+template <class T>
+class ForceBatchOf final : public ForceBatch {
+ public:
+  void add(const ForceElement& force, ConnectorRecord record, ReactionRecord reaction) override {
+    forces_.push_back(static_cast<const T*>(&force));
+    records_.push_back(record);
+    if (!reaction.joint) return;
+    reacting_.push_back(static_cast<int>(forces_.size()) - 1);
+    reactions_.push_back(reaction);
+  }
+
+  void evaluate(Workspace& work, const BlockStructure& blocks) const override {
+    constexpr int kRows = connector::kRowsOf<T>;
+    const int constraints = static_cast<int>(work.residual.size());
+    for_each_named(forces_, work.time, [&](std::size_t i) {
+      const ConnectorRecord& record = records_[i];
+      ForceRows rows(record.slot_count);
+      if (!reactions_.empty()) rows.set_reaction({Vector3::Zero(), Vector3::Zero()});  // until react()
+      evaluate(work, i, rows);
+      for (int r = 0; r < rows.count(); ++r) {
+        const int at = record.first_row - constraints + r;
+        work.tension[at] = rows.tension(r);
+        work.row_stiffness[at] = rows.stiffness(r);
+        work.row_damping[at] = rows.damping(r);
+      }
+      work.force_energy[record.energy] = rows.energy();
+      for (int m = 0; m < record.slot_count; ++m) {
+        connector::add_wrench(work, record.slots[m], rows.load(m), work.load.data());
+        if (rows.count() > 0)
+          connector::write_jacobian<kRows>(work, blocks, record.slots[m], rows.count(),
+                                           [&](int r) -> const Wrench& { return rows.wrench(r, m); });
+      }
+    });
+  }
+
+  void add_tangent(Workspace& work, const BlockStructure& blocks, const TangentWeights& weights) const override {
+    const int constraints = static_cast<int>(work.residual.size());
+    for_each_named(forces_, work.time, [&](std::size_t i) {
+      const ConnectorRecord& record = records_[i];
+      const int n = record.slot_count, first = record.first_row - constraints;
+      // Wrench on the left-hand side: tensions as they are now, loads with the opposite sign.
+      bool loads = false;
+      const auto wrenches = [&](const MarkerKinematics* markers, Wrench* out) {
+        ForceRows rows(n);
+        rows.recall(work.quadrants.data() + record.first_angle);
+        rows.set_reaction({Vector3::Zero(), Vector3::Zero()});
+        forces_[i]->T::evaluate(work.time, connector::Views(markers, n), rows);
+        for (int m = 0; m < n; ++m) {
+          out[m] = {-rows.load(m).force, -rows.load(m).torque};
+          loads |= !connector::is_zero(out[m].force) || !connector::is_zero(out[m].torque);
+          for (int r = 0; r < rows.count(); ++r) {
+            out[m].force += work.tension[first + r] * rows.wrench(r, m).force;
+            out[m].torque += work.tension[first + r] * rows.wrench(r, m).torque;
+          }
+        }
+      };
+      ConstraintRows::Stiffness K;
+      if (weights.position != 0) {
+        MarkerKinematics here[kMaxMarkers];
+        for (int m = 0; m < n; ++m) here[m] = work.markers[record.slots[m].marker];
+        Wrench load[kMaxMarkers];
+        wrenches(here, load);
+        K.setZero(6 * n, 6 * n);
+        connector::difference(work, record, Level::position, wrenches, K);
+        for (int m = 0; m < n; ++m)
+          connector::add_load_stiffness(work, blocks, record.slots[m], load[m], weights.position);
+        connector::add_marker_stiffness(work, blocks, record, K, weights.position);
+      }
+      if (weights.velocity != 0 && (loads || connector::kRowsOf<T> == 0)) {
+        K.setZero(6 * n, 6 * n);
+        connector::difference(work, record, Level::velocity, wrenches, K);
+        connector::add_marker_stiffness(work, blocks, record, K, weights.velocity);
+      }
+    });
+  }
+
+  void react(Workspace& work, const BlockStructure&, const double* lambda) const override {
+    const int constraints = static_cast<int>(work.residual.size());
+    for (std::size_t k = 0; k < reacting_.size(); ++k) {
+      const ConnectorRecord& record = records_[reacting_[k]];
+      ForceRows rows(record.slot_count);
+      evaluate_reacting(work, k, lambda, rows, nullptr);
+      for (int r = 0; r < rows.count(); ++r) {
+        work.tension[record.first_row - constraints + r] = rows.tension(r);
+        work.row_damping[record.first_row - constraints + r] = rows.damping(r);
+      }
+    }
+  }
+
+  void write_reaction_tangent(Workspace& work, const BlockStructure& blocks, const double* lambda) const override {
+    for (std::size_t k = 0; k < reacting_.size(); ++k) {
+      ForceRows rows(records_[reacting_[k]].slot_count);
+      ConstraintRows joint(reactions_[k].record.slot_count);
+      evaluate_reacting(work, k, lambda, rows, &joint);
+      // ∂σ/∂λ_j = -(∂σ/∂reaction) · W_j, over the row's compliance
+      const auto& coupling = blocks.row_couplings[reactions_[k].coupling];
+      const int compliant = blocks.rows[coupling.rows].compliant;
+      for (int j = 0; j < joint.count(); ++j)
+        for (int r = 0; r < rows.count(); ++r) {
+          const Wrench &by = rows.by_reaction(r), &W = joint.wrench(j, 1);
+          work.values[coupling.values + r + rows.count() * j] =
+              work.values[compliant + r] * (by.force.dot(W.force) + by.torque.dot(W.torque));
+        }
+    }
+  }
+
+ private:
+  void evaluate(const Workspace& work, std::size_t i, ForceRows& rows) const {
+    rows.recall(work.quadrants.data() + records_[i].first_angle);
+    forces_[i]->T::evaluate(work.time, connector::Views(work.markers.data(), records_[i]), rows);
+  }
+
+  /// The k-th element that wants a reaction, with the reaction that the multipliers make: -Σ W λ.
+  void evaluate_reacting(const Workspace& work, std::size_t k, const double* lambda, ForceRows& rows,
+                         ConstraintRows* joint_rows) const {
+    const ReactionRecord& reaction = reactions_[k];
+    ConstraintRows own(reaction.record.slot_count);
+    ConstraintRows& joint = joint_rows ? *joint_rows : own;
+    joint.recall(work.quadrants.data() + reaction.record.first_angle);
+    reaction.joint->evaluate(work.time, connector::Views(work.markers.data(), reaction.record), joint);
+    Wrench sum{Vector3::Zero(), Vector3::Zero()};
+    for (int j = 0; j < joint.count(); ++j) {
+      sum.force -= lambda[reaction.record.first_row + j] * joint.wrench(j, 1).force;
+      sum.torque -= lambda[reaction.record.first_row + j] * joint.wrench(j, 1).torque;
+    }
+    rows.set_reaction(sum);
+    evaluate(work, reacting_[k], rows);
+  }
+
+  std::vector<const T*> forces_;
+  std::vector<ConnectorRecord> records_;
+  std::vector<int> reacting_;  // those that want a joint's reaction
+  std::vector<ReactionRecord> reactions_;
+};
+
+template <class T>
+std::unique_ptr<BodyBatch> make_body_batch() {
+  return std::make_unique<BodyBatchOf<T>>();
+}
+template <class T>
+std::unique_ptr<ConstraintBatch> make_constraint_batch() {
+  return std::make_unique<ConstraintBatchOf<T>>();
+}
+template <class T>
+std::unique_ptr<ForceBatch> make_force_batch() {
+  return std::make_unique<ForceBatchOf<T>>();
+}
+
+}  // namespace lithe

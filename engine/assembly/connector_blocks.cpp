@@ -1,0 +1,99 @@
+#include "engine/assembly/connector_blocks.h"
+
+#include <algorithm>
+
+namespace lithe::connector {
+namespace {
+
+using Frame = Eigen::Map<Matrix6>;
+
+/// rows: 3, of a 6 x n elastic Jacobian (0: translation, 3: rotation).
+auto elastic(const MarkerKinematics& k, const MarkerSlot& slot, int rows) {
+  return Eigen::Map<const Matrix6X>(k.elastic, 6, slot.size).middleRows<3>(rows);
+}
+
+/// Couplings are sorted by (a, b), a < b.
+const BlockStructure::Coupling* find_coupling(const BlockStructure& blocks, int a, int b) {
+  const std::pair<int, int> key(std::min(a, b), std::max(a, b));
+  const auto at = std::lower_bound(blocks.couplings.begin(), blocks.couplings.end(), key,
+                                   [](const auto& c, const auto& k) { return std::pair<int, int>(c.a, c.b) < k; });
+  return at != blocks.couplings.end() && std::pair<int, int>(at->a, at->b) == key ? &*at : nullptr;
+}
+
+}  // namespace
+
+void add_wrench(const Workspace& work, const MarkerSlot& slot, const Wrench& w, double* r) {
+  if (slot.velocity < 0) return;
+  const MarkerKinematics& k = work.markers[slot.marker];
+  const Vector3 f = k.A->transpose() * w.force, t = k.A->transpose() * w.torque;
+  double* to = r + slot.velocity;
+  if (slot.frame >= 0) {
+    Eigen::Map<Vector3>(to) += w.force;
+    Eigen::Map<Vector3>(to + 3) += k.r.cross(f) + t;
+    to += 6;
+  }
+  if (slot.linear >= 0)
+    Eigen::Map<VectorX>(to, slot.size) +=
+        elastic(k, slot, 0).transpose().lazyProduct(f) + elastic(k, slot, 3).transpose().lazyProduct(t);
+}
+
+void add_load_stiffness(Workspace& work, const BlockStructure& blocks, const MarkerSlot& slot, const Wrench& w,
+                        double weight) {
+  const MarkerKinematics& k = work.markers[slot.marker];
+  if (slot.frame < 0) {
+    if (slot.linear >= 0 && k.deflected)
+      k.deflected->add_load_stiffness(weight * w.force, weight * w.torque,
+                                      work.values.data() + blocks.linears[slot.linear].values);
+    return;
+  }
+  const Vector3 force = weight * (k.A->transpose() * w.force), torque = weight * (k.A->transpose() * w.torque);
+  // r~ f~ = f rᵀ - (r·f) E
+  Matrix3 turning = force * k.r.transpose();
+  turning.diagonal().array() -= k.r.dot(force);
+  const Matrix3 t = skew(torque);
+  if (!is_zero(torque)) turning += t;
+  Frame(work.values.data() + blocks.frames[slot.frame].values).bottomRightCorner<3, 3>() += turning;
+  if (slot.linear < 0) return;
+  const Matrix3 f = skew(force);
+  const auto& L = blocks.linears[slot.linear];
+  Eigen::Map<Matrix6X>(work.values.data() + L.frame_linear, 6, L.size).bottomRows<3>() -=
+      f.lazyProduct(elastic(k, slot, 0));
+  auto lf = Eigen::Map<MatrixX>(work.values.data() + L.linear_frame, L.size, 6).rightCols<3>();
+  lf += elastic(k, slot, 0).transpose().lazyProduct(f);
+  lf += elastic(k, slot, 3).transpose().lazyProduct(t);
+  if (k.deflected) k.deflected->add_load_stiffness(force, torque, work.values.data() + L.values);
+}
+
+void add_marker_stiffness(Workspace& work, const BlockStructure& blocks, const ConnectorRecord& record,
+                          const ConstraintRows::Stiffness& K, double weight) {
+  for (int i = 0; i < record.slot_count; ++i) {
+    const MarkerSlot& si = record.slots[i];
+    if (si.frame < 0) continue;
+    const MarkerKinematics& ki = work.markers[si.marker];
+    for (int j = 0; j < record.slot_count; ++j) {
+      const MarkerSlot& sj = record.slots[j];
+      if (sj.frame < 0) continue;
+      const Matrix6 Kij = K.block<6, 6>(6 * i, 6 * j);
+      if (Kij.isZero(0)) continue;
+      const MarkerKinematics& kj = work.markers[sj.marker];
+      double* to;
+      if (si.frame == sj.frame) {
+        to = work.values.data() + blocks.frames[si.frame].values;
+      } else {
+        const auto* c = find_coupling(blocks, si.frame, sj.frame);
+        if (!c) continue;
+        to = work.values.data() + (c->a == si.frame ? c->ab : c->ba);
+      }
+      // K J_j, then J_iᵀ of it
+      Matrix6 KJ;
+      KJ.leftCols<3>() = Kij.leftCols<3>();
+      KJ.rightCols<3>() = Kij.rightCols<3>() * *kj.A - Kij.leftCols<3>() * (*kj.A * skew(kj.r));
+      Frame S(to);
+      const Eigen::Matrix<double, 3, 6> body_force = ki.A->transpose() * KJ.topRows<3>();
+      S.topRows<3>() += weight * KJ.topRows<3>();
+      S.bottomRows<3>() += weight * (skew(ki.r) * body_force + ki.A->transpose() * KJ.bottomRows<3>());
+    }
+  }
+}
+
+}  // namespace lithe::connector

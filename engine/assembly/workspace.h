@@ -1,0 +1,38 @@
+#pragma once
+
+#include <vector>
+
+#include "engine/base/math.h"
+#include "engine/factor/block_structure.h"
+#include "engine/model/marker.h"
+
+namespace lithe {
+
+/// Scratch of one state, sized once; one a thread. Markers are evaluated once a state into one table that joints,
+/// forces and sensors read; blocks are written at their final place.
+struct Workspace {
+  double time = 0;
+  VectorX q, v;
+  Vector3 gravity;
+  std::vector<MarkerKinematics> markers;
+  std::vector<double> values;          // BlockStructure: S, G
+  VectorX residual, rate, bias;        // g, ∂g/∂t, velocity terms of g_dotdot; constraint rows
+  VectorX tension;                     // of compliant rows
+  VectorX row_stiffness, row_damping;  // of compliant rows
+  VectorX load;                        // generalized force of loads, v_count
+  VectorX force_energy;                // by force element, joules
+  VectorX quadrants;                   // of measured angles, as recalled
+};
+
+/// Where a connector's marker acts: its place in the marker table and its body's blocks.
+struct MarkerSlot {
+  int marker;        // index into Workspace::markers
+  int velocity;      // first velocity of the body; -1: ground
+  int frame;         // index into frames, -1: none
+  int linear, size;  // index into linears and its size, -1: the marker does not move with linear coordinates
+  int jacobian;      // index into jacobians, -1: none
+  // The first of the connector's markers on a body writes its block, later ones add.
+  bool first_frame, first_linear;
+};
+
+}  // namespace lithe

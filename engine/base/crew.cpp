@@ -1,0 +1,60 @@
+#include "engine/base/crew.h"
+
+#include <system_error>
+
+namespace lithe {
+namespace {
+
+constexpr int kAwake = 4000;  // looks before a thread sleeps: some 20 microseconds
+
+}  // namespace
+
+Crew::Crew(int threads) {
+  try {
+    for (int i = 1; i < threads; ++i) threads_.emplace_back([this] { wait_for_work(); });
+  } catch (const std::system_error&) {  // the system gives no more: fewer do the same work
+  } catch (...) {
+    close();
+    throw;
+  }
+}
+
+Crew::~Crew() { close(); }
+
+void Crew::close() {
+  over_ = true;
+  ++round_;
+  round_.notify_all();
+  for (std::thread& thread : threads_) thread.join();
+}
+
+void Crew::run(int count, Call call, const void* data) {
+  if (threads_.empty() || count < 2) {
+    for (int i = 0; i < count; ++i) call(data, i);
+    return;
+  }
+  call_ = call, data_ = data, count_ = count;
+  next_ = 0;
+  at_work_ = static_cast<int>(threads_.size());
+  ++round_;
+  round_.notify_all();
+  work();
+  while (at_work_.load(std::memory_order_acquire) > 0) std::this_thread::yield();
+}
+
+void Crew::work() {
+  for (int i = next_++; i < count_; i = next_++) call_(data_, i);
+}
+
+void Crew::wait_for_work() {
+  for (unsigned seen = 0;; ++seen) {
+    for (int looks = 0; round_.load(std::memory_order_acquire) == seen && looks < kAwake; ++looks) {
+    }
+    round_.wait(seen);
+    if (over_) return;
+    work();
+    at_work_.fetch_sub(1, std::memory_order_release);
+  }
+}
+
+}  // namespace lithe

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <charconv>
+#include <string>
+
+namespace lithe {
+
+/// Appends the shortest decimal text that reads back as the same double (at most 17 significant digits).
+inline void append_number(std::string& text, double value) {
+  char digits[32];
+  const auto end = std::to_chars(digits, digits + sizeof(digits), value).ptr;
+  text.append(digits, end);
+}
+
+/// "t = 0.53 s", to the last digit, as messages name a time.
+inline std::string time_text(double time) {
+  std::string text = "t = ";
+  append_number(text, time);
+  return text + " s";
+}
+
+}  // namespace lithe

@@ -1,7 +1,0 @@
-#include "engine/dense.h"
-
-namespace Eigen {
-
-LITHE_DENSE_EIGEN(template)
-
-}  // namespace Eigen

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <vector>
+
+#include "engine/factor/graph_topology.h"
+#include "engine/factor/linear_pattern.h"
+
+namespace lithe {
+
+/// Where each block of [S Gᵀ; G -C] lies in one contiguous array of values (C: compliance of force rows). Frozen by
+/// assemble(); blocks are column-major. Constraint and compliant rows are numbered together, constraints first.
+struct BlockStructure {
+  struct Frame {
+    int v;       // first velocity
+    int values;  // 6 x 6
+  };
+  struct Linear {
+    int v, size;
+    int frame;                       // index into frames, -1 if the body has none
+    int frame_linear, linear_frame;  // 6 x n, n x 6
+    int values;                      // n, or one per entry of the pattern
+    const LinearPattern* pattern;    // null: diagonal
+  };
+  struct Rows {
+    int first, count;
+    int compliant;  // index of the diagonal of -C in `values`; -1: a constraint
+  };
+  struct Jacobian {             // G of one constraint or force with respect to one body
+    int rows;                   // index into rows
+    int frame, values;          // r x 6; -1 without frame
+    int linear, linear_values;  // r x n; -1 if the markers do not move with the linear coordinates
+    int velocity;               // first velocity of the body, for G v and Gᵀ lambda
+  };
+  struct Coupling {
+    int a, b;    // frames, a < b; the list is sorted
+    int ab, ba;  // 6 x 6 each
+  };
+  /// What the tension of compliant rows owes to a joint's multipliers (friction), over the diagonal of C.
+  struct RowCoupling {
+    int rows, on;  // indices into rows
+    int values;    // count of rows x count of on
+  };
+  std::vector<Frame> frames;
+  std::vector<Linear> linears;
+  std::vector<Rows> rows;
+  std::vector<Jacobian> jacobians;
+  std::vector<Coupling> couplings;
+  std::vector<RowCoupling> row_couplings;
+  int value_count = 0, velocity_count = 0, row_count = 0;
+
+  int reserve(int count) {
+    const int at = value_count;
+    value_count += count;
+    return at;
+  }
+};
+
+}  // namespace lithe

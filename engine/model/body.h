@@ -1,0 +1,86 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "engine/base/math.h"
+#include "engine/factor/linear_pattern.h"
+#include "engine/model/element.h"
+#include "engine/model/marker.h"
+
+namespace lithe {
+
+/// The coordinates of a body. With a frame: q = (p, e, eta), v = (p_dot, omega, eta_dot), 7 + n and 6 + n numbers;
+/// without: q = eta, v = eta_dot.
+struct Coordinates {
+  bool frame = true;
+  int linear = 0;  // n, length of eta
+  int q_count() const { return (frame ? 7 : 0) + linear; }
+  int v_count() const { return (frame ? 6 : 0) + linear; }
+};
+
+/// What a body computes once a state and then shares among its residual, tangent and markers. Bodies derive their own.
+struct BodyCache {
+  Matrix3 A = Matrix3::Identity();  // body axes to world axes
+  virtual ~BodyCache() = default;
+};
+
+/// One body's slice of a state. `cache` has been filled by Body::evaluate.
+struct BodyState {
+  const double* q;
+  const double* v;
+  BodyCache* cache;
+};
+
+/// Weights of the iteration matrix  alpha_q ∂r/∂q + alpha_v ∂r/∂v + alpha_a ∂r/∂v_dot.
+struct TangentWeights {
+  double position = 0, velocity = 0, acceleration = 1;
+};
+
+/// Where a body adds its block of the iteration matrix: frame-frame (6 x 6), frame-linear (6 x n), linear-frame (n x
+/// 6), column-major, and linear-linear: n diagonal entries, or one value for each entry of Body::linear_pattern().
+struct BodyTangent {
+  Eigen::Map<Matrix6> frame;
+  Eigen::Map<Matrix6X> frame_linear;
+  Eigen::Map<MatrixX> linear_frame;
+  Eigen::Map<VectorX> linear;
+};
+
+/// Joules, gravity relative to the origin of the world.
+struct BodyEnergy {
+  double kinetic = 0, elastic = 0, gravity = 0;
+  double total() const { return kinetic + elastic + gravity; }
+};
+
+/// What is to be known of a body that is rigid: enough to move it without asking it (engine/forward_dynamics.h).
+struct RigidInertia {
+  double mass;      // kg
+  Matrix3 inertia;  // kg m², about the origin of the body's frame, which is its centre of mass; body axes
+};
+
+/// What has mass. A body answers for its share of  M v_dot - f = 0  (f: quadratic velocity force, internal forces,
+/// gravity) and for the motion of its markers. Nothing here is called before evaluate() has filled the cache.
+class Body : public Element {
+ public:
+  virtual Coordinates coordinates() const = 0;
+  virtual std::unique_ptr<BodyCache> make_cache() const = 0;
+  virtual void initial_state(VectorRef q, VectorRef v) const = 0;
+  virtual void evaluate(const BodyState&, Level) const = 0;
+  /// r += M v_dot - f_v - f_internal - f_gravity, gravity in world axes.
+  virtual void add_residual(const BodyState&, const double* v_dot, const Vector3& gravity, double* r) const = 0;
+  /// Adds the derivative of that residual; with weights {0, 0, 1} exactly the mass matrix. Terms that Newton does not
+  /// need may be left out of the velocity and position parts; the linear-linear block is symmetric positive definite.
+  virtual void add_tangent(const BodyState&, const double* v_dot, const Vector3& gravity, const TangentWeights&,
+                           BodyTangent&) const = 0;
+  virtual void marker_kinematics(const BodyState&, int marker, Level, MarkerKinematics&) const = 0;
+  virtual BodyEnergy energy(const BodyState&, const Vector3& gravity) const = 0;
+
+  virtual int marker_count() const = 0;
+  /// Null if the linear-linear block is diagonal. The one thing beyond eight: a body with full nodal coordinates needs
+  /// it.
+  virtual const LinearPattern* linear_pattern() const { return nullptr; }
+  /// Set by a rigid body: one with a frame at its centre of mass alone, no force of its own, and markers fixed in it.
+  virtual std::optional<RigidInertia> rigid_inertia() const { return std::nullopt; }
+};
+
+}  // namespace lithe

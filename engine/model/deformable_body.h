@@ -1,0 +1,44 @@
+#pragma once
+
+#include <vector>
+
+#include "engine/model/body.h"
+
+namespace lithe {
+
+/// How deformation moves the nodes of a body.
+enum class Deflection {
+  linear,     // u = B η: no stiffening by spin or load
+  stiffened,  // with the displacements of second order that carry geometric stiffness: small deflection, any load
+  quadratic,  // and with the strain energy to fourth order: moderately large deflection
+};
+
+/// How much of a deformable body a scene models: of the body's candidate modes some, none for a rigid body. The
+/// coordinate of a mode means the same at every fidelity, as does the body's frame.
+struct Fidelity {
+  std::vector<int> modes{};  // from 0, rising
+  Deflection deflection = Deflection::linear;
+  bool operator==(const Fidelity&) const = default;
+};
+
+/// A body that can be modelled in more or less detail; what solve() chooses from (engine/study/solve.h). Its candidate
+/// modes are orthonormal in mass and orthogonal in stiffness: M = E, K = diag(ω²).
+class DeformableBody : public Body {
+ public:
+  /// ω² of each candidate mode, rad²/s²; empty: the body has one model only.
+  virtual VectorX candidate_stiffness() const = 0;
+  /// 2 ζ ω of each, 1/s.
+  virtual VectorX candidate_damping() const = 0;
+  /// The finest there is data for.
+  virtual Deflection finest_deflection() const = 0;
+  virtual const Fidelity& fidelity() const = 0;
+  /// Takes effect with the next assemble(); systems assembled before must not be used any more. Markers stay valid.
+  /// Throws SceneError for modes or a deflection that the body does not have.
+  virtual void set_fidelity(Fidelity fidelity) = 0;
+  /// The body's frame, which does not follow the deformation; always the same marker.
+  virtual Marker body_frame() = 0;
+  /// Largest displacement of a node by a unit of each candidate mode, m.
+  virtual VectorX candidate_reach() const = 0;
+};
+
+}  // namespace lithe

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstddef>
+
+#include "engine/model/element.h"
+
+namespace lithe {
+
+/// Within a handler: throws what an element's own code has thrown as an Error that names the element, its line in the
+/// scene and the time.
+[[noreturn]] void rethrow_of(const Element& element, double time);
+
+/// job(i) for each of a batch's elements; what one of them throws is told by its name.
+template <class Elements, class Job>
+inline void for_each_named(const Elements& elements, double time, Job&& job) {
+  std::size_t i = 0;
+  try {
+    for (const std::size_t count = elements.size(); i < count; ++i) job(i);
+  } catch (...) {
+    rethrow_of(*elements[i], time);
+  }
+}
+
+}  // namespace lithe

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <cassert>
+#include <span>
+#include <vector>
+
+#include "engine/model/constraint.h"
+#include "engine/model/joint_coordinate.h"
+#include "engine/model/marker.h"
+
+namespace lithe {
+
+/// A force law changes its form where a coordinate passes a value: a stop is met or left. Simulation puts the end of a
+/// step there.
+struct CoordinateSwitch {
+  JointCoordinate coordinate;
+  double value;  // m or rad
+};
+
+/// What a force element does to its markers at one state: loads (wrenches given outright) and compliant rows, which act
+/// like the rows of a joint with a multiplier that is a law of the row's own length and speed:
+///   length' = Σ W·V,   generalized force = -Σ Jᵀ W σ(length, length').
+/// Rows keep stiff springs out of the bodies' blocks: Newton solves them as constraints with compliance.
+class ForceRows : public AngleMemory {
+ public:
+  explicit ForceRows(int markers) : markers_(markers) {
+    for (int m = 0; m < markers_; ++m) load_[m] = {Vector3::Zero(), Vector3::Zero()};
+  }
+
+  void add_load(const MarkerView& marker, const Wrench& w) {
+    load_[marker.index].force += w.force;
+    load_[marker.index].torque += w.torque;
+  }
+  /// Row with tension σ and its derivatives ∂σ/∂length, ∂σ/∂length'; energy: stored potential, joules.
+  void add(std::initializer_list<Wrench> wrenches, double tension, double stiffness, double damping, double energy) {
+    assert(static_cast<int>(wrenches.size()) == markers_ && count_ < kMaxRows);
+    int m = 0;
+    for (const Wrench& w : wrenches) wrench_[count_][m++] = w;
+    tension_[count_] = tension, stiffness_[count_] = stiffness, damping_[count_] = damping;
+    energy_ += energy;
+    ++count_;
+  }
+  void add_energy(double energy) { energy_ += energy; }
+  /// Opens a row whose wrenches, one a marker, are all to be filled; and ends it.
+  Wrench* open() { return wrench_[count_]; }
+  void finish(double tension, double stiffness, double damping) {
+    tension_[count_] = tension, stiffness_[count_] = stiffness, damping_[count_] = damping;
+    ++count_;
+  }
+
+  /// What the joint named by ForceElement::reaction_of() does to the body at its second marker, about that marker's
+  /// point: force and moment, world axes.
+  const Wrench& reaction() const { return reaction_; }
+  /// The last row's tension also depends on that reaction: its derivatives ∂σ/∂force, ∂σ/∂moment.
+  void depends_on_reaction(const Wrench& by) { by_reaction_[count_ - 1] = by; }
+
+  // The engine's side.
+  void set_reaction(const Wrench& reaction) {
+    reaction_ = reaction;
+    for (Wrench& w : by_reaction_) w = {Vector3::Zero(), Vector3::Zero()};
+  }
+  const Wrench& by_reaction(int row) const { return by_reaction_[row]; }
+  int count() const { return count_; }
+  const Wrench& load(int marker) const { return load_[marker]; }
+  const Wrench& wrench(int row, int marker) const { return wrench_[row][marker]; }
+  double tension(int row) const { return tension_[row]; }
+  double stiffness(int row) const { return stiffness_[row]; }
+  double damping(int row) const { return damping_[row]; }
+  double energy() const { return energy_; }
+
+ private:
+  int markers_, count_ = 0;
+  double energy_ = 0;
+  Wrench load_[kMaxMarkers];
+  Wrench wrench_[kMaxRows][kMaxMarkers];
+  double tension_[kMaxRows], stiffness_[kMaxRows], damping_[kMaxRows];
+  Wrench reaction_, by_reaction_[kMaxRows];
+};
+
+/// Wrenches at markers, and their potential where they have one.
+class ForceElement : public Connector {
+ public:
+  virtual int row_count() const = 0;  // compliant rows
+  virtual void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const = 0;
+  /// The joint whose reaction this element wants (friction); null: none. Such an element acts by rows, not by loads.
+  virtual const Constraint* reaction_of() const { return nullptr; }
+  virtual std::vector<CoordinateSwitch> switches() const { return {}; }
+  /// Whether its force may change while the bodies rest. Where nothing does, a scene at rest sleeps
+  /// (engine/run/sleeping_integrator.h); a law of position and velocity alone says so.
+  virtual bool depends_on_time() const { return true; }
+};
+
+/// A force element with its numbers of markers and compliant rows known to the compiler.
+template <int Markers, int Rows>
+class Force : public ForceElement {
+ public:
+  static constexpr int kMarkers = Markers, kRows = Rows;
+  int marker_count() const final { return Markers; }
+  int row_count() const final { return Rows; }
+};
+
+}  // namespace lithe

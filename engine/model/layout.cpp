@@ -1,0 +1,93 @@
+#include "engine/model/layout.h"
+
+#include "engine/base/error.h"
+
+namespace lithe {
+
+void Layout::add_body(const Body& body) { add_body(body.name(), body.coordinates(), &body); }
+
+void Layout::add_body(std::string name, const Coordinates& c, const Body* body) {
+  bodies_.push_back({body, q_count_, v_count_, c.frame, c.linear, std::move(name)});
+  q_count_ += c.q_count();
+  v_count_ += c.v_count();
+}
+
+void Layout::add_rows(std::string name, int count) {
+  rows_.push_back({std::move(name), row_count_, count});
+  row_count_ += count;
+}
+
+const Layout::BodySlice& Layout::slice(const Body& body) const {
+  for (const BodySlice& b : bodies_)
+    if (b.body == &body) return b;
+  throw SceneError("body '" + body.name() + "' has no coordinates in this system", body.where(),
+                   "use a body of the graph that was assembled, added before assemble()");
+}
+
+void Layout::retract(ConstVectorRef q, ConstVectorRef d, VectorRef out) const {
+  const double *from = q.data(), *by = d.data();
+  double* to = out.data();
+  for (const BodySlice& b : bodies_) {
+    int iq = b.q, iv = b.v;
+    if (b.frame) {
+      for (int i = 0; i < 3; ++i) to[iq + i] = from[iq + i] + by[iv + i];
+      Eigen::Map<Vector4>(to + iq + 3) =
+          rotated(Eigen::Map<const Vector4>(from + iq + 3), Eigen::Map<const Vector3>(by + iv + 3));
+      iq += 7, iv += 6;
+    }
+    for (int i = 0; i < b.linear; ++i) to[iq + i] = from[iq + i] + by[iv + i];
+  }
+}
+
+void Layout::chart_rates(ConstVectorRef d, ConstVectorRef v, VectorRef d_dot) const {
+  d_dot = v;
+  for (const BodySlice& b : bodies_)
+    if (b.frame) d_dot.segment<3>(b.v + 3) = chart_rate(d.segment<3>(b.v + 3), v.segment<3>(b.v + 3));
+}
+
+void Layout::difference(ConstVectorRef q_from, ConstVectorRef q_to, VectorRef d) const {
+  for (const BodySlice& b : bodies_) {
+    int iq = b.q, iv = b.v;
+    if (b.frame) {
+      d.segment<3>(iv) = q_to.segment<3>(iq) - q_from.segment<3>(iq);
+      const Vector4 from = q_from.segment<4>(iq + 3), to = q_to.segment<4>(iq + 3);
+      const Vector4 turn = quaternion_product({from[0], -from[1], -from[2], -from[3]}, to);
+      const double s = turn.tail<3>().norm(), angle = 2 * std::atan2(s, std::abs(turn[0]));
+      const double sign = turn[0] < 0 ? -1 : 1;
+      d.segment<3>(iv + 3) = (s > 1e-300 ? sign * angle / s : 2.0) * turn.tail<3>();
+      iq += 7, iv += 6;
+    }
+    d.segment(iv, b.linear) = q_to.segment(iq, b.linear) - q_from.segment(iq, b.linear);
+  }
+}
+
+void Layout::magnitudes(ConstVectorRef q, VectorRef out) const {
+  for (const BodySlice& b : bodies_) {
+    int iq = b.q, iv = b.v;
+    if (b.frame) {
+      out.segment<3>(iv) = q.segment<3>(iq).cwiseAbs();
+      out.segment<3>(iv + 3).setOnes();
+      iq += 7, iv += 6;
+    }
+    out.segment(iv, b.linear) = q.segment(iq, b.linear).cwiseAbs();
+  }
+}
+
+std::string Layout::velocity_name(int index) const {
+  static const char* const names[] = {"p_x", "p_y", "p_z", "omega_x", "omega_y", "omega_z"};
+  for (const BodySlice& b : bodies_) {
+    const int local = index - b.v, frame = b.frame ? 6 : 0;
+    if (local < 0 || local >= frame + b.linear) continue;
+    return b.name + ": " + (local < frame ? names[local] : "eta_" + std::to_string(local - frame + 1));
+  }
+  return "coordinate " + std::to_string(index);
+}
+
+std::string Layout::row_name(int index) const {
+  for (const RowSlice& r : rows_)
+    if (index >= r.first && index < r.first + r.count)
+      return "'" + r.name + "' row " + std::to_string(index - r.first + 1);
+  return "row " + std::to_string(index);
+}
+
+}  // namespace lithe

@@ -1,0 +1,51 @@
+#include "engine/model/motion_law.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/base/error.h"
+#include "engine/base/spline.h"
+
+namespace lithe {
+
+MotionLaw constant(double value) {
+  return [=](double) { return Motion{value, 0, 0}; };
+}
+
+MotionLaw ramp(double start, double rate) {
+  return [=](double t) { return Motion{start + rate * t, rate, 0}; };
+}
+
+MotionLaw harmonic(double amplitude, double angular_frequency, double phase, double offset) {
+  return [=](double t) {
+    const double w = angular_frequency, s = amplitude * std::sin(w * t + phase);
+    return Motion{offset + s, amplitude * w * std::cos(w * t + phase), -w * w * s};
+  };
+}
+
+MotionLaw smooth_step(double from, double to, double begin, double end) {
+  if (!(end > begin))
+    throw SceneError("smooth_step begins at " + std::to_string(begin) + " and ends at " + std::to_string(end),
+                     "smooth_step", "give an end after the begin, s");
+  return [=](double t) {
+    const double T = end - begin, s = std::clamp((t - begin) / T, 0.0, 1.0), rise = to - from;
+    return Motion{from + rise * s * s * s * (10 + s * (6 * s - 15)), rise * 30 * s * s * (1 - s) * (1 - s) / T,
+                  rise * 60 * s * (1 - s) * (1 - 2 * s) / (T * T)};
+  };
+}
+
+MotionLaw tabulated(std::vector<double> times, std::vector<double> values) {
+  return [spline = CubicSpline(std::move(times), std::move(values), "tabulated")](double t) {
+    const auto at = spline(t);
+    return Motion{at.value, at.slope, at.curvature};
+  };
+}
+
+MotionLaw operator+(MotionLaw a, MotionLaw b) {
+  return [a = std::move(a), b = std::move(b)](double t) {
+    const Motion x = a(t), y = b(t);
+    return Motion{x.value + y.value, x.rate + y.rate, x.acceleration + y.acceleration};
+  };
+}
+
+}  // namespace lithe

@@ -1,0 +1,198 @@
+#pragma once
+
+#include <concepts>
+#include <memory>
+#include <string>
+#include <typeindex>
+#include <typeinfo>
+#include <unordered_map>
+#include <unordered_set>
+#include <utility>
+#include <vector>
+
+#include "engine/base/error.h"
+#include "engine/base/parameters.h"
+#include "engine/model/batch_factories.h"
+#include "engine/model/constraint.h"
+#include "engine/model/contact_element.h"
+#include "engine/model/force_element.h"
+#include "engine/model/ground.h"
+#include "engine/model/joint_coordinate.h"
+
+namespace lithe {
+
+// Types by name and what is made of them (engine/plugin/registry.h).
+struct JointType;
+struct ForceType;
+struct BodyType;
+class LoadedJoint;
+class LoadedForce;
+class LoadedBody;
+
+/// What the user draws: bodies tied by constraints and force elements at markers. Owns every element; addresses last as
+/// long as the graph. Calls give name, markers, parameters, in that order.
+class SystemGraph {
+ public:
+  struct Parameters {
+    Vector3 gravity{0, 0, -9.81};  // m/s², world axes
+  };
+
+  SystemGraph();
+  explicit SystemGraph(Parameters parameters);
+
+  /// The inertial frame; its markers tie things to the world.
+  Ground& ground() { return *ground_; }
+  const Vector3& gravity() const { return parameters_.gravity; }
+
+  /// Adds a body; `more` goes to its constructor. Throws SceneError (name in use, bad parameter), naming the line.
+  template <class T, class... More>
+  requires std::derived_from<T, Body> T& add(Located name, typename T::Parameters parameters = {}, More... more) {
+    T& body = keep(name, [&] { return std::make_unique<T>(std::move(parameters), std::move(more)...); });
+    bodies_.push_back({&body, typeid(T), make_body_batch<T>});
+    body_set_.insert(&body);
+    return body;
+  }
+
+  /// Adds a constraint or a force element between markers. Throws SceneError likewise, and for markers of another
+  /// graph.
+  template <class T>
+  requires(!std::derived_from<T, Body>) && std::constructible_from<T, typename T::Parameters> T& add(
+                                               Located name, std::vector<Marker> markers,
+                                               typename T::Parameters parameters = {}) {
+    return connect(keep(name, [&] { return std::make_unique<T>(std::move(parameters)); }), std::move(markers));
+  }
+  template <class T>
+  requires(!std::derived_from<T, Body>) &&
+      (!requires { typename T::Parameters; })T& add(Located name, std::vector<Marker> markers) {
+    return connect(keep(name, [] { return std::make_unique<T>(); }), std::move(markers));
+  }
+
+  /// Adds an element of a type known by name, compiled in or loaded: graph.add(registry.joint("massless_rod"),
+  /// "string", {A, B}, {{"length", 0.5}}). Throws SceneError likewise, and for parameters that the type does not have.
+  LoadedJoint& add(const JointType& type, Located name, std::vector<Marker> markers,
+                   const ParameterList& parameters = {});
+  LoadedForce& add(const ForceType& type, Located name, std::vector<Marker> markers,
+                   const ParameterList& parameters = {});
+  LoadedBody& add(const BodyType& type, Located name, const ParameterList& parameters = {});
+
+  /// Adds an element that acts on joint coordinates: {pin.angle()}, {slide.displacement(), screw.angle()}.
+  template <class T>
+  requires std::constructible_from<T, CoordinateSet, typename T::Parameters> T& add(
+      Located name, std::vector<JointCoordinate> coordinates, typename T::Parameters parameters = {}) {
+    std::vector<Marker> markers;
+    T& element = keep(name, [&] {
+      CoordinateSet set(std::move(coordinates));
+      markers = set.markers();
+      return std::make_unique<T>(std::move(set), std::move(parameters));
+    });
+    return connect(element, std::move(markers));
+  }
+
+  /// Adds a contact between its colliders (joints/contact/contact.h), each a marker and a shape.
+  template <class T>
+  requires std::derived_from<T, ContactElement> T& add(Located name, std::vector<typename T::Collider> colliders,
+                                                       typename T::Parameters parameters = {}) {
+    std::vector<Marker> markers;
+    for (const auto& collider : colliders) markers.push_back(collider.marker);
+    return connect(keep(name, [&] { return std::make_unique<T>(std::move(colliders), std::move(parameters)); }),
+                   std::move(markers));
+  }
+
+  struct BodyEntry {
+    Body* body;
+    std::type_index type;
+    std::unique_ptr<BodyBatch> (*make_batch)();
+  };
+  struct ConstraintEntry {
+    Constraint* constraint;
+    std::vector<Marker> markers;
+    std::type_index type;
+    std::unique_ptr<ConstraintBatch> (*make_batch)();
+  };
+  struct ForceEntry {
+    ForceElement* force;
+    std::vector<Marker> markers;
+    std::type_index type;
+    std::unique_ptr<ForceBatch> (*make_batch)();  // null: a contact, which the engine evaluates by itself
+  };
+  const std::vector<BodyEntry>& bodies() const { return bodies_; }  // ground first
+  const std::vector<ConstraintEntry>& constraints() const { return constraints_; }
+  const std::vector<ForceEntry>& forces() const { return forces_; }
+
+  /// A graph of some elements of `whole`, which stays their owner and must outlive it: its ground, and what is shared.
+  /// Elements of its own may be added too. For parts of a scene, and scenes simplified (engine/simplify/simplification.h).
+  static std::unique_ptr<SystemGraph> part_of(SystemGraph& whole);
+  void share(const BodyEntry& entry);
+  /// Tied at other markers than in the graph that owns it: of bodies that stand in for others. SceneError for markers
+  /// of bodies that are not in this graph.
+  void share(const ConstraintEntry& entry, std::vector<Marker> markers);
+  void share(const ForceEntry& entry, std::vector<Marker> markers);
+
+  /// Body, constraint or force of that name; null if there is none.
+  const Element* find(const std::string& name) const;
+  /// The same as its own type or a base of it: graph.find<RevoluteJoint>("pin"), graph.find<Body>("link"). Null if
+  /// there is none; SceneError if that name is of something else.
+  template <class T>
+  const T* find(const std::string& name) const {
+    const Element* element = find(name);
+    const T* found = dynamic_cast<const T*>(element);
+    if (element && !found) refuse_type(*element, typeid(T));
+    return found;
+  }
+  template <class T>
+  T* find(const std::string& name) {
+    return const_cast<T*>(std::as_const(*this).template find<T>(name));
+  }
+  /// The graph as Graphviz text: bodies are boxes, connectors ellipses.
+  std::string graphviz() const;
+
+ private:
+  template <class Make>
+  auto& keep(const Located& name, Make&& make) {
+    check_name(name);
+    try {
+      auto element = make();
+      auto& reference = *element;
+      adopt(std::move(element), name);
+      return reference;
+    } catch (const SceneError& error) {
+      throw SceneError("'" + name.text + "': " + error.problem(), to_string(name.where), error.mend());
+    } catch (...) {
+      rethrow_as_error("'" + name.text + "'", to_string(name.where), "see what its constructor says");
+    }
+  }
+  template <class T>
+  T& connect(T& element, std::vector<Marker> markers) {
+    check_markers(element, markers, element.marker_count());
+    static_cast<Connector&>(element).markers_ = markers;
+    if constexpr (std::derived_from<T, Constraint>)
+      constraints_.push_back({&element, std::move(markers), typeid(T), make_constraint_batch<T>});
+    else if constexpr (std::derived_from<T, ContactElement>)
+      forces_.push_back({&element, std::move(markers), typeid(T), nullptr});
+    else
+      forces_.push_back({&element, std::move(markers), typeid(T), make_force_batch<T>});
+    return element;
+  }
+  struct PartOf {
+    SystemGraph& whole;
+  };
+  explicit SystemGraph(PartOf part);
+  void check_name(const Located& name) const;
+  [[noreturn]] static void refuse_type(const Element& element, const std::type_info& wanted);
+  void check_shared(const Element& element, const std::vector<Marker>& markers) const;
+  void adopt(std::unique_ptr<Element> element, const Located& name);
+  void check_markers(const Element& element, const std::vector<Marker>& markers, int expected);
+
+  Parameters parameters_;
+  Ground* ground_;
+  std::vector<std::unique_ptr<Element>> elements_;
+  std::unordered_map<std::string, const Element*> by_name_;
+  std::unordered_set<const Body*> body_set_;
+  std::vector<BodyEntry> bodies_;
+  std::vector<ConstraintEntry> constraints_;
+  std::vector<ForceEntry> forces_;
+};
+
+extern template std::unique_ptr<BodyBatch> make_body_batch<Ground>();
+
+}  // namespace lithe

@@ -1,0 +1,253 @@
+#include "engine/motion/integrator.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "engine/archive/archive.h"
+#include "engine/base/error.h"
+#include "engine/base/log.h"
+#include "engine/motion/singular_pose.h"
+
+namespace lithe {
+namespace {
+
+/// The polynomial of degree 5 in s, 0 <= s <= 1, from the origin at s = 0 to `end` at s = 1, with given first and
+/// second derivatives by time at both; h = its length in time.
+template <class Vector>
+struct Quintic {
+  Vector value, rate, acceleration;
+
+  Quintic(double s, double h, const Vector& rate_0, const Vector& acceleration_0, const Vector& end,
+          const Vector& rate_1, const Vector& acceleration_1) {
+    const Vector c1 = h * rate_0, c2 = 0.5 * h * h * acceleration_0;
+    const Vector a = end - c1 - c2, b = h * rate_1 - c1 - 2 * c2, c = 0.5 * h * h * acceleration_1 - c2;
+    const Vector c3 = 10 * a - 4 * b + c, c4 = -15 * a + 7 * b - 2 * c, c5 = 6 * a - 3 * b + c;
+    value = s * (c1 + s * (c2 + s * (c3 + s * (c4 + s * c5))));
+    rate = (c1 + s * (2 * c2 + s * (3 * c3 + s * (4 * c4 + s * 5 * c5)))) / h;
+    acceleration = (2 * c2 + s * (6 * c3 + s * (12 * c4 + s * 20 * c5))) / (h * h);
+  }
+};
+
+/// The rotation vector of e_from -> e_to; of the two short of a full turn, the one nearer to the mean motion.
+Vector3 turn_between(const Vector4& e_from, const Vector4& e_to, const Vector3& mean) {
+  const Vector4 turn = quaternion_product({e_from[0], -e_from[1], -e_from[2], -e_from[3]}, e_to);
+  const double s = turn.tail<3>().norm(), half = std::atan2(s, turn[0]);
+  const Vector3 psi = (s > 1e-300 ? 2 * half / s : 2.0) * turn.tail<3>();
+  const double angle = psi.norm();
+  if (!(angle > 0)) return psi;
+  const Vector3 other = (1 - 2 * M_PI / angle) * psi;
+  return (other - mean).squaredNorm() < (psi - mean).squaredNorm() ? other : psi;
+}
+
+}  // namespace
+
+IntegratorStatistics& IntegratorStatistics::operator+=(const IntegratorStatistics& later) {
+  steps += later.steps, rejected += later.rejected, newton_iterations += later.newton_iterations;
+  factorizations += later.factorizations, evaluations += later.evaluations;
+  newton_failures += later.newton_failures;
+  if (later.limiting >= 0) limiting = later.limiting;
+  return *this;
+}
+
+void IntegratorStatistics::keep(Archive& archive, std::string_view name) {
+  std::array<long, 7> counts{steps,       rejected,        newton_iterations, factorizations,
+                             evaluations, newton_failures, limiting};
+  archive(name, counts);
+  *this = {counts[0], counts[1], counts[2], counts[3], counts[4], counts[5], static_cast<int>(counts[6])};
+}
+
+Integrator::Integrator() = default;
+Integrator::~Integrator() = default;
+
+void Integrator::start(EquationsOfMotion& equations, State& state) {
+  if (equations.rigid_contacts() && !handles_rigid_contacts())
+    throw SceneError(name() + " knows no contact between rigid surfaces", "Integrator::start",
+                     "take MoreauJean or NonsmoothGeneralizedAlpha, or give the contact a compliant law: "
+                     "{.law = Compliance{...}}");
+  equations.recall(state.quadrants);
+  equations.recall_rows(state.left_out);
+  equations.recall(state.contacts);
+  equations.track_contacts(state);
+  equations.recall(state.contacts);
+  quadrants_ = state.quadrants;
+  turn_rates_.setZero(quadrants_.size());
+  last_length_ = 0;
+  longest_ = std::numeric_limits<double>::infinity();
+  usual_ = looked_at_ = 0;
+  shrunk_ = false;
+  singular_pose_.reset();
+  prepare(equations, state);
+  equations.track_rows(state.left_out);
+}
+
+StepResult Integrator::step(EquationsOfMotion& equations, State& state, double t_stop, Multipliers multipliers) {
+  multipliers_ = multipliers;
+  equations.recall(state.quadrants);
+  equations.recall_rows(state.left_out);
+  equations.recall(state.contacts);
+  quadrants_ = state.quadrants;
+  const double begin = state.time;
+  bool passed = shrunk_ && pass_singular_pose(equations, state, t_stop);
+  if (!passed) {
+    StepResult result = advance(equations, state, std::min(t_stop, begin + longest_));
+    if (!result.ok()) passed = !delegates() && pass_singular_pose(equations, state, t_stop);
+    if (!result.ok() && !passed) return result;
+  }
+  if (!passed) watch_steps(state.time - begin, state.time == t_stop);
+  equations.track(state.quadrants);
+  equations.track_rows(state.left_out);
+  equations.track_contacts(state);
+  if (turn_rates_.size() > 0 && turn_rates_.size() == state.quadrants.size())
+    limit_turn(state.quadrants, state.time - begin);
+  return {};
+}
+
+/// Whether steps have become so short that it is worth looking for a singular pose ahead. A step that t_stop cut tells
+/// nothing.
+void Integrator::watch_steps(double length, bool cut) {
+  constexpr double kShort = 1.0 / 16, kAgain = 1.0 / 4, kForget = 0.95;
+  shrunk_ = false;
+  if (delegates() || (cut && length < usual_)) return;
+  usual_ = std::max(length, kForget * usual_);
+  if (length > kShort * usual_) {
+    looked_at_ = 0;
+  } else if (looked_at_ == 0 || length < kAgain * looked_at_) {
+    shrunk_ = true;
+    looked_at_ = length;
+  }
+}
+
+/// A step through a singular pose, if one is near.
+bool Integrator::pass_singular_pose(EquationsOfMotion& equations, State& state, double t_stop) {
+  shrunk_ = false;
+  if (!equations.has_loops()) return false;
+  constexpr double kFarthest = 20, kShortest = 1.0 / 16, kTurn = 0.01;  // of the step; of the usual one; rad
+  if (!singular_pose_) singular_pose_ = std::make_unique<SingularPose>(equations);
+  double turning = 0;
+  for (const auto& b : equations.layout().bodies())
+    if (b.frame) turning = std::max(turning, state.v.segment<3>(b.v + 3).norm());
+  const double step = std::max({looked_at_, kShortest * usual_, turning > 0 ? kTurn / turning : 0});
+  if (!(step > 0)) return false;
+  const auto ahead = singular_pose_->find(state, step, kFarthest * step);
+  const double at = ahead ? state.time + *ahead : 0;
+  if (!ahead || !singular_pose_->pass(state, *ahead, step, t_stop)) {
+    lose_factor();
+    return false;
+  }
+  log::info("passed a pose where constraints lose rank at t = " + std::to_string(at) +
+            " s, on the branch that the velocity tells");
+  resumes_ = true;
+  prepare(equations, state);
+  resumes_ = false;
+  usual_ = looked_at_ = 0;
+  return true;
+}
+
+bool Integrator::history(Archive& archive, EquationsOfMotion& equations, const State& state) {
+  archive("turn_rates", turn_rates_);
+  archive("last_length", last_length_);
+  archive("longest", longest_);
+  archive("usual", usual_);
+  archive("looked_at", looked_at_);
+  archive("shrunk", shrunk_);
+  return keep(archive, equations, state);
+}
+
+/// From the mean rates of the last two steps, how long the next may be for its fastest angle to move by 1.6 quadrants:
+/// automatic steps would else outgrow half a turn where a body spins steadily, and turns be lost.
+void Integrator::limit_turn(const VectorX& quadrants, double length) {
+  constexpr double kFarthest = 1.6, kLargestGrowth = 10;  // of a step over the one before
+  if (!(length > 0)) return;
+  quadrants_ = (quadrants - quadrants_) / length;
+  const double rate = quadrants_.cwiseAbs().maxCoeff();
+  const double growth = 2 * (quadrants_ - turn_rates_).cwiseAbs().maxCoeff() / (length + last_length_);
+  const double now = rate + growth * length / 2;
+  turn_rates_.swap(quadrants_);
+  last_length_ = length;
+  longest_ = std::numeric_limits<double>::infinity();
+  const double allowed = 2 * kFarthest / (now + std::sqrt(now * now + 2 * growth * kFarthest));
+  if (allowed < kLargestGrowth * length)  // in whole steps, so that fixed ones stay as they are
+    longest_ = allowed > length ? std::floor(allowed / length) * length : allowed;
+}
+
+void Integrator::interpolate(const Layout& layout, const State& from, const State& to, double time, State& out) const {
+  const double h = to.time - from.time;
+  if (!(h > 0)) {
+    out = from;
+    return;
+  }
+  const double s = (time - from.time) / h;
+  out.time = time;
+  out.q.resize(from.q.size());
+  for (VectorX* x : {&out.v, &out.v_dot}) x->resize(from.v.size());
+  if (from.lambda.size() == to.lambda.size())
+    out.lambda = (1 - s) * from.lambda + s * to.lambda;
+  else
+    out.lambda.resize(0);  // one end was left without
+  out.quadrants = from.quadrants;
+  out.left_out = to.left_out;
+  out.contacts = from.contacts;
+  for (const Layout::BodySlice& b : layout.bodies()) {
+    int iq = b.q, iv = b.v;
+    if (b.frame) {
+      const auto at = [&](const VectorX& x, int place) -> Vector3 { return x.segment<3>(iv + place); };
+      const Quintic<Vector3> p(s, h, at(from.v, 0), at(from.v_dot, 0), to.q.segment<3>(iq) - from.q.segment<3>(iq),
+                               at(to.v, 0), at(to.v_dot, 0));
+      out.q.segment<3>(iq) = from.q.segment<3>(iq) + p.value;
+      out.v.segment<3>(iv) = p.rate;
+      out.v_dot.segment<3>(iv) = p.acceleration;
+      // Rotations in the chart of `from`:  ω = Jr ψ̇,  ω̇ = Jr ψ̈ + J̇r ψ̇,  where Jr(ψ) = Jl(-ψ), so that J̇r ψ̇ =
+      // -left_jacobian_rate(-ψ, -ψ̇). At its origin ψ̇ = ω and ψ̈ = ω̇.
+      const Vector4 e = from.q.segment<4>(iq + 3);
+      const Vector3 end = turn_between(e, to.q.segment<4>(iq + 3), 0.5 * h * (at(from.v, 3) + at(to.v, 3)));
+      const Matrix3 inverse = right_jacobian_inverse(end);
+      const Vector3 rate = inverse * at(to.v, 3);
+      const Vector3 acceleration = inverse * (at(to.v_dot, 3) + left_jacobian_rate(-end, -rate));
+      const Quintic<Vector3> psi(s, h, at(from.v, 3), at(from.v_dot, 3), end, rate, acceleration);
+      const Matrix3 Jr = left_jacobian(-psi.value);
+      out.q.segment<4>(iq + 3) = rotated(e, psi.value);
+      out.v.segment<3>(iv + 3) = Jr * psi.rate;
+      out.v_dot.segment<3>(iv + 3) = Jr * psi.acceleration - left_jacobian_rate(-psi.value, -psi.rate);
+      iq += 7, iv += 6;
+    }
+    for (int i = 0; i < b.linear; ++i) {
+      const Quintic<double> eta(s, h, from.v[iv + i], from.v_dot[iv + i], to.q[iq + i] - from.q[iq + i], to.v[iv + i],
+                                to.v_dot[iv + i]);
+      out.q[iq + i] = from.q[iq + i] + eta.value;
+      out.v[iv + i] = eta.rate;
+      out.v_dot[iv + i] = eta.acceleration;
+    }
+  }
+}
+
+std::string step_text(double h) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2g s", h);
+  return text;
+}
+
+double error_ratio(ConstVectorRef error, ConstVectorRef magnitudes, const Tolerance& tolerance) {
+  double sum = 0;
+  for (Eigen::Index i = 0; i < error.size(); ++i) {
+    const double ratio = error[i] / (tolerance.absolute + tolerance.relative * magnitudes[i]);
+    sum += ratio * ratio;
+  }
+  return error.size() > 0 ? std::sqrt(sum / static_cast<double>(error.size())) : 0;
+}
+
+int largest_share(ConstVectorRef error, ConstVectorRef magnitudes, const Tolerance& tolerance) {
+  int largest = -1;
+  double share = -1;
+  for (Eigen::Index i = 0; i < error.size(); ++i) {
+    const double ratio = std::abs(error[i]) / (tolerance.absolute + tolerance.relative * magnitudes[i]);
+    if (ratio <= share) continue;  // one that is no number is named
+    largest = static_cast<int>(i);
+    if (std::isnan(ratio)) break;
+    share = ratio;
+  }
+  return largest;
+}
+
+}  // namespace lithe

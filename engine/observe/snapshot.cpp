@@ -1,0 +1,86 @@
+#include "engine/observe/snapshot.h"
+
+#include "engine/base/error.h"
+#include "engine/motion/projection.h"
+
+namespace lithe {
+
+void Snapshot::evaluate(const State& state, Accelerations accelerations) {
+  const Layout& layout = assembler_.layout();
+  if (state.q.size() != layout.q_count() || state.v.size() != layout.v_count() ||
+      state.v_dot.size() != layout.v_count() || (state.lambda.size() > 0 && state.lambda.size() != layout.row_count()))
+    throw SceneError("the state to look at has " + std::to_string(state.q.size()) + " coordinates, " +
+                         std::to_string(state.v.size()) + " velocities, " + std::to_string(state.v_dot.size()) +
+                         " accelerations and " + std::to_string(state.lambda.size()) + " multipliers; the system has " +
+                         std::to_string(layout.q_count()) + ", " + std::to_string(layout.v_count()) + ", " +
+                         std::to_string(layout.v_count()) + " and " + std::to_string(layout.row_count()),
+                     "Snapshot", "start from system.initial_state(), or let an integrator start from the state first");
+  state_ = state;
+  solves_ = accelerations == Accelerations::solved;
+  solved_ = has_multipliers_ = false;
+  assembler_.recall(state_.quadrants);
+  assembler_.recall_rows(state_.left_out);
+  assembler_.recall(state_.contacts);
+  assembler_.evaluate(state_.time, state_.q, state_.v, Level::acceleration);
+  if (assembler_.reacts() && !solve()) assembler_.react(found_multipliers());
+}
+
+/// False: those of the state are to be used.
+bool Snapshot::solve() {
+  if (!solves_ || solved_) return solves_;
+  solved_ = true;
+  v_dot_ = state_.v_dot;
+  lambda_ = state_.lambda;
+  if (lambda_.size() != assembler_.layout().row_count()) lambda_.setZero(assembler_.layout().row_count());
+  Projector(assembler_).accelerations(state_.time, state_.q, state_.v, v_dot_, lambda_);
+  solves_ = v_dot_.allFinite() && lambda_.allFinite();
+  return solves_;
+}
+
+Vector6 Snapshot::acceleration(const Marker& marker) {
+  const MarkerKinematics k = this->marker(marker);
+  Vector6 result;
+  result << k.bias_v, k.bias_w;
+  if (marker.body->coordinates().v_count() == 0) return result;  // ground
+  const Layout::BodySlice& slice = assembler_.layout().slice(*marker.body);
+  // J v_body_dot in body axes: ω̇ × r + B η̈ and ω̇ + T η̈; the frame's own acceleration is in world axes.
+  Vector3 v_dot = Vector3::Zero(), w_dot = Vector3::Zero();
+  const double* v_body_dot = accelerations().data() + slice.v;
+  if (slice.frame) {
+    const Eigen::Map<const Vector3> p_dot_dot(v_body_dot), omega_dot(v_body_dot + 3);
+    result.head<3>() += p_dot_dot;
+    v_dot += omega_dot.cross(k.r);
+    w_dot += omega_dot;
+    v_body_dot += 6;
+  }
+  if (k.elastic) {
+    const Vector6 elastic =
+        Eigen::Map<const Matrix6X>(k.elastic, 6, slice.linear) * Eigen::Map<const VectorX>(v_body_dot, slice.linear);
+    v_dot += elastic.head<3>();
+    w_dot += elastic.tail<3>();
+  }
+  result.head<3>() += *k.A * v_dot;
+  result.tail<3>() += *k.A * w_dot;
+  return result;
+}
+
+const VectorX& Snapshot::found_multipliers() {
+  if (state_.lambda.size() == assembler_.layout().row_count()) return state_.lambda;
+  state_.lambda.setZero(assembler_.layout().row_count());
+  VectorX v_dot(state_.v.size());
+  Projector(assembler_).accelerations(state_.time, state_.q, state_.v, v_dot, state_.lambda);
+  return state_.lambda;
+}
+
+const VectorX& Snapshot::multipliers() {
+  const VectorX& found = solve() ? lambda_ : found_multipliers();
+  if (system().redundant_rows().empty()) return found;
+  if (!has_multipliers_) {
+    multipliers_ = found;
+    assembler_.minimum_norm(multipliers_);
+    has_multipliers_ = true;
+  }
+  return multipliers_;
+}
+
+}  // namespace lithe

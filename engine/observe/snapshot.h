@@ -1,0 +1,58 @@
+#pragma once
+
+#include "engine/assembly/assembler.h"
+#include "engine/assembly/system.h"
+#include "engine/model/marker.h"
+#include "engine/model/state.h"
+
+namespace lithe {
+
+/// Those of a snapshot: as the integrator left them in the state, or solved for at (t, q, v):
+///   M v̇ + Gᵀλ = f,  G v̇ = γ
+enum class Accelerations { as_left, solved };
+
+/// One state of a system as observers see it: evaluated once, at Level::acceleration, and read by all sensors. Has an
+/// assembler of its own, so that looking does not disturb the integrator. Sensors can be read without a simulation:
+///   Snapshot now{system, state};   double z = height(link.node(42)).value(now);
+class Snapshot {
+ public:
+  /// Nothing may be read before evaluate().
+  explicit Snapshot(const System& system) : assembler_(system) {}
+  Snapshot(const System& system, const State& state) : Snapshot(system) { evaluate(state); }
+  Snapshot(const System&& system) = delete;  // borrowed: a temporary would be gone
+  Snapshot(const System&& system, const State& state) = delete;
+
+  /// Copies the state and evaluates the system there. Throws SceneError for a state of another system. `solved`: when
+  /// first asked for, by one factorisation; where there is no solution (friction that locks) those of the state stay.
+  void evaluate(const State& state, Accelerations accelerations = Accelerations::as_left);
+
+  double time() const { return state_.time; }
+  /// As the integrator left it. Without lambda where it has left that out: multipliers() has it.
+  const State& state() const { return state_; }
+  const System& system() const { return assembler_.system(); }
+  /// Evaluated at the state. To factorise or evaluate it anew spoils the snapshot for the observers that follow.
+  Assembler& assembler() { return assembler_; }
+
+  /// Position, axes, velocity of a marker. Throws SceneError for a marker of another system.
+  MarkerKinematics marker(const Marker& marker) { return assembler_.marker(marker, Level::acceleration); }
+  /// v_dot of the whole system.
+  const VectorX& accelerations() { return solve() ? v_dot_ : state_.v_dot; }
+  /// (v_dot, w_dot) = J v_body_dot + bias, world axes.
+  Vector6 acceleration(const Marker& marker);
+  /// lambda that belongs to accelerations(); with redundant rows that of least norm that loads the bodies alike.
+  const VectorX& multipliers();
+  /// Those of the state; found here where the integrator has left them out.
+  const VectorX& found_multipliers();
+
+ private:
+  bool solve();
+
+  Assembler assembler_;
+  State state_;
+  bool solves_ = false, solved_ = false;  // v_dot_ and lambda_ are to be used; they are there
+  VectorX v_dot_, lambda_;
+  VectorX multipliers_;
+  bool has_multipliers_ = false;
+};
+
+}  // namespace lithe

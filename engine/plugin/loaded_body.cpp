@@ -1,0 +1,176 @@
+#include "engine/plugin/loaded_body.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "engine/assembly/batch_of.h"
+#include "engine/base/error.h"
+
+namespace lithe {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr int kMostCoordinates = 10'000'000;
+
+/// Entries of a lower triangle with n columns, by column, rows rising from the diagonal.
+bool is_pattern(const int32_t* rows, const int32_t* columns, int32_t count, int32_t n) {
+  if (count < n || !rows || !columns) return false;
+  for (int32_t k = 0, column = -1; k < count; ++k) {
+    const bool next = columns[k] == column + 1 && rows[k] == columns[k];
+    const bool same = k > 0 && columns[k] == column && rows[k] > rows[k - 1];
+    if ((!next && !same) || rows[k] >= n) return false;
+    column = columns[k];
+  }
+  return columns[count - 1] == n - 1;
+}
+
+}  // namespace
+
+LoadedBody::Cache::Cache(const LoadedBody& body) : theirs(nullptr, body.table_.destroy_cache) {
+  ErrorText why;
+  theirs.reset(body.table_.create_cache(body.object_.get(), why.text, sizeof why.text));
+  if (!theirs) body.object_.fail(body, why);
+}
+
+LoadedBody::LoadedBody(Parameters parameters)
+    : table_(parameters.type->table), object_(*parameters.type, parameters.values) {
+  int32_t frame = 0, linear = 0;
+  table_.coordinates(object_.get(), &frame, &linear);
+  if (linear < 0 || linear > kMostCoordinates)
+    throw SceneError(object_.description() + " has " + std::to_string(linear) + " linear coordinates", "",
+                     "its author is to mend coordinates()");
+  coordinates_ = {.frame = frame != 0, .linear = linear};
+  const int32_t *rows = nullptr, *columns = nullptr;
+  const int32_t count = table_.linear_pattern(object_.get(), &rows, &columns);
+  if (count == 0) return;
+  if (!is_pattern(rows, columns, count, linear))
+    throw SceneError(object_.description() + " has a pattern of " + std::to_string(count) +
+                         " entries that is no lower triangle of " + std::to_string(linear) + " columns",
+                     "", "its author is to mend linear_pattern(): by column, each with its diagonal first");
+  using Indices = Eigen::Map<const Eigen::VectorXi>;
+  pattern_ = {Indices(rows, count), Indices(columns, count)};
+}
+
+/// Calls a function of the table with the state as C sees it; false if it asks for a smaller step.
+template <class Call>
+bool LoadedBody::call(const BodyState& state, Call&& function) const {
+  auto& cache = static_cast<Cache&>(*state.cache);
+  ErrorText why;
+  lithe_body_state s{};
+  s.struct_size = sizeof s;
+  s.q = state.q, s.v = state.v, s.cache = cache.theirs.get();
+  s.error = why.text, s.error_size = sizeof why.text;
+  const int32_t code = function(&s);
+  if (code < 0) object_.fail(*this, why);
+  return code == 0;
+}
+
+template <class Function, class... Place>
+Marker LoadedBody::made_marker(Function function, const char* where_at, const Place&... place) const {
+  const std::string type = "'" + name() + "': " + object_.description();
+  if (!function) {
+    std::string known;
+    if (table_.place_marker) known += " marker(position)";
+    if (table_.node_marker) known += " node(number)";
+    if (table_.average_marker) known += " average({nodes})";
+    throw SceneError(type + " has no markers at " + where_at, where(),
+                     known.empty() ? "see what its author says of its markers" : "it has" + known);
+  }
+  ErrorText why;
+  const int32_t index = function(object_.get(), place..., why.text, sizeof why.text);
+  if (index < 0)
+    throw SceneError(type + " refuses a marker: " + why.problem(), where(),
+                     why.mend().empty() ? "see what its author says of its markers" : why.mend());
+  return {this, index};
+}
+
+Marker LoadedBody::marker(const Point& position, const Matrix3& orientation) {
+  return made_marker(table_.place_marker, "positions", position.at.data(), orientation.data());
+}
+
+Marker LoadedBody::marker_at_world(const Point& point, const Matrix3& orientation) {
+  if (!coordinates_.frame)
+    throw SceneError("'" + name() + "' has no frame to place a marker in", where(), "make its markers at nodes");
+  VectorX q(coordinates_.q_count()), v(coordinates_.v_count());
+  initial_state(q, v);
+  const Matrix3 A = rotation_matrix(q.segment<4>(3));
+  return marker(A.transpose() * (point.at - q.head<3>()), A.transpose() * orientation);
+}
+
+Marker LoadedBody::node(int number, const Matrix3& orientation) {
+  return made_marker(table_.node_marker, "nodes", number, orientation.data());
+}
+
+Marker LoadedBody::average(const std::vector<int>& nodes, const Matrix3& orientation) {
+  return made_marker(table_.average_marker, "means of nodes", nodes.data(), static_cast<int32_t>(nodes.size()),
+                     orientation.data());
+}
+
+int LoadedBody::marker_count() const { return table_.marker_count(object_.get()); }
+
+void LoadedBody::initial_state(VectorRef q, VectorRef v) const {
+  ErrorText why;
+  if (table_.initial_state(object_.get(), q.data(), v.data(), why.text, sizeof why.text) != 0)
+    throw SceneError("'" + name() + "': " + object_.description() + " has no initial state: " + why.problem(), where(),
+                     why.mend().empty() ? "see what its author says" : why.mend());
+}
+
+void LoadedBody::evaluate(const BodyState& state, Level level) const {
+  auto& cache = static_cast<Cache&>(*state.cache);
+  cache.retry = !call(state, [&](const lithe_body_state* s) {
+    return table_.evaluate(object_.get(), s, static_cast<int32_t>(level), cache.A.data());
+  });
+}
+
+void LoadedBody::add_residual(const BodyState& state, const double* v_dot, const Vector3& gravity, double* r) const {
+  const bool fine = !static_cast<Cache&>(*state.cache).retry && call(state, [&](const lithe_body_state* s) {
+    return table_.add_residual(object_.get(), s, v_dot, gravity.data(), r);
+  });
+  if (!fine) Eigen::Map<VectorX>(r, coordinates_.v_count()).setConstant(kNaN);
+}
+
+void LoadedBody::add_tangent(const BodyState& state, const double* v_dot, const Vector3& gravity,
+                             const TangentWeights& weights, BodyTangent& S) const {
+  const lithe_tangent_weights w{weights.position, weights.velocity, weights.acceleration};
+  const lithe_body_tangent out{sizeof out,
+                               S.frame.data(),
+                               S.frame_linear.data(),
+                               S.linear_frame.data(),
+                               S.linear.data(),
+                               static_cast<int32_t>(S.linear.size())};
+  call(state, [&](const lithe_body_state* s) {  // a residual of NaN asks for the smaller step
+    return table_.add_tangent(object_.get(), s, v_dot, gravity.data(), &w, &out);
+  });
+}
+
+void LoadedBody::marker_kinematics(const BodyState& state, int marker, Level level, MarkerKinematics& k) const {
+  lithe_marker_kinematics out{};
+  out.struct_size = sizeof out;
+  const bool fine = call(state, [&](const lithe_body_state* s) {
+    return table_.marker_kinematics(object_.get(), s, marker, static_cast<int32_t>(level), &out);
+  });
+  if (!fine) std::fill_n(out.motion.p, 3, kNaN);  // asks for the smaller step
+  const auto read = [](const double* from) { return Eigen::Map<const Vector3>(from); };
+  k.p = read(out.motion.p);
+  k.R = Eigen::Map<const Matrix3>(out.motion.R);
+  k.r = read(out.r);
+  k.A = &state.cache->A;
+  k.elastic = out.elastic;
+  if (level == Level::position) return;
+  k.v = read(out.motion.v);
+  k.w = read(out.motion.w);
+  if (level == Level::velocity) return;
+  k.bias_v = read(out.bias_v);
+  k.bias_w = read(out.bias_w);
+}
+
+BodyEnergy LoadedBody::energy(const BodyState& state, const Vector3& gravity) const {
+  lithe_body_energy e{};
+  if (!call(state, [&](const lithe_body_state* s) { return table_.energy(object_.get(), s, gravity.data(), &e); }))
+    e.kinetic = kNaN;
+  return {.kinetic = e.kinetic, .elastic = e.elastic, .gravity = e.gravity};
+}
+
+template std::unique_ptr<BodyBatch> make_body_batch<LoadedBody>();
+
+}  // namespace lithe

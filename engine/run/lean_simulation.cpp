@@ -1,0 +1,447 @@
+#include "engine/run/lean_simulation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <unordered_map>
+
+#include "engine/base/number_text.h"
+#include "engine/model/islands.h"
+
+namespace lithe {
+namespace {
+
+/// A run of numbers that a vector of the whole and one of an island share.
+struct Share {
+  int whole, island, count;
+};
+using Shares = std::vector<Share>;
+
+void scatter(const Shares& shares, const VectorX& whole, VectorX& island) {
+  for (const Share& s : shares) island.segment(s.island, s.count) = whole.segment(s.whole, s.count);
+}
+void gather(const Shares& shares, const VectorX& island, VectorX& whole) {
+  for (const Share& s : shares) whole.segment(s.whole, s.count) = island.segment(s.island, s.count);
+}
+bool same(const Shares& shares, const VectorX& whole, const VectorX& island) {
+  return std::all_of(shares.begin(), shares.end(), [&](const Share& s) {
+    return whole.segment(s.whole, s.count) == island.segment(s.island, s.count);
+  });
+}
+
+/// Where the numbers of each body and connector lie.
+struct Places {
+  struct Place {
+    int row, row_count, angle, angle_count;
+  };
+  std::unordered_map<const Body*, Layout::BodySlice> bodies;
+  std::unordered_map<const Connector*, Place> connectors;
+  std::unordered_map<const ContactElement*, int> contacts;
+  int angles = 0;
+
+  explicit Places(const System& system) {
+    for (const auto& slice : system.layout().bodies()) bodies.emplace(slice.body, slice);
+    const SystemGraph& graph = system.graph();
+    for (std::size_t i = 0; i < graph.constraints().size(); ++i) {
+      const auto& rows = system.layout().rows()[i];
+      add(*graph.constraints()[i].constraint, rows.first, rows.count);
+    }
+    for (const auto& f : graph.forces()) add(*f.force, 0, 0);
+    for (const ContactRecord& contact : system.contacts()) contacts.emplace(contact.element, contact.number);
+  }
+  void add(const Connector& connector, int row, int rows) {
+    const int count = static_cast<int>(connector.angles().size());
+    connectors[&connector] = {row, rows, angles, count};
+    angles += count;
+  }
+};
+
+/// "'crank', 'rod' and 3 more"
+std::string names(const Layout& layout) {
+  constexpr std::size_t kNamed = 3;
+  const auto& bodies = layout.bodies();
+  const std::size_t named = bodies.size() <= kNamed + 1 ? bodies.size() : kNamed;
+  std::string text;
+  for (std::size_t i = 0; i < named; ++i) text += (i == 0 ? "'" : ", '") + bodies[i].name + "'";
+  if (named < bodies.size()) text += " and " + std::to_string(bodies.size() - named) + " more";
+  return text;
+}
+
+}  // namespace
+
+/// A part of the scene, with all that runs it.
+struct LeanSimulation::Island {
+  /// The whole as one island.
+  Island(const System& whole, std::unique_ptr<Integrator> method, bool sleep)
+      : system(whole),
+        integrator(std::move(method)),
+        sleeper(make_sleeper(sleep)),
+        simulation(system, *integrator),
+        state(whole.initial_state()) {
+    find_shares(Places(whole));
+  }
+  Island(std::unique_ptr<SystemGraph> part, const Places& whole, std::unique_ptr<Integrator> method,
+         const LeanOptions& options)
+      : graph(std::move(part)),
+        assembled(std::make_unique<const System>(assemble(*graph, options.assemble))),
+        system(*assembled),
+        integrator(std::move(method)),
+        sleeper(make_sleeper(options.sleep)),
+        simulation(system, *integrator),
+        state(system.initial_state()) {
+    find_shares(whole);
+  }
+
+  void find_shares(const Places& whole) {
+    const Places own(system);
+    for (const auto& [body, slice] : own.bodies) {
+      const Layout::BodySlice& there = whole.bodies.at(body);
+      q.push_back({there.q, slice.q, body->coordinates().q_count()});
+      v.push_back({there.v, slice.v, body->coordinates().v_count()});
+    }
+    for (const auto& [connector, place] : own.connectors) {
+      const Places::Place& there = whole.connectors.at(connector);
+      rows.push_back({there.row, place.row, place.row_count});
+      angles.push_back({there.angle, place.angle, place.angle_count});
+    }
+    for (const ContactRecord& contact : system.contacts()) contacts.push_back(whole.contacts.at(contact.element));
+  }
+
+  /// Puts its integrator into one that may sleep; null: it must not.
+  const SleepingIntegrator* make_sleeper(bool may_sleep) {
+    if (!may_sleep || depends_on_time(system.graph())) return nullptr;
+    auto wrapped = std::make_unique<SleepingIntegrator>(std::move(integrator));
+    const SleepingIntegrator* made = wrapped.get();
+    integrator = std::move(wrapped);
+    return made;
+  }
+  bool asleep() const { return sleeper && sleeper->asleep(); }
+
+  /// Takes its part of a state, unless it is where it stands: then it goes on as if nobody had asked. What sleeps does
+  /// not watch the clock.
+  void take(const State& whole) {
+    if ((whole.time == state.time || asleep()) && same(q, whole.q, state.q) && same(v, whole.v, state.v) &&
+        same(v, whole.v_dot, state.v_dot))
+      return;
+    touched = true;
+    state = system.initial_state();
+    state.time = whole.time;
+    scatter(q, whole.q, state.q);
+    scatter(v, whole.v, state.v);
+    scatter(v, whole.v_dot, state.v_dot);
+    if (whole.lambda.size() > 0) scatter(rows, whole.lambda, state.lambda);
+    scatter(angles, whole.quadrants, state.quadrants);
+    state.contacts.clear();
+    for (const ContactTrace& trace : whole.contacts)
+      for (std::size_t i = 0; i < contacts.size(); ++i)
+        if (contacts[i] == trace.element) state.contacts.emplace_back(trace).element = static_cast<int>(i);
+  }
+
+  /// The same of a state that it has passed: what happened up to there has happened.
+  void take_back(const State& whole) {
+    const auto& all = simulation.events_;
+    events_before.assign(all.begin(), std::find_if(all.begin(), all.end(), [&](const EventRecord& e) {
+                           return e.time > whole.time;
+                         }));
+    take(whole);
+  }
+
+  void move(double stop, Multipliers multipliers) {
+    if (!touched && sleeper && sleeper->sleeps_until(stop)) return;
+    touched = false;
+    simulation.run(state, stop, multipliers);
+    simulation.events_.insert(simulation.events_.begin(), events_before.begin(), events_before.end());
+    events_before.clear();
+  }
+
+  std::unique_ptr<SystemGraph> graph;       // null: the whole's
+  std::unique_ptr<const System> assembled;  // likewise
+  const System& system;
+  std::unique_ptr<Integrator> integrator;
+  const SleepingIntegrator* sleeper;
+  Simulation simulation;
+  State state;          // its time stands still while it sleeps
+  bool touched = true;  // since it moved last
+  long earlier_events = 0;                 // that it had when the run of the whole began
+  std::vector<EventRecord> events_before;  // of the time that it was taken back to, until it moves
+  Shares q, v, rows, angles;
+  std::vector<int> contacts;  // number in the whole of each of its contact elements
+};
+
+LeanSimulation::LeanSimulation(SystemGraph& graph, const MakeIntegrator& make_integrator, const LeanOptions& options)
+    : system_(assemble(graph, options.assemble)) {
+  auto parts = split(graph);
+  const Places places(system_);
+  if (options.split && parts.size() > 1)
+    for (auto& part : parts)
+      islands_.push_back(std::make_unique<Island>(std::move(part), places, make_integrator(), options));
+  else
+    islands_.push_back(std::make_unique<Island>(system_, make_integrator(), options.sleep));
+  reacts_ = std::any_of(graph.forces().begin(), graph.forces().end(),
+                        [](const auto& f) { return f.force->reaction_of() != nullptr; });
+}
+
+LeanSimulation::LeanSimulation(SystemGraph& graph, const MakeIntegrator& make_integrator, const System& whole,
+                               Expand expand, const LeanOptions& options)
+    : LeanSimulation(graph, make_integrator, options) {
+  whole_ = &whole;
+  expand_ = std::move(expand);
+}
+
+LeanSimulation::~LeanSimulation() = default;
+
+void LeanSimulation::refuse(const std::string& what, const std::string& where) const {
+  throw SceneError(what + (islands_.size() > 1 ? "this one runs as " + std::to_string(islands_.size()) + " islands"
+                                               : "another, simpler one runs"),
+                   "LeanSimulation::" + where,
+                   "use a Simulation of assemble(graph), or no simplification and {.split = false}");
+}
+
+void LeanSimulation::observe(Observer& observer, Schedule schedule) {
+  if (is_one()) return islands_.front()->simulation.observe(observer, schedule);
+  if (schedule.interval == 0) refuse("observers of every step need a scene with steps in common, and ", "observe");
+  watches_.add(observer, schedule);
+}
+
+void LeanSimulation::on(Event event) {
+  if (!is_one()) refuse("events watch all of a scene at every step, and ", "on");
+  islands_.front()->simulation.on(std::move(event));
+}
+
+const std::vector<EventRecord>& LeanSimulation::events() const {
+  return is_one() ? islands_.front()->simulation.events() : events_;
+}
+/// Within a run there are only ever more of them.
+void LeanSimulation::gather_events() {
+  long count = 0;
+  for (const auto& island : islands_) count += std::ssize(island->simulation.events()) - island->earlier_events;
+  if (count == std::ssize(events_)) return;
+  events_.clear();
+  for (const auto& island : islands_) {
+    const auto& own = island->simulation.events();
+    events_.insert(events_.end(), own.begin() + island->earlier_events, own.end());
+  }
+  std::stable_sort(events_.begin(), events_.end(),
+                   [](const EventRecord& a, const EventRecord& b) { return a.time < b.time; });
+}
+const std::string& LeanSimulation::stopped_by() const { return islands_.front()->simulation.stopped_by(); }
+
+void LeanSimulation::check(const State& state, double end) const {
+  const Layout& layout = system_.layout();
+  if (state.q.size() != layout.q_count() || state.v.size() != layout.v_count())
+    throw SceneError("the state has " + std::to_string(state.q.size()) + " coordinates and " +
+                         std::to_string(state.v.size()) + " velocities; the scene that runs has " +
+                         std::to_string(layout.q_count()) + " and " + std::to_string(layout.v_count()),
+                     "LeanSimulation::run", "start from system().initial_state() of the simulation");
+  if (!std::isfinite(end) || end < state.time - time_round_off(end))
+    throw SceneError("cannot run from " + time_text(state.time) + " to " + time_text(end), "LeanSimulation::run",
+                     "give a later end: it is a time, not a duration");
+}
+
+void LeanSimulation::run(State& state, double end) {
+  if (is_one()) return islands_.front()->simulation.run(state, end);
+  check(state, end);
+  // Accelerations and multipliers are the integrators' to find.
+  if (state.v_dot.size() != state.v.size()) state.v_dot.setZero(state.v.size());
+  if (state.lambda.size() != system_.layout().row_count()) state.lambda.resize(0);
+  const VectorX& drawn = system_.initial_state().quadrants;
+  if (state.quadrants.size() != drawn.size()) state.quadrants = drawn;
+
+  // 1. To each island its part; those that it changes start anew, accelerations become consistent.
+  const bool resumed = begun_ && same(state, last_);
+  for (auto& island : islands_) island->take(state);
+  if (!resumed) {
+    events_.clear();
+    for (auto& island : islands_)
+      island->earlier_events = island->touched ? 0 : std::ssize(island->simulation.events());
+    last_ = state;
+    evaluated_ = false;
+  }
+  const auto multipliers = [&](double stop) {
+    return reacts_ || stop == end ? Multipliers::found : Multipliers::later;
+  };
+  begun_ = resumed;
+  if (!resumed) advance(state, state.time, multipliers(state.time));
+  begun_ = true;
+  watches_.begin(state.time, !resumed);
+  checkpoints_.begin(state.time, !resumed);
+  const auto tell_due = [&] {
+    watches_.tell_due(state.time, [&]() -> Snapshot& { return look(state); });
+    write_due_checkpoint(state);
+  };
+  tell_due();
+
+  // 2. From one meeting to the next.
+  while (end - state.time > time_round_off(end)) {
+    const double stop = watches_.next_stop(state.time, end);
+    advance(state, stop, multipliers(stop));
+    tell_due();
+  }
+}
+
+/// All islands to `stop`.
+void LeanSimulation::advance(State& state, double stop, Multipliers multipliers) {
+  for (auto& island : islands_) {
+    try {
+      island->move(stop, multipliers);
+    } catch (const SimulationError& error) {
+      fail(state, *island, error);
+    }
+  }
+  gather(state, stop);
+  gather_events();
+  last_ = state;
+  evaluated_ = false;
+}
+
+void LeanSimulation::checkpoint(std::string path, Schedule schedule) {
+  if (is_one()) return islands_.front()->simulation.checkpoint(std::move(path), schedule);
+  if (path.empty())
+    throw SceneError("checkpoints need a path", "LeanSimulation::checkpoint", "give one, as in \"run.h5\"");
+  checkpoints_ = {std::move(path), schedule};
+}
+
+void LeanSimulation::save(State& state, Archive& archive) {
+  if (is_one()) return islands_.front()->simulation.save(state, archive);
+  if (!begun_ || !same(state, last_)) run(state, state.time);
+  history(archive, state);
+}
+
+void LeanSimulation::save(State& state, const std::string& path) {
+  Archive archive(path);
+  save(state, archive);
+  lithe::write_checkpoint(archive, path);
+}
+
+State LeanSimulation::resume(Archive& archive) {
+  if (is_one()) return islands_.front()->simulation.resume(archive);
+  State state = system_.initial_state();
+  begun_ = false;  // unless all goes well
+  history(archive, state);
+  begun_ = true;
+  return state;
+}
+
+State LeanSimulation::resume(const std::string& path) {
+  Archive archive = read_checkpoint(path);
+  return resume(archive);
+}
+
+void LeanSimulation::write_due_checkpoint(State& state) {
+  if (!checkpoints_.pass(state.time)) return;
+  Archive archive(checkpoints_.path());
+  history(archive, state);
+  write_checkpoint(archive, checkpoints_.path());
+}
+
+/// Where all islands have met.
+void LeanSimulation::history(Archive& archive, State& state) {
+  if (!scene_) scene_.emplace(system_);
+  scene_->same(archive);
+  archive.same("islands", static_cast<double>(islands_.size()));
+  archive("time", state.time);
+  for (std::size_t i = 0; i < islands_.size(); ++i)
+    archive.group("island " + std::to_string(i), [&] {
+      Island& island = *islands_[i];
+      island.simulation.history(archive, island.state);
+      island.simulation.started_ = true;
+      archive("touched", island.touched);
+      archive("earlier events", island.earlier_events);
+    });
+  if (archive.loads()) state.v_dot.setZero(system_.layout().v_count());
+  if (archive.loads()) events_.clear(), gather_events();
+  gather(state, state.time);
+  if (archive.loads() || !same(state, last_)) last_ = state, evaluated_ = false;
+  archive.group("observers", [&] { watches_.history(archive); });
+  archive.group("checkpoints", [&] { checkpoints_.history(archive); });
+}
+
+void LeanSimulation::fail(State& state, const Island& failed, const SimulationError& error) {
+  state = last_;
+  try {
+    const double time = failed.state.time;
+    for (auto& island : islands_) {
+      if (island.get() == &failed) continue;
+      if (island->state.time > time) island->take_back(last_);
+      island->move(time, Multipliers::found);
+    }
+    gather(state, time);
+    evaluated_ = evaluated_ && same(state, last_);
+    last_ = state;
+  } catch (const SimulationError&) {  // NOLINT: they met at last_
+  }
+  gather_events();
+  watches_.tell_all(state.time, [&]() -> Snapshot& { return look(state); });
+  throw SimulationError("in the island of " + names(failed.system.layout()) + ": " + error.problem(), error.where(),
+                        error.mend());
+}
+
+void LeanSimulation::gather(State& state, double time) const {
+  const bool found = std::all_of(islands_.begin(), islands_.end(), [](const auto& island) {
+    return island->state.lambda.size() == island->system.layout().row_count();
+  });
+  state.lambda.resize(found ? system_.layout().row_count() : 0);
+  state.time = time;
+  for (const auto& island : islands_) {
+    const State& part = island->state;
+    lithe::gather(island->q, part.q, state.q);
+    lithe::gather(island->v, part.v, state.v);
+    lithe::gather(island->v, part.v_dot, state.v_dot);
+    if (found) lithe::gather(island->rows, part.lambda, state.lambda);
+    lithe::gather(island->angles, part.quadrants, state.quadrants);
+  }
+  state.contacts.clear();
+  for (const auto& island : islands_)
+    for (const ContactTrace& trace : island->state.contacts)
+      state.contacts.emplace_back(trace).element = island->contacts[trace.element];
+  std::stable_sort(state.contacts.begin(), state.contacts.end(),
+                   [](const ContactTrace& a, const ContactTrace& b) { return a.element < b.element; });
+}
+
+/// As observers see it: of islands whose method approximates accelerations and multipliers, those of their equations.
+Snapshot& LeanSimulation::look(const State& state) {
+  if (!snapshot_) snapshot_.emplace(observed());
+  if (evaluated_) return *snapshot_;
+  refined_ = state;
+  for (const auto& island : islands_) {
+    if (!island->integrator->approximates_accelerations()) continue;
+    Snapshot& part = island->simulation.look(island->state);
+    lithe::gather(island->v, part.accelerations(), refined_.v_dot);
+    if (refined_.lambda.size() > 0) lithe::gather(island->rows, part.multipliers(), refined_.lambda);
+  }
+  if (expand_) expand_(refined_, expanded_);
+  snapshot_->evaluate(expand_ ? expanded_ : refined_);
+  evaluated_ = true;
+  return *snapshot_;
+}
+
+std::vector<LeanSimulation::IslandReport> LeanSimulation::islands() const {
+  std::vector<IslandReport> reports;
+  for (const auto& island : islands_) {
+    IslandReport report{{},
+                        island->system.degrees_of_freedom(),
+                        island->integrator->name(),
+                        island->asleep(),
+                        island->simulation.statistics()};
+    for (const auto& body : island->system.layout().bodies()) report.bodies.push_back(body.name);
+    reports.push_back(std::move(report));
+  }
+  return reports;
+}
+
+std::string LeanSimulation::report() const {
+  std::ostringstream text;
+  const auto reports = islands();
+  text << reports.size() << (reports.size() == 1 ? " island\n" : " islands\n");
+  for (std::size_t i = 0; i < reports.size(); ++i) {
+    const auto& [bodies, freedoms, integrator, asleep, done] = reports[i];
+    text << "  " << names(islands_[i]->system.layout()) << ": " << freedoms << " degrees of freedom, " << integrator;
+    if (asleep)
+      text << ", asleep\n";
+    else
+      text << ", " << done.steps << " steps, " << done.evaluations << " evaluations\n";
+  }
+  return text.str();
+}
+
+}  // namespace lithe

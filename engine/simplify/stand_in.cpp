@@ -1,0 +1,158 @@
+#include "engine/simplify/stand_in.h"
+
+#include "engine/assembly/batch_of.h"
+
+namespace lithe {
+
+// ---- one body of several ----
+
+Marker RigidStandIn::marker(const FramePose& pose) {
+  markers_.push_back(pose);
+  return {this, marker_count() - 1};
+}
+
+void RigidStandIn::initial_state(VectorRef q, VectorRef v) const {
+  q << parameters_.pose.position, quaternion_of(parameters_.pose.axes);
+  v << parameters_.velocity, parameters_.angular_velocity;
+}
+
+void RigidStandIn::evaluate(const BodyState& state, Level level) const {
+  auto& cache = static_cast<Cache&>(*state.cache);
+  cache.A = rotation_matrix(Eigen::Map<const Vector4>(state.q + 3));
+  if (level != Level::position) cache.omega_world = cache.A * Eigen::Map<const Vector3>(state.v + 3);
+}
+
+void RigidStandIn::add_residual(const BodyState& state, const double* v_dot, const Vector3& gravity, double* r) const {
+  const Eigen::Map<const Vector3> w(state.v + 3), a(v_dot), w_dot(v_dot + 3);
+  const auto& [mass, J] = parameters_.inertia;
+  Eigen::Map<Vector3>(r) += mass * (a - gravity);
+  Eigen::Map<Vector3>(r + 3) += J * w_dot + w.cross(Vector3(J * w));
+}
+
+void RigidStandIn::add_tangent(const BodyState& state, const double*, const Vector3&, const TangentWeights& weights,
+                               BodyTangent& S) const {
+  const auto& [mass, J] = parameters_.inertia;
+  for (int i = 0; i < 3; ++i) S.frame(i, i) += weights.acceleration * mass;
+  S.frame.bottomRightCorner<3, 3>() += weights.acceleration * J;
+  if (weights.velocity == 0) return;
+  // ∂(ω × J ω)/∂ω = ω~ J - (J ω)~
+  const Eigen::Map<const Vector3> w(state.v + 3);
+  S.frame.bottomRightCorner<3, 3>() += weights.velocity * (skew(w) * J - skew(J * w));
+}
+
+void RigidStandIn::marker_kinematics(const BodyState& state, int marker, Level level, MarkerKinematics& k) const {
+  const auto& cache = static_cast<const Cache&>(*state.cache);
+  const FramePose& m = markers_[marker];
+  const Vector3 arm = cache.A * m.position;
+  k.p = Eigen::Map<const Vector3>(state.q) + arm;
+  k.R = cache.A * m.axes;
+  k.r = m.position;
+  k.A = &cache.A;
+  k.elastic = nullptr;
+  if (level == Level::position) return;
+  k.w = cache.omega_world;
+  const Vector3 swing = k.w.cross(arm);
+  k.v = Eigen::Map<const Vector3>(state.v) + swing;
+  if (level == Level::velocity) return;
+  k.bias_v = k.w.cross(swing);
+  k.bias_w.setZero();
+}
+
+BodyEnergy RigidStandIn::energy(const BodyState& state, const Vector3& gravity) const {
+  const Eigen::Map<const Vector3> p(state.q), v(state.v), w(state.v + 3);
+  const auto& [mass, J] = parameters_.inertia;
+  BodyEnergy e;
+  e.kinetic = 0.5 * mass * v.squaredNorm() + 0.5 * w.dot(J * w);
+  e.gravity = -mass * gravity.dot(p);
+  return e;
+}
+
+// ---- a body in its plane ----
+
+PlanarStandIn::Arm::Arm(const Matrix3& plane) : normal(plane.col(2)), at(Vector3::Zero()) {
+  Eigen::Map<Eigen::Matrix<double, 6, 3>> J(columns);
+  J << plane.leftCols<2>(), Vector3::Zero(), Vector3::Zero(), Vector3::Zero(), normal;
+}
+
+/// ∂/∂θ of (n × arm) · F + n · T, the arm turning with θ.
+void PlanarStandIn::Arm::add_load_stiffness(const Vector3& force, const Vector3&, double* linear) const {
+  linear[2] += normal.cross(normal.cross(at)).dot(force);
+}
+
+Marker PlanarStandIn::marker(const FramePose& pose) {
+  markers_.push_back({pose.position - parameters_.reference.position, pose.axes});
+  return {this, marker_count() - 1};
+}
+
+Matrix3 PlanarStandIn::turn(double angle) const {
+  const Vector3 n = parameters_.plane.col(2);
+  return std::cos(angle) * Matrix3::Identity() + std::sin(angle) * skew(n) + (1 - std::cos(angle)) * n * n.transpose();
+}
+
+void PlanarStandIn::evaluate(const BodyState& state, Level) const {
+  static_cast<Cache&>(*state.cache).turn = turn(state.q[2]);
+}
+
+void PlanarStandIn::add_residual(const BodyState&, const double* v_dot, const Vector3& gravity, double* r) const {
+  for (int i = 0; i < 2; ++i) r[i] += parameters_.mass * (v_dot[i] - gravity.dot(parameters_.plane.col(i)));
+  r[2] += parameters_.inertia * v_dot[2];
+}
+
+void PlanarStandIn::add_tangent(const BodyState&, const double*, const Vector3&, const TangentWeights& weights,
+                                BodyTangent& S) const {
+  S.linear[0] += weights.acceleration * parameters_.mass;
+  S.linear[1] += weights.acceleration * parameters_.mass;
+  S.linear[2] += weights.acceleration * parameters_.inertia;
+}
+
+void PlanarStandIn::marker_kinematics(const BodyState& state, int marker, Level level, MarkerKinematics& k) const {
+  auto& cache = static_cast<Cache&>(*state.cache);
+  const auto& plane = parameters_.plane;
+  const FramePose& m = markers_[marker];
+  Arm& arm = cache.arms[marker];
+  arm.at = cache.turn * m.position;
+  const Vector3 sideways = arm.normal.cross(arm.at);
+  Eigen::Map<Vector3>(arm.columns + 12) = sideways;
+  k.p = center(state.q) + arm.at;
+  k.r = k.p;
+  k.R = cache.turn * m.axes;
+  k.A = &cache.A;
+  k.elastic = arm.columns;
+  k.deflected = &arm;
+  if (level == Level::position) return;
+  k.w = state.v[2] * arm.normal;
+  k.v = plane.col(0) * state.v[0] + plane.col(1) * state.v[1] + state.v[2] * sideways;
+  if (level == Level::velocity) return;
+  k.bias_v = state.v[2] * state.v[2] * arm.normal.cross(sideways);
+  k.bias_w.setZero();
+}
+
+BodyEnergy PlanarStandIn::energy(const BodyState& state, const Vector3& gravity) const {
+  const double mass = parameters_.mass, *v = state.v;
+  BodyEnergy e;
+  e.kinetic = 0.5 * (mass * (v[0] * v[0] + v[1] * v[1]) + parameters_.inertia * v[2] * v[2]);
+  e.gravity = -mass * gravity.dot(center(state.q));
+  return e;
+}
+
+// ---- connectors ----
+
+void RowsInPlane::evaluate(double time, std::span<const MarkerView> markers, ConstraintRows& rows) const {
+  ConstraintRows all(marker_count());
+  all.recall(rows.quadrants());
+  parameters_.whole->evaluate(time, markers, all);
+  // Stiffness under load stays out: it has no place between bodies without frames.
+  for (int r : parameters_.rows) {
+    Wrench* wrench = all.on_velocity(r) ? rows.open_velocity() : rows.open();
+    for (int m = 0; m < marker_count(); ++m) wrench[m] = all.wrench(r, m);
+    rows.finish(all.residual(r), all.bias(r), all.rate(r));
+  }
+}
+
+template std::unique_ptr<BodyBatch> make_body_batch<RigidStandIn>();
+template std::unique_ptr<BodyBatch> make_body_batch<PlanarStandIn>();
+template std::unique_ptr<ConstraintBatch> make_constraint_batch<RowsInPlane>();
+template std::unique_ptr<ForceBatch> make_force_batch<MovedForce>();
+template std::unique_ptr<ForceBatch> make_force_batch<TurnCount>();
+
+}  // namespace lithe
