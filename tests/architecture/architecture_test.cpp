@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -59,7 +60,7 @@ TEST(Architecture, EveryIncludeFollowsTheArrowsOfTheHouse) {
 }
 
 TEST_F(PlantedTree, ArrowsBetweenFoldersAreKept) {
-  EXPECT_TRUE(is_allowed("engine/a.cpp", "#include \"engine/model/body.h\""));
+  EXPECT_TRUE(is_allowed("engine/model/a.cpp", "#include \"engine/model/body.h\""));
   EXPECT_TRUE(is_allowed("bodies/flexible/a.cpp", "#include \"bodies/rigid_body.h\""));
   EXPECT_TRUE(is_allowed("joints/a.h", "#include \"engine/model/constraint.h\""));
   EXPECT_TRUE(is_allowed("examples/01_a.cpp", "#include \"lithe/lithe.h\""));
@@ -69,23 +70,52 @@ TEST_F(PlantedTree, ArrowsBetweenFoldersAreKept) {
   EXPECT_TRUE(is_allowed("plugins/rod/rod.cpp", "#include \"plugins/rod/rod.h\""));
   EXPECT_TRUE(is_allowed("plugins/rod/rod.cpp", "#include <Eigen/LU>"));
 
-  EXPECT_TRUE(is_caught("engine/a.cpp", "#include \"bodies/rigid_body.h\""));
+  EXPECT_TRUE(is_caught("engine/model/a.cpp", "#include \"bodies/rigid_body.h\""));
   EXPECT_TRUE(is_caught("bodies/a.h", "#include \"joints/revolute_joint.h\""));
   EXPECT_TRUE(is_caught("joints/a.h", "  #  include \"bodies/rigid_body.h\"  // only for a moment"));
   EXPECT_TRUE(is_caught("integrators/a.cpp", "#include \"joints/revolute_joint.h\""));
   EXPECT_TRUE(is_caught("joints/a.cpp", "#include \"plugins/rod/rod.h\""));
   EXPECT_TRUE(is_caught("examples/02_a.cpp", "#include \"examples/common.h\""));
-  EXPECT_TRUE(is_caught("engine/a.cpp", "#include \"tests/support/checks.h\""));
+  EXPECT_TRUE(is_caught("engine/model/a.cpp", "#include \"tests/support/checks.h\""));
   EXPECT_TRUE(is_caught("plugins/rod/rod.cpp", "#include \"engine/model/constraint.h\""));
   EXPECT_TRUE(is_caught("plugins/rod/rod.cpp", "#include \"plugins/cam/cam.h\""));
   EXPECT_TRUE(is_caught("plugins/rod/rod.cpp", "#include <boost/graph/adjacency_list.hpp>"));
   EXPECT_TRUE(is_caught("engine/output/a.cpp", "#include \"../body.h\""));
-  EXPECT_TRUE(is_caught("engine/a.cpp", "#include \"body.h\""));
-  EXPECT_TRUE(is_caught("engine/a.cpp", "#include LITHE_CONFIGURATION"));
+  EXPECT_TRUE(is_caught("engine/model/a.cpp", "#include \"body.h\""));
+  EXPECT_TRUE(is_caught("engine/model/a.cpp", "#include LITHE_CONFIGURATION"));
+}
+
+TEST_F(PlantedTree, RoomsOfTheEngineKnowThoseBeforeThem) {
+  EXPECT_TRUE(is_allowed("engine/run/a.cpp", "#include \"engine/model/body.h\""));
+  EXPECT_TRUE(is_allowed("engine/model/a.h", "#include \"engine/model/body.h\""));
+  EXPECT_TRUE(is_allowed("engine/plugin.h", "#include \"engine/plugin/plugin_body.h\""));
+  EXPECT_TRUE(is_allowed("engine/plugin/a.cpp", "#include \"engine/plugin_abi.h\""));
+
+  EXPECT_TRUE(is_caught("engine/model/a.h", "#include \"engine/run/simulation.h\""));
+  EXPECT_TRUE(is_caught("engine/factor/a.cpp", "#include \"engine/model/body.h\""));
+  EXPECT_TRUE(is_caught("engine/study/a.cpp", "#include \"engine/plugin.h\""));
+  plant("engine/a.cpp", "");
+  EXPECT_EQ(find_violations(root_).size(), 1u) << "engine/a.cpp is in no room";
+}
+
+TEST(Architecture, EveryRoomSaysOnAScreenWhatItIs) {
+  const std::filesystem::path engine = std::filesystem::path(LITHE_SOURCE_DIR) / "engine";
+  std::set<std::string> folders;
+  for (const auto& entry : std::filesystem::directory_iterator(engine))
+    if (entry.is_directory()) folders.insert(entry.path().filename().string());
+  const auto all = rooms();
+  EXPECT_EQ(folders, std::set<std::string>(all.begin(), all.end()));
+  for (const std::string& room : all) {
+    std::ifstream page(engine / room / "README.md");
+    int lines = 0;
+    for (std::string line; std::getline(page, line);) ++lines;
+    EXPECT_GE(lines, 5) << room;
+    EXPECT_LE(lines, 60) << room;
+  }
 }
 
 TEST_F(PlantedTree, EachPackageHasOneHome) {
-  EXPECT_TRUE(is_allowed("engine/model/system_graph.cpp", "#include <boost/graph/adjacency_list.hpp>"));
+  EXPECT_TRUE(is_allowed("engine/factor/graph_topology.cpp", "#include <boost/graph/adjacency_list.hpp>"));
   EXPECT_TRUE(is_allowed("engine/base/log.cpp", "#include <spdlog/spdlog.h>"));
   EXPECT_TRUE(is_allowed("integrators/ida.cpp", "#include <ida/ida.h>"));
   EXPECT_TRUE(is_allowed("integrators/ida.cpp", "#include <nvector/nvector_serial.h>"));
@@ -98,15 +128,15 @@ TEST_F(PlantedTree, EachPackageHasOneHome) {
   EXPECT_TRUE(is_allowed("integrators/a.cpp", "#include <Eigen/SparseLU>"));
 
   EXPECT_TRUE(is_caught("engine/model/layout.cpp", "#include <boost/graph/adjacency_list.hpp>"));
-  EXPECT_TRUE(is_caught("engine/system.cpp", "#include <fmt/format.h>"));
+  EXPECT_TRUE(is_caught("engine/assembly/system.cpp", "#include <fmt/format.h>"));
   EXPECT_TRUE(is_caught("integrators/radau.cpp", "#include <ida/ida.h>"));
   EXPECT_TRUE(is_caught("engine/analysis/equilibrium.cpp", "#include <sunlinsol/sunlinsol_klu.h>"));
   EXPECT_TRUE(is_caught("integrators/radau.cpp", "#include <sunmatrix/sunmatrix_sparse.h>"));
   EXPECT_TRUE(is_caught("joints/revolute_joint.cpp", "#include <LinearMath/btVector3.h>"));
   EXPECT_TRUE(is_caught("joints/a.cpp", "#include <Spectra/SymGEigsShiftSolver.h>"));
-  EXPECT_TRUE(is_caught("engine/a.cpp", "#include <Eigen/CholmodSupport>"));
+  EXPECT_TRUE(is_caught("engine/model/a.cpp", "#include <Eigen/CholmodSupport>"));
   EXPECT_TRUE(is_caught("engine/output/hdf5_file.cpp", "#include <zlib.h>"));
-  EXPECT_TRUE(is_caught("engine/a.cpp", "#include <absl/strings/str_cat.h>"));
+  EXPECT_TRUE(is_caught("engine/model/a.cpp", "#include <absl/strings/str_cat.h>"));
   EXPECT_TRUE(is_caught("engine/output/csv.cpp", "FILE* pipe = popen(command.c_str(), \"w\");"));
   EXPECT_TRUE(is_caught("examples/01_a.cpp", "std::system(command);"));
   EXPECT_TRUE(is_caught("examples/01_a.cpp", "run(\"gnuplot chart.gp\");"));
@@ -116,31 +146,31 @@ TEST_F(PlantedTree, EachPackageHasOneHome) {
 }
 
 TEST_F(PlantedTree, OneHomeIsOneFile) {
-  plant("engine/model/system_graph.cpp", "#include <boost/graph/adjacency_list.hpp>\n");
+  plant("engine/factor/graph_topology.cpp", "#include <boost/graph/adjacency_list.hpp>\n");
   EXPECT_TRUE(find_violations(root_).empty());
-  EXPECT_TRUE(is_caught("engine/topology.cpp", "#include <boost/graph/connected_components.hpp>"));
+  EXPECT_TRUE(is_caught("engine/factor/graph_topology_of_loops.cpp", "#include <boost/graph/connected_components.hpp>"));
 }
 
 TEST_F(PlantedTree, PublicHeadersShowEigenAndTheStandardLibraryOnly) {
-  EXPECT_TRUE(is_allowed("engine/a.h", "#include <Eigen/Core>"));
-  EXPECT_TRUE(is_allowed("engine/a.h", "#include <string_view>"));
+  EXPECT_TRUE(is_allowed("engine/model/a.h", "#include <Eigen/Core>"));
+  EXPECT_TRUE(is_allowed("engine/model/a.h", "#include <string_view>"));
   EXPECT_TRUE(is_allowed("engine/plugin_abi.h", "#include <stdint.h>"));
   EXPECT_TRUE(is_allowed("joints/contact/shape_internal.h", "#include <btBulletCollisionCommon.h>"));
 
   EXPECT_TRUE(is_caught("joints/contact/bullet_contact.h", "#include <btBulletCollisionCommon.h>"));
-  EXPECT_TRUE(is_caught("engine/a.h", "#include <nlohmann/json.hpp>"));
-  EXPECT_TRUE(is_caught("engine/a.h", "#include <dlfcn.h>"));
+  EXPECT_TRUE(is_caught("engine/model/a.h", "#include <nlohmann/json.hpp>"));
+  EXPECT_TRUE(is_caught("engine/model/a.h", "#include <dlfcn.h>"));
   EXPECT_TRUE(is_caught("joints/contact/contact.h", "#include \"joints/contact/shape_internal.h\""));
 }
 
 TEST_F(PlantedTree, AHeaderIsReadOnce) {
-  plant("engine/a.h", "#include <string>\n");
+  plant("engine/model/a.h", "#include <string>\n");
   ASSERT_EQ(find_violations(root_).size(), 1u);
-  EXPECT_EQ(find_violations(root_)[0].file, "engine/a.h");
+  EXPECT_EQ(find_violations(root_)[0].file, "engine/model/a.h");
 }
 
 TEST_F(PlantedTree, AnIncludeInACommentIsNone) {
-  plant("engine/a.cpp", "/*\n#include \"bodies/rigid_body.h\"\n*/\n// #include <boost/graph/graph_traits.hpp>\n");
+  plant("engine/model/a.cpp", "/*\n#include \"bodies/rigid_body.h\"\n*/\n// #include <boost/graph/graph_traits.hpp>\n");
   EXPECT_TRUE(find_violations(root_).empty());
 }
 

@@ -21,6 +21,11 @@ const std::map<std::string, std::set<std::string>> kArrows = {
     {"examples", {"lithe", "engine", "bodies", "joints", "integrators"}},  // lithe/lithe.h: the generated umbrella
 };
 const std::set<std::string> kPluginIncludes = {"engine/plugin.h", "engine/plugin_abi.h"};
+// engine/ has rooms in the order of the pipeline: each knows itself and those before it. Two headers stand at the door,
+// where plug-ins find them.
+const std::vector<std::string> kRooms = {"base",     "factor",   "cones",    "model",  "forward", "archive",
+                                         "output",   "motion",   "contact",  "assembly", "simplify", "observe",
+                                         "run",      "analysis", "page",     "study",  "plugin"};
 const std::set<std::string> kLibraries = {"engine", "bodies", "joints", "integrators"};
 
 /// A third-party package: its headers, the files that may include them, and whether only one of those files may.
@@ -36,19 +41,18 @@ const std::vector<Package>& packages() {
   const std::string ida = R"(integrators/(.*/)?ida\w*\.cpp)";
   const std::string cvode = R"(integrators/(.*/)?adams\w*\.cpp)";
   const std::string shared = R"(integrators/sundials_internal\.h)";
-  const std::string statics = R"(engine/(.*/)?static_equations\.cpp)";
+  const std::string statics = R"(engine/analysis/static_equations\.cpp)";
   static const std::vector<Package> all = {
-      {"Boost.Math", std::regex(R"(boost/math/.*)"), std::regex(R"(engine/event_finder\.cpp)"),
+      {"Boost.Math", std::regex(R"(boost/math/.*)"), std::regex(R"(engine/run/event_finder\.cpp)"),
        "engine/run/event_finder.cpp"},
       {"Boost", std::regex(R"(boost/(?!math/).*)"),
-       std::regex(R"(engine/(system_graph\w*|topology\w*|graph_topology)\.cpp)"),
-       "one of engine/system_graph*.cpp, engine/topology*.cpp, engine/factor/graph_topology.cpp", true},
-      {"spdlog, fmt", std::regex(R"((spdlog|fmt)/.*)"), std::regex(R"(engine/log\.cpp)"), "engine/base/log.cpp"},
+       std::regex(R"(engine/factor/graph_topology\w*\.cpp)"), "engine/factor/graph_topology*.cpp", true},
+      {"spdlog, fmt", std::regex(R"((spdlog|fmt)/.*)"), std::regex(R"(engine/base/log\.cpp)"), "engine/base/log.cpp"},
       {"IDA", std::regex(R"(idas?/.*|klu\.h|Eigen/KLUSupport)"), std::regex(ida), "integrators/ida*.cpp"},
       {"CVODE", std::regex(R"(cvodes?/.*)"), std::regex(cvode), "integrators/adams*.cpp"},
       {"SUNDIALS", std::regex(R"((kinsol|sundials|nvector|sunmatrix|sunlinsol|sunnonlinsol|arkode)/.*)"),
        std::regex(ida + "|" + cvode + "|" + shared + "|" + statics),
-       "integrators/ida*.cpp, adams*.cpp, sundials_internal.h, engine/.../static_equations.cpp"},
+       "integrators/ida*.cpp, adams*.cpp, sundials_internal.h, engine/analysis/static_equations.cpp"},
       {"Bullet", std::regex(R"(bt[A-Z]\w*\.h|(BulletCollision|BulletDynamics|BulletSoftBody|LinearMath|bullet)/.*)"),
        std::regex(R"(bodies/shapes\.cpp|joints/contact/.*)"), "bodies/shapes.cpp, joints/contact/"},
       {"Spectra", std::regex(R"(Spectra/.*)"), std::regex(R"(bodies/flexible/.*\.cpp)"), "bodies/flexible/*.cpp"},
@@ -120,7 +124,16 @@ std::string without_comments(const std::string& line, bool& in_comment) {
   return code;
 }
 
-/// Includes written from the root, "engine/model/body.h": the arrows between folders.
+/// Place in the pipeline of "engine/model/body.h": that of "model"; -1: it is in no room.
+int room_of(const std::string& path) {
+  if (kPluginIncludes.contains(path)) return static_cast<int>(kRooms.size()) - 1;
+  const std::size_t first = sizeof "engine/" - 1, slash = path.find('/', first);
+  if (slash == std::string::npos) return -1;
+  const auto at = std::find(kRooms.begin(), kRooms.end(), path.substr(first, slash - first));
+  return at == kRooms.end() ? -1 : static_cast<int>(at - kRooms.begin());
+}
+
+/// Includes written from the root, "engine/model/body.h": the arrows between folders, and between the rooms of engine/.
 std::optional<std::string> broken_arrow(const Source& source, const std::string& included) {
   const std::size_t slash = included.find('/');
   if (slash == std::string::npos || included.starts_with('.'))
@@ -139,6 +152,9 @@ std::optional<std::string> broken_arrow(const Source& source, const std::string&
            "only";
   if (!kArrows.at(source.folder).contains(target)) return source.folder + "/ must not include " + target + "/";
   if (source.is_public_header() && included.ends_with("_internal.h")) return "a public header includes no private one";
+  if (source.folder == "engine" && room_of(source.path) < room_of(included))
+    return "engine/" + kRooms[room_of(source.path)] + "/ comes before engine/" + kRooms[room_of(included)] +
+           "/ and must not include it";
   return std::nullopt;
 }
 
@@ -168,6 +184,8 @@ std::optional<std::string> wrong_home(const Source& source, const std::string& i
 std::string to_string(const Violation& violation) {
   return violation.file + ":" + std::to_string(violation.line) + ": " + violation.text + "\n    " + violation.reason;
 }
+
+std::vector<std::string> rooms() { return kRooms; }
 
 int count_sources(const fs::path& root) { return static_cast<int>(find_sources(root).size()); }
 
@@ -207,6 +225,8 @@ std::vector<Violation> find_violations(const fs::path& root) {
         report(*reason);
       }
     }
+    if (source.folder == "engine" && room_of(source.path) < 0)
+      violations.push_back({source.path, 1, "", "engine/ has rooms: put the file into the one whose idea it serves"});
     if (source.is_header() && !has_pragma_once)
       violations.push_back({source.path, 1, "", "a header begins with #pragma once"});
   }

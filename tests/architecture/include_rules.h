@@ -22,6 +22,9 @@ std::string to_string(const Violation& violation);
 /// arrows between folders, the homes of packages, and headers that show a third-party package to their users.
 std::vector<Violation> find_violations(const std::filesystem::path& root);
 
+/// Folders of engine/, in the order of the pipeline.
+std::vector<std::string> rooms();
+
 /// How many files find_violations reads: a check that it looked at the right tree.
 int count_sources(const std::filesystem::path& root);
 

@@ -144,8 +144,7 @@ def write_topics(root, out):
         "# API reference\n\nThe public headers of `engine/`, `bodies/`, `joints/` and `integrators/`, by topic, from "
         "their own comments. `#include \"lithe/lithe.h\"` has them all; namespace `lithe`.\n\n"
         f"| topic | what | headers |\n|---|---|---|\n{rows}\n\n"
-        "Not here: `engine/plugin_abi.h`, the C border of plug-ins,
-        which is read as it stands. What has no comment yet "
+        "Not here: `engine/plugin_abi.h`, the C border of plug-ins, which is read as it stands. What has no comment yet "
         "is [listed](undocumented.md).\n\n"
         f"```{{toctree}}\n:hidden:\n\n{toc}\nundocumented\n```\n")
 

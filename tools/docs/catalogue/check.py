@@ -21,7 +21,8 @@ PICTURES = ROOT / "docs/pictures/catalogue"
 FOLDERS = ["joints", "joints/forces", "joints/contact", "bodies", "bodies/flexible", "bodies/flexible/readers"]
 FOLDERS += ["bodies/flexible/elements", "integrators", "plugins/massless_rod", "plugins/cam_follower"]
 FOLDERS += ["plugins/inertial_body", "engine/cones", "engine/contact"]
-FILES = ["engine/model/ground.h", "engine/model/contact_element.h", "engine/run/mode_freezing.h"]
+FILES = ["engine/model/ground.h", "engine/model/contact_element.h", "engine/model/contact_memory.h"]
+FILES += ["engine/model/contact_point.h", "engine/observe/contact_sensors.h", "engine/run/mode_freezing.h"]
 FILES += ["engine/run/sleeping_integrator.h", "engine/analysis/kinematics.h"]
 FILES += ["engine/analysis/campbell.h", "engine/analysis/linearization.h", "engine/analysis/equilibrium.h", "engine/observe/event.h"]
 
