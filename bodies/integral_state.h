@@ -16,7 +16,7 @@ class IntegralState final : public Body {
   struct Cache : BodyCache {
     explicit Cache(const IntegralState&) {}
   };
-  /// Throws SceneError for what is no number.
+  /// Throws SceneError for a value that is not finite.
   explicit IntegralState(Parameters parameters);
 
   /// Its rate is the integral.

@@ -9,7 +9,8 @@ namespace lithe {
 
 /// A particle: three coordinates, the place of its mass in the world, and no axes.
 ///   m (p̈ - g) = f
-/// Joints and forces that act at its place alone may hold it; what would turn it is refused (engine/model/point_body.h).
+/// Joints and forces that act at its place alone may hold it; what would turn it is refused
+/// (engine/model/point_body.h).
 class PointMass final : public PointBody {
  public:
   struct Parameters {

@@ -16,7 +16,7 @@
 
    Functions that may fail return 0 if all is well, > 0 if the state cannot be evaluated and a smaller step may help,
    < 0 if it is of no use to go on. Then they may write why into `error` (never more than error_size bytes, ended by
-   zero): one sentence and, after a line feed, how to mend it. None throws. Functions that take a const object may be
+   zero): one sentence and, after a line feed, how to fix it. None throws. Functions that take a const object may be
    called by several threads at once. */
 
 #define LITHE_PLUGIN_VERSION 1

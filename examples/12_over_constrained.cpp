@@ -1,6 +1,6 @@
 // 12_over_constrained: a scissor lift of four stages, all of it spatial hinges, is spread by a slide at its foot.
 //
-// Shows: redundant rows are found, named and borne; the kinematic analysis does not mind them.
+// Shows: redundant rows are detected, reported and handled; the kinematic analysis does not mind them.
 // Expect: the top follows height = stages · sqrt(L² - width²) to 1e-10 m; the drive's force is that of virtual work.
 #include <cstdio>
 

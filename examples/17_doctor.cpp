@@ -1,7 +1,7 @@
 // 17_doctor: a hoist whose rope is far stiffer than its run needs; the doctor says so, and tries what helps.
 //
 // Shows: diagnose(): why a run fails or creeps, which part is to blame, what to change; and the cure tried.
-// Expect: the rope is named with its frequency, sqrt(k/m) to a percent; an implicit method passes; the mended scene is
+// Expect: the rope is named with its frequency, sqrt(k/m) to a percent; an implicit method passes; the fixed scene is
 // sound.
 #include <cmath>
 #include <cstdio>
@@ -57,7 +57,7 @@ int main() {
   const Diagnosis sound = diagnose(hoist(2e4), runge_kutta(), {.setting = 1e-6});
   std::printf("%s\n", sound.text().c_str());
 
-  // 4. Check the answer: the cause and the part first, with its frequency; the cure; no alarm when mended. The rail
+  // 4. Check the answer: the cause and the part first, with its frequency; the cure; no alarm when fixed. The rail
   // lets
   //    the trolley give way along the rope's horizontal part alone.
   const double horizontal = 0.6 / std::hypot(0.6, 1.8);

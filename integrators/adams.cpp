@@ -226,7 +226,7 @@ StepResult Adams::advance(EquationsOfMotion& equations, State& state, double t_s
   m.stalled = !stopped && reached - state.time <= 1e-15 * std::abs(reached) ? m.stalled + 1 : 0;
   if (m.stalled > kMaxStalled)
     return {StepResult::Outcome::failed,
-            "the step shrinks to nothing: the equations give no numbers just ahead, or jump"};
+            "the step shrinks to nothing: the equations give no finite values just ahead, or jump"};
   const double time = stopped && !halve ? t_stop : reached;
   if (!m.settle(time)) return {StepResult::Outcome::failed, "the end of the step cannot be moved onto the constraints"};
   m.begin = state.time, m.end = time;
@@ -300,7 +300,7 @@ StepResult Adams::failed(int flag) {
     case CV_FIRST_RHSFUNC_ERR:
     case CV_REPTD_RHSFUNC_ERR:
     case CV_UNREC_RHSFUNC_ERR:
-      why = "the equations give no numbers, at small steps too";
+      why = "the equations give no finite values, at small steps too";
       break;
     case CV_TOO_MUCH_ACC:
       why = "the tolerance is below round-off";

@@ -10,7 +10,7 @@ namespace lithe {
 namespace {
 
 constexpr int kMaxAttempts = 40;
-constexpr int kMaxSplits = 12;  // a fixed step that gives no numbers is halved that often
+constexpr int kMaxSplits = 12;  // a fixed step that gives no finite values is halved that often
 
 }  // namespace
 
@@ -124,8 +124,8 @@ std::string ExplicitRungeKutta::describe(const Layout& layout, RungeKuttaStep::O
     return "the end of the step cannot be moved onto the constraints at steps of " + size;
   if (outcome == RungeKuttaStep::Outcome::no_number) {
     const int broken = step_->broken();
-    if (broken < 0) return "the coordinates are no numbers at steps of " + size;
-    return "the acceleration is no number at steps of " + size + "; first in " + layout.velocity_name(broken);
+    if (broken < 0) return "the coordinates are not finite at steps of " + size;
+    return "the acceleration is not finite at steps of " + size + "; first in " + layout.velocity_name(broken);
   }
   const std::string why = "the local error stays above the tolerance at steps of " + size;
   return statistics_.limiting < 0 ? why : why + "; largest in " + layout.velocity_name(statistics_.limiting);

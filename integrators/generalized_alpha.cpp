@@ -159,7 +159,7 @@ void GeneralizedAlpha::predict(EquationsOfMotion& equations, const State& state,
 }
 
 /// Takes the Newton correction -rv_ over: d, v, v̇ and q, body by body in one pass over memory. The size of the largest
-/// entry of the chart's change; no number if one is none.
+/// entry of the chart's change; not finite if one is not.
 double GeneralizedAlpha::correct(const Layout& layout, const VectorX& q_start, double of_v, double of_v_dot) {
   double size = 0, finite = 0;
   double *d = d_.data(), *v = v_.data(), *v_dot = v_dot_.data(), *q = q_.data(), *delta = delta_.data();

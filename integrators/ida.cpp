@@ -153,11 +153,12 @@ StepResult Ida::advance(EquationsOfMotion& equations, State& state, double t_sto
     state = again;
     return advance(equations, state, t_stop);
   }
-  // Where the equations give no numbers beyond some time, IDA closes in on it with steps that no longer move time.
+  // Where the equations give no finite values beyond some time, IDA closes in on it with steps that no longer move
+  // time.
   m.stalled = flag != IDA_TSTOP_RETURN && reached - state.time <= 1e-15 * std::abs(reached) ? m.stalled + 1 : 0;
   if (m.stalled > kMaxStalled)
     return {StepResult::Outcome::failed,
-            "the step shrinks to nothing: the equations give no numbers just ahead, or jump"};
+            "the step shrinks to nothing: the equations give no finite values just ahead, or jump"};
   state.time = flag == IDA_TSTOP_RETURN ? t_stop : reached;
   m.form.unpack(Memory::map(m.y), Memory::map(m.y_dot), state);
   return {};
@@ -207,7 +208,7 @@ StepResult Ida::failed(int flag) const {
       break;
     case IDA_REP_RES_ERR:
     case IDA_FIRST_RES_FAIL:
-      why = "the equations give no numbers, at small steps too";
+      why = "the equations give no finite values, at small steps too";
       break;
     case IDA_TOO_MUCH_ACC:
       why = "the tolerance is below round-off";

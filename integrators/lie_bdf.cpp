@@ -182,7 +182,7 @@ LieBdf::Newton LieBdf::iterate(EquationsOfMotion& equations, const State& start,
     }
     // 1. Dynamics, and G v + ∂g/∂t = 0. A factor of another step is balanced for inertia, the larger part.
     equations.constraint(Level::velocity, rl2_);
-    // Before the factor spreads it over all coordinates, what is no number tells where it comes from.
+    // Before the factor spreads it over all coordinates, a value that is not finite tells where it comes from.
     if (!rv_.allFinite() || !rl2_.allFinite()) return Newton::no_number;
     rv_ *= -2 / (1 + w * w / (factor_weight_ * factor_weight_));
     rl2_ /= -w;

@@ -118,11 +118,11 @@ std::string LieBdf::describe(const Layout& layout, Newton newton, double h) cons
   }
   for (int i = 0; i < rv_.size(); ++i)
     if (!std::isfinite(rv_[i]))
-      return "the equations give no numbers at steps of " + size + "; first in " + layout.velocity_name(i);
+      return "the equations give no finite values at steps of " + size + "; first in " + layout.velocity_name(i);
   for (int i = 0; i < rl2_.size(); ++i)
     if (!std::isfinite(rl2_[i]))
-      return "the equations give no numbers at steps of " + size + "; first in " + layout.row_name(i);
-  return "the equations give no numbers at steps of " + size;
+      return "the equations give no finite values at steps of " + size + "; first in " + layout.row_name(i);
+  return "the equations give no finite values at steps of " + size;
 }
 
 }  // namespace lithe

@@ -119,7 +119,7 @@ StepResult LinearlyImplicit::advance(EquationsOfMotion& equations, State& state,
     project(equations, time, end_);
   }
   if (!end_.q.allFinite() || !end_.v.allFinite() || !end_.v_dot.allFinite() || !end_.lambda.allFinite())
-    return {StepResult::Outcome::failed, "the equations give no numbers at the step of " + step_text(h) +
+    return {StepResult::Outcome::failed, "the equations give no finite values at the step of " + step_text(h) +
                                              (broken_ < 0 ? "" : "; first in " + layout.velocity_name(broken_))};
   state.time = time;
   state.q = end_.q;

@@ -44,7 +44,7 @@ class LinearlyImplicit final : public Integrator {
   IntegratorStatistics statistics_;
   Point start_, half_, end_, whole_;
   VectorX d_, turned_, rv_, rl_, rl2_;
-  int broken_ = -1;  // first equation that gave no number in this step
+  int broken_ = -1;  // first equation that gave no finite value in this step
 };
 
 }  // namespace lithe

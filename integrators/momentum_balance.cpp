@@ -151,7 +151,7 @@ StepResult MomentumBalance::advance(EquationsOfMotion& equations, State& state, 
       Eigen::Index worst = 0;
       rv_.cwiseAbs().maxCoeff(&worst);
       return {StepResult::Outcome::failed,
-              (outcome == Attempt::no_number ? "velocities or reactions are no number at steps of "
+              (outcome == Attempt::no_number ? "velocities or reactions are not finite at steps of "
                                              : "Newton does not converge at steps of ") +
                   step_text(h) + "; largest correction in " +
                   equations.layout().velocity_name(static_cast<int>(worst))};

@@ -39,7 +39,7 @@ class MomentumBalance : public Integrator {
   /// out += weight M D with the deformation of the state evaluated last, coordinates q, and the orientations of q_axes.
   void add_deformed_momentum(EquationsOfMotion& equations, ConstVectorRef q, ConstVectorRef q_axes, ConstVectorRef D,
                              double weight, VectorRef out);
-  /// Consistent v_dot_ and lambda_ at (time, q_, v_); false if they are no numbers.
+  /// Consistent v_dot_ and lambda_ at (time, q_, v_); false if they are not finite.
   bool finish(EquationsOfMotion& equations, double time, Projector::Factor factor);
 
   /// Watches Newton's corrections in the velocities, relative to 1 + the largest velocity.

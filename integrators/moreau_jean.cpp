@@ -50,7 +50,7 @@ StepResult MoreauJean::advance(EquationsOfMotion& equations, State& state, doubl
   equations.residual(v_, equations.reacts() ? lambda_ : rl_, rv_);
   if (!rv_.allFinite()) {
     const auto broken = std::find_if(rv_.begin(), rv_.end(), [](double x) { return !std::isfinite(x); });
-    return {StepResult::Outcome::failed, "the equations give no numbers at the step of " + step_text(h) +
+    return {StepResult::Outcome::failed, "the equations give no finite values at the step of " + step_text(h) +
                                              "; first in " +
                                              layout.velocity_name(static_cast<int>(broken - rv_.begin()))};
   }
@@ -72,7 +72,7 @@ StepResult MoreauJean::advance(EquationsOfMotion& equations, State& state, doubl
   if (rl_.size() > 0) close_joints(equations, time);
   if (rigid) impulses_.remember(equations, v_, h, state.contacts);
   if (!q_.allFinite() || !v_.allFinite())
-    return {StepResult::Outcome::failed, "the contact problem gives no numbers at the step of " + step_text(h)};
+    return {StepResult::Outcome::failed, "the contact problem gives no finite values at the step of " + step_text(h)};
 
   state.v_dot = (v_ - state.v) / h;
   state.time = time;

@@ -73,7 +73,7 @@ StepResult NonsmoothGeneralizedAlpha::advance(EquationsOfMotion& equations, Stat
   state.q = q_;
   state.v = v_;
   if (!q_.allFinite() || !v_.allFinite())
-    return {StepResult::Outcome::failed, "the contact problem gives no numbers at the step of " + step_text(h)};
+    return {StepResult::Outcome::failed, "the contact problem gives no finite values at the step of " + step_text(h)};
   restart(equations, state);
   smooth_v_dot_ = state.v_dot, smooth_lambda_ = state.lambda;
   jumped_ = true;

@@ -161,7 +161,7 @@ void RadauStages::correct(EquationsOfMotion& equations, double h) {
   v_ += dv_;
   v_dot_ += dv_.lazyProduct(A_inverse_.transpose() / h);
   lambda_ += dl_.lazyProduct(T_.transpose());
-  // 4. Positions follow velocities by h A; what that leaves of g is mended along one direction B for all stages (of the
+  // 4. Positions follow velocities by h A; what that leaves of g is fixed along one direction B for all stages (of the
   // real factor alone: the complex one may be older, and a second direction would cost the order).
   g_ -= g_dot_.lazyProduct(h * A_.transpose());
   for (int row : equations.velocity_rows()) g_.row(row).setZero();

@@ -52,7 +52,7 @@ class RadauStages {
   double worst_rate() const { return worst_rate_; }
   /// Whether Newton went so fast that the complex factor should be kept: the next step then had better be as long.
   bool worth_keeping() const { return rate_ <= kKeep; }
-  /// Index of the velocity whose correction was the largest, or the first that was no number.
+  /// Index of the velocity whose correction was the largest, or the first that was not finite.
   int worst() const;
 
  private:

@@ -28,7 +28,7 @@ class RungeKuttaStep {
   /// Root mean square of error over allowance; component() is then the velocity with the largest share in it.
   double error(const State& start, double h, const Tolerance& tolerance);
   int component() const { return component_; }
-  /// First velocity whose acceleration is no number; -1: none.
+  /// First velocity whose acceleration is not finite; -1: none.
   int broken() const;
   /// Hands out q, v, v_dot and lambda at the end of the step; without lambda if it may come later and is not there.
   void finish(State& state, Multipliers multipliers);

@@ -16,7 +16,7 @@ class DistanceJoint final : public Joint</*markers=*/2, /*rows=*/1> {
     MotionLaw length_law{};  // L(t), m, instead: a rod that telescopes
   };
 
-  /// Throws SceneError for a length that is negative or no number.
+  /// Throws SceneError for a length that is negative or not finite.
   explicit DistanceJoint(Parameters parameters);
 
   double length() const { return length_; }

@@ -32,7 +32,7 @@ void GearPair::initialize(std::span<const MarkerView> m) {
   if (std::abs(apart - mesh) > 0.01 * mesh)
     throw SceneError("the centres are " + std::to_string(apart) + " m apart; gears of these radii mesh at " +
                          std::to_string(mesh) + " m",
-                     "", "move the markers or mend the radii (that of a ring gear is negative)");
+                     "", "move the markers or fix the radii (that of a ring gear is negative)");
   offset_ = a * drawn::angle(measure(JointCoordinate::Kind::bearing, 2, m[0], m[1]).value) +
             b * drawn::angle(measure(JointCoordinate::Kind::bearing, 2, m[1], m[0]).value);
 }

@@ -15,7 +15,7 @@ class GearPair final : public Joint</*markers=*/2, /*rows=*/1> {
   struct Parameters {
     double radius_A = 0, radius_B = 0;  // pitch radii, m
   };
-  /// Throws SceneError for radii that are zero or no numbers.
+  /// Throws SceneError for radii that are zero or not finite.
   explicit GearPair(Parameters parameters);
   std::vector<MeasuredAngle> angles() const override {
     return {{.A = 0, .B = 1, .axis = 2, .to_point = true}, {.A = 1, .B = 0, .axis = 2, .to_point = true}};

@@ -14,7 +14,7 @@ class RackAndPinion final : public Joint</*markers=*/2, /*rows=*/1> {
   struct Parameters {
     double radius = 0;  // r, pitch radius, m
   };
-  /// Throws SceneError for a radius that is zero or no number.
+  /// Throws SceneError for a radius that is zero or not finite.
   explicit RackAndPinion(Parameters parameters);
   std::vector<MeasuredAngle> angles() const override { return {{1, 0, 2}}; }
   bool depends_on_time() const override { return false; }

@@ -14,7 +14,7 @@ class ScrewJoint final : public Joint</*markers=*/2, /*rows=*/5> {
   struct Parameters {
     double lead = 0;  // m a turn
   };
-  /// Throws SceneError for a lead that is zero or no number.
+  /// Throws SceneError for a lead that is zero or not finite.
   explicit ScrewJoint(Parameters parameters);
 
   JointCoordinate angle() const { return {JointCoordinate::Kind::angle, markers()[0], markers()[1]}; }

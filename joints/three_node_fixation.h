@@ -10,8 +10,8 @@ namespace lithe {
 /// Three nodes of a body held by a fourth marker, on another body or on ground, where they are as drawn.
 ///   g = p_i - (p_H + R_H c_i), i = 1, 2, 3, nine rows, world axes; c_i from the drawing. (docs/equations.md 5.4, 7.3)
 /// Nodes that are not in one line make a clamp; in one line, a hinge. A rigid body cannot fill nine rows, a flexible
-/// one only as far as its modes strain the triangle: the dependent rows are found by assemble(), named and borne, and
-/// the rest removes those modes. Vlasenko & Kasper hold a flexible pendulum this way.
+/// one only as far as its modes strain the triangle: the dependent rows are found by assemble(), reported and handled,
+/// and the rest removes those modes. Vlasenko & Kasper hold a flexible pendulum this way.
 class ThreeNodeFixation final : public Joint</*markers=*/4, /*rows=*/9> {
  public:
   bool depends_on_time() const override { return false; }

@@ -5,7 +5,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 test=${1:-build/release/tests/reference_test}
-[[ -x $test ]] || { echo "error: $test is not there; mend: build the tests first (tools/test.sh)" >&2; exit 1; }
+[[ -x $test ]] || { echo "error: $test is not there; fix: build the tests first (tools/test.sh)" >&2; exit 1; }
 lines=$(mktemp)
 trap 'rm -f "$lines"' EXIT
 # Marks are the tests' business; here expectations at loose tolerances do not count.

@@ -253,8 +253,8 @@ ModelCheck check(const FiniteElementModel& model, Definiteness definiteness) {
 
 ModelCheck require_sound(const FiniteElementModel& model, Definiteness definiteness) {
   const ModelCheck found = check(model, definiteness);
-  const auto refuse = [&](const std::string& problem, const std::string& mend) {
-    throw SceneError(problem, where(model), mend);
+  const auto refuse = [&](const std::string& problem, const std::string& fix) {
+    throw SceneError(problem, where(model), fix);
   };
   const auto beyond = [](double value, double bound) {
     return figure(value) + ", the bound is " + figure(bound) + ".";

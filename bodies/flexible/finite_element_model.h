@@ -95,7 +95,7 @@ enum class Definiteness { counted, not_looked_at };
 /// Measures a model. Throws SceneError only for what cannot be measured (sizes that do not match, NaN, unknown labels).
 ModelCheck check(const FiniteElementModel& model, Definiteness definiteness = Definiteness::counted);
 /// check(), then throws SceneError on what makes a model unusable: asymmetry, mass <= 0, a rigid motion with
-/// stiffness, indefinite M or K, asymmetric damping. Names the figure, the bound and how to mend it.
+/// stiffness, indefinite M or K, asymmetric damping. Names the figure, the bound and how to fix it.
 ModelCheck require_sound(const FiniteElementModel& model, Definiteness definiteness = Definiteness::counted);
 
 }  // namespace lithe

@@ -93,7 +93,7 @@ class FlexibleBody final : public DeformableBody, public DrawableBody {
   /// weighted means of these nodes: of each component b the positive parts together and the negative ones,
   ///   F = Σ |f_b| e_b at Σ w_i r_i, w_i = |f_i,b| / Σ |f_b|.
   /// Markers have the mesh's axes and turn with the body frame. For joints/forces/distributed_load.h. SceneError for
-  /// other than one force a node, for what is no number, and for no force at all.
+  /// other than one force a node, for a value that is not finite, and for no force at all.
   NodalLoad nodal_load(const std::vector<int>& ids, const Matrix3X& forces);
   /// The body frame itself; does not follow the deformation.
   Marker frame(const Matrix3& orientation = Matrix3::Identity());

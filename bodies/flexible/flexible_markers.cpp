@@ -175,7 +175,7 @@ NodalLoad FlexibleBody::nodal_load(const std::vector<int>& ids, const Matrix3X& 
         "a nodal load has " + std::to_string(forces.cols()) + " forces on " + std::to_string(ids.size()) + " nodes",
         place, "give a column of forces a node");
   if (!forces.allFinite())
-    throw SceneError("a nodal load has a force that is no number", place, "look how the field was computed");
+    throw SceneError("a nodal load has a force that is not finite", place, "look how the field was computed");
   const std::vector<int> nodes = indices_of(ids);
   NodalLoad load;
   for (int axis = 0; axis < 3; ++axis)

@@ -52,8 +52,8 @@ std::shared_ptr<const ModalBasis> basis_from_modes(std::string name, const Matri
                                                    const MatrixX& modes) {
   const Eigen::Index n = nodes.cols(), nm = modes.cols();
   const std::string where = "basis '" + name + "'";
-  const auto refuse = [&](const std::string& problem, const std::string& mend) {
-    throw SceneError(problem, where, mend);
+  const auto refuse = [&](const std::string& problem, const std::string& fix) {
+    throw SceneError(problem, where, fix);
   };
   if (modes.rows() != 3 * n || nodal_mass.rows() != n || nodal_mass.cols() != n)
     refuse("the modes have " + std::to_string(modes.rows()) + " rows and the mass " +

@@ -163,7 +163,7 @@ NodalLoads nodal_loads(const FlexibleBody& body, Snapshot& snapshot, LoadGeometr
   loads.spread_force = basis.rotation * missing.head<3>();
   loads.spread_moment = basis.rotation * missing.segment<3>(3);
   if (!loads.forces.allFinite())
-    throw SceneError("nodal loads of '" + body.name() + "' that are no numbers at " + std::to_string(loads.time) + " s",
+    throw SceneError("nodal loads of '" + body.name() + "' that are not finite at " + std::to_string(loads.time) + " s",
                      body.where(), "look at the accelerations of the state: an integrator must have set them");
   return loads;
 }

@@ -51,7 +51,7 @@ NodeAverage::NodeAverage(const Matrix3X& positions, std::vector<int> indices, co
           "give a weight a node, or none.");
     weights = Eigen::Map<const VectorX>(given.data(), count);
     if (!(weights.minCoeff() >= 0) || !(weights.sum() > 0) || !weights.allFinite())
-      throw SceneError("an average has a weight that is negative or no number, or none that is positive.", where,
+      throw SceneError("an average has a weight that is negative or not finite, or none that is positive.", where,
                        "give weights like the areas that the nodes stand for; only their ratios count.");
   }
   weights /= weights.sum();

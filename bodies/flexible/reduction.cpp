@@ -135,7 +135,7 @@ MatrixX given_shapes(const FiniteElementModel& model, const FramePlacement& plac
                      const MatrixX& given) {
   if (given.rows() != model.dof_count() || !given.allFinite())
     throw SceneError("the given modes have " + std::to_string(given.rows()) + " rows for " +
-                         std::to_string(model.dof_count()) + " degrees of freedom, or an entry that is no number.",
+                         std::to_string(model.dof_count()) + " degrees of freedom, or an entry that is not finite.",
                      placed.where, "give dofs x k, three rows a node, then those of the nodal rotations.");
   const SparseMatrix turn = axes_turn(model, placed.rotation).transpose();
   const MatrixX R = rigid_motions_left(placed.nodes, model.rotations, {});

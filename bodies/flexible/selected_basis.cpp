@@ -21,8 +21,8 @@ SparseMatrix diagonal(const VectorX& values) {
 }
 
 void check_selection(const ModalBasis& whole, const Fidelity& fidelity) {
-  const auto refuse = [&](const std::string& problem, const std::string& mend) {
-    throw SceneError(problem, "basis '" + whole.name + "'", mend);
+  const auto refuse = [&](const std::string& problem, const std::string& fix) {
+    throw SceneError(problem, "basis '" + whole.name + "'", fix);
   };
   if (whole.nodal || !whole.diagonal)
     refuse("a part of the modes was asked of a basis that is not of eigenmodes.",

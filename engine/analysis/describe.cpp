@@ -37,7 +37,7 @@ std::string describe(const System& system) {
     if (b.linear > 0) out << ", " << b.linear << " elastic coordinates";
     out << '\n';
   }
-  if (!system.redundant_rows().empty()) out << "redundant rows, borne:\n";
+  if (!system.redundant_rows().empty()) out << "redundant rows, handled:\n";
   for (const RedundantRow& row : system.redundant_rows())
     out << "  " << row.name << (row.repeats.empty() ? " restrains nothing" : " repeats " + row.repeats) << '\n';
 

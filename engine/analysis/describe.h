@@ -10,7 +10,7 @@ namespace lithe {
 /// redundant row with the row it repeats, and each free motion at the start with the velocity that tells it and the
 /// bodies that take part:
 ///   2 bodies, 14 coordinates, 12 velocities, 11 constraint rows of rank 10, 2 degrees of freedom
-///   redundant rows, borne:
+///   redundant rows, handled:
 ///     'guide' row 2 repeats 'pin' row 5
 ///   free motions at the start:
 ///     1. rod: omega_y, with slider

@@ -87,7 +87,7 @@ bool Kinematics::reach(EquationsOfMotion& equations, double time, State& state) 
     return rows_.lpNorm<Eigen::Infinity>();
   };
   const double asked = rate_error(VectorX::Zero(layout.v_count()));
-  for (int round = 0; round < 2; ++round) projector.velocity(time, trial_.q, trial_.v);  // the second mends round-off
+  for (int round = 0; round < 2; ++round) projector.velocity(time, trial_.q, trial_.v);  // the second fixes round-off
   const double speed = trial_.v.lpNorm<Eigen::Infinity>(), former = state.v.lpNorm<Eigen::Infinity>();
   const bool solved = trial_.v.allFinite() && rate_error(trial_.v) <= kRateTolerance * (asked + 1e-9 * speed) + 1e-12;
   const bool smooth = h == 0 || former <= kFromRest * speed ||

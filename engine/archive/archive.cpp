@@ -11,7 +11,7 @@
 namespace lithe {
 namespace {
 
-constexpr const char* kMend =
+constexpr const char* kFix =
     "resume what this version of Lithe wrote, with the same kind of integrator, observers and events";
 
 std::string text_of(double value) {
@@ -35,7 +35,7 @@ struct Bytes {
   std::size_t left;
   const std::string& source;
 
-  [[noreturn]] void fail() const { throw FileError("the bytes are no archive, or cut short", source, kMend); }
+  [[noreturn]] void fail() const { throw FileError("the bytes are no archive, or cut short", source, kFix); }
   template <class Value>
   std::vector<Value> take() {
     std::uint64_t count = 0;
@@ -87,11 +87,11 @@ Archive::Archive(std::string source, Content content)
     places[kind] += count;
   }
   if (!whole || !std::equal(places, places + 3, sizes))
-    throw FileError("the checkpoint is not whole: what it lists is not what it holds", source_, kMend);
+    throw FileError("the checkpoint is not whole: what it lists is not what it holds", source_, kFix);
 }
 
 void Archive::refuse(std::string_view name, const std::string& problem) const {
-  throw FileError("the checkpoint's '" + path(name) + "' " + problem, source_, kMend);
+  throw FileError("the checkpoint's '" + path(name) + "' " + problem, source_, kFix);
 }
 
 void Archive::add(std::string_view name, Kind kind, std::int64_t rows, std::int64_t columns) {

@@ -84,7 +84,7 @@ class SystemBuilder {
       s.body->initial_state(q, v);
       for (int i = 0; i < q.size() + v.size(); ++i)
         if (!std::isfinite(i < q.size() ? q[i] : v[i - q.size()]))
-          throw SceneError("body '" + s.body->name() + "' starts with a coordinate that is no number", s.body->where(),
+          throw SceneError("body '" + s.body->name() + "' starts with a coordinate that is not finite", s.body->where(),
                            "give finite initial position, orientation and velocities");
     }
   }
@@ -187,7 +187,7 @@ class SystemBuilder {
     try {
       element.initialize(connector::Views(poses.data(), static_cast<int>(poses.size())));
     } catch (const SceneError& error) {
-      throw SceneError("'" + element.name() + "': " + error.problem(), element.where(), error.mend());
+      throw SceneError("'" + element.name() + "': " + error.problem(), element.where(), error.fix());
     }
     refuse_moments(element, markers, poses);
   }
@@ -461,7 +461,7 @@ class SystemBuilder {
       const std::vector<int> nearby = dependent_nearby(kDependent);
       if (nearby.size() < dependent.size()) {
         log::warn("the start is a singular position: " + std::to_string(dependent.size() - nearby.size()) +
-                  " of its rows lose rank there alone\n  mend: none needed where velocities tell the branch to follow; "
+                  " of its rows lose rank there alone\n  fix: none needed where velocities tell the branch to follow; "
                   "accelerations at t = 0 are not unique.");
         dependent = nearby;
         assembler.factor_->drop_rows(dependent);
@@ -539,7 +539,7 @@ class SystemBuilder {
     assembler.recall(system_.initial_.quadrants);
     projector.accelerations(0, q_, v_, system_.initial_.v_dot, system_.initial_.lambda);
     if (!system_.initial_.v_dot.allFinite())
-      throw SceneError("the accelerations at t = 0 are no numbers", "assemble",
+      throw SceneError("the accelerations at t = 0 are not finite", "assemble",
                        "look for a body without mass or inertia, or a force that divides by a zero distance");
     assembler.minimum_norm(system_.initial_.lambda);
   }

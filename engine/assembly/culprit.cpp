@@ -66,7 +66,7 @@ bool is_finite(Assembler& assembler, const Layout::BodySlice& slice, const Vecto
 }
 
 std::string in_words(const Element& element, double time) {
-  return "'" + element.name() + "' (" + element.where() + ") gives what is no finite number at " + time_text(time);
+  return "'" + element.name() + "' (" + element.where() + ") gives a value that is not finite at " + time_text(time);
 }
 
 /// At one state, whose numbers are finite.
@@ -87,7 +87,7 @@ std::string look_at(Assembler& assembler, const State& state) {
     if (dynamic_cast<const ContactElement*>(entry.force)) continue;
     if (!is_finite(assembler, *entry.force, state.time)) return in_words(*entry.force, state.time);
   }
-  if (!assembler.workspace().load.allFinite()) return "a contact gives what is no finite number";
+  if (!assembler.workspace().load.allFinite()) return "a contact gives a value that is not finite";
   return "";
 }
 

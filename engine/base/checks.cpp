@@ -5,7 +5,7 @@
 namespace lithe::require {
 namespace {
 
-[[noreturn]] void fail(const std::string& what, const std::string& mend) { throw SceneError(what, "", mend); }
+[[noreturn]] void fail(const std::string& what, const std::string& fix) { throw SceneError(what, "", fix); }
 
 }  // namespace
 

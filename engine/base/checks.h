@@ -5,7 +5,7 @@
 #include "engine/base/error.h"
 #include "engine/base/math.h"
 
-/// Checks of parameters; each throws SceneError that says which parameter is wrong and how to mend it. SystemGraph::add
+/// Checks of parameters; each throws SceneError that says which parameter is wrong and how to fix it. SystemGraph::add
 /// puts the element's name and the line of the scene before it.
 namespace lithe::require {
 
@@ -24,7 +24,7 @@ void at(const std::string& where, Checks&& checks) {
   try {
     checks();
   } catch (const SceneError& error) {
-    throw SceneError(error.problem(), where, error.mend());
+    throw SceneError(error.problem(), where, error.fix());
   }
 }
 

@@ -5,13 +5,13 @@
 
 namespace lithe {
 
-Error::Error(std::string what, std::string where, std::string mend)
-    : std::runtime_error("error: " + what + "\n  at:   " + where + "\n  mend: " + mend),
+Error::Error(std::string what, std::string where, std::string fix)
+    : std::runtime_error("error: " + what + "\n  at:   " + where + "\n  fix: " + fix),
       problem_(std::move(what)),
       where_(std::move(where)),
-      mend_(std::move(mend)) {}
+      fix_(std::move(fix)) {}
 
-void rethrow_as_error(const std::string& who, const std::string& where, const std::string& mend) {
+void rethrow_as_error(const std::string& who, const std::string& where, const std::string& fix) {
   try {
     throw;
   } catch (const Error&) {
@@ -20,9 +20,9 @@ void rethrow_as_error(const std::string& who, const std::string& where, const st
     std::throw_with_nested(SimulationError("memory ran out in " + who, where,
                                            "free some, or make the scene or what is recorded of it smaller"));
   } catch (const std::exception& error) {
-    std::throw_with_nested(SimulationError(who + " threw: " + error.what(), where, mend));
+    std::throw_with_nested(SimulationError(who + " threw: " + error.what(), where, fix));
   } catch (...) {
-    std::throw_with_nested(SimulationError(who + " threw something that is no std::exception", where, mend));
+    std::throw_with_nested(SimulationError(who + " threw something that is no std::exception", where, fix));
   }
 }
 

@@ -16,18 +16,18 @@ struct Located {
       : text(std::move(what)), where(here) {}
 };
 
-/// A mistake in a scene, a file or an argument: what is wrong, where, and how to mend it.
+/// A mistake in a scene, a file or an argument: what is wrong, where, and how to fix it.
 /// Thrown by the call that saw it; nothing that was computed before is lost.
 class Error : public std::runtime_error {
  public:
-  Error(std::string what, std::string where, std::string mend);
+  Error(std::string what, std::string where, std::string fix);
 
   const std::string& problem() const { return problem_; }  // what is wrong, one sentence
   const std::string& where() const { return where_; }      // file:line, body, joint or coordinate
-  const std::string& mend() const { return mend_; }        // what the user can do
+  const std::string& fix() const { return fix_; }        // what the user can do
 
  private:
-  std::string problem_, where_, mend_;
+  std::string problem_, where_, fix_;
 };
 
 /// The scene cannot be built as drawn: parameters, markers, connectivity, initial conditions.
@@ -49,7 +49,7 @@ class SimulationError : public Error {
 /// Within a handler: throws what is being handled as an Error. One of Lithe's own passes as it is; lack of memory and
 /// what other code throws become a SimulationError: "`who` threw: ...", with the original nested in it
 /// (std::rethrow_if_nested). Where memory does not even suffice for that, std::bad_alloc passes.
-[[noreturn]] void rethrow_as_error(const std::string& who, const std::string& where, const std::string& mend);
+[[noreturn]] void rethrow_as_error(const std::string& who, const std::string& where, const std::string& fix);
 
 /// "file.cpp:12", the last path component only, as errors print it.
 std::string to_string(const std::source_location& where);

@@ -9,7 +9,7 @@ namespace lithe {
 class CubicSpline {
  public:
   /// `what` is named in errors. Throws SceneError for fewer than two points, lists of different lengths, x that do not
-  /// grow, and what is no number.
+  /// grow, and a value that is not finite.
   CubicSpline(std::vector<double> x, std::vector<double> y, const std::string& what);
 
   struct Value {

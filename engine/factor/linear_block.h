@@ -18,7 +18,8 @@ namespace lithe {
 /// O(n m²) here, m = 6 + rows at its markers: nothing that grows with the nodes of its mesh.
 ///
 /// Load and spin may soften D = K + M/h² until it is indefinite: a sparse D then goes to LU with pivots instead of
-/// Cholesky. Where D is singular but for round-off, every solution is NaN: to an integrator that is a step which failed.
+/// Cholesky. Where D is singular but for round-off, every solution is NaN: to an integrator that is a step which
+/// failed.
 template <class Scalar>
 class LinearBlock {
  public:

@@ -12,9 +12,9 @@ void rethrow_of(const Element& element, double time) {
   } catch (const SimulationError& error) {
     if (error.where() == where) throw;  // just made
     const bool named = error.problem().find(who) != std::string::npos;
-    throw SimulationError(named ? error.problem() : who + ": " + error.problem(), where, error.mend());
+    throw SimulationError(named ? error.problem() : who + ": " + error.problem(), where, error.fix());
   } catch (const Error& error) {
-    throw SimulationError(who + ": " + error.problem(), where, error.mend());
+    throw SimulationError(who + ": " + error.problem(), where, error.fix());
   }
 }
 

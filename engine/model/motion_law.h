@@ -21,7 +21,7 @@ MotionLaw harmonic(double amplitude, double angular_frequency, double phase = 0,
 /// continuous. Throws SceneError for an end not after the begin.
 MotionLaw smooth_step(double from, double to, double begin, double end);
 /// Natural cubic spline through a table; beyond it a straight line. Throws SceneError for fewer than two points, lists
-/// of different lengths, times that do not grow, and what is no number.
+/// of different lengths, times that do not grow, and a value that is not finite.
 MotionLaw tabulated(std::vector<double> times, std::vector<double> values);
 /// Sum of two motions.
 MotionLaw operator+(MotionLaw a, MotionLaw b);

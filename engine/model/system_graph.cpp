@@ -14,7 +14,7 @@ SystemGraph::SystemGraph(Parameters parameters) : parameters_(std::move(paramete
   try {
     require::finite(parameters_.gravity, "gravity");
   } catch (const SceneError& error) {
-    throw SceneError(error.problem(), "SystemGraph", error.mend());
+    throw SceneError(error.problem(), "SystemGraph", error.fix());
   }
   auto ground = std::make_unique<Ground>();
   ground_ = ground.get();
@@ -78,11 +78,11 @@ void SystemGraph::adopt(std::unique_ptr<Element> element, const Located& name) {
 }
 
 void SystemGraph::check_markers(const Element& element, const std::vector<Marker>& markers, int expected) {
-  const auto refuse = [&](const std::string& what, const std::string& mend) {
+  const auto refuse = [&](const std::string& what, const std::string& fix) {
     const std::string name = element.name(), where = element.where();
     by_name_.erase(name);
     elements_.pop_back();  // the element was never part of the scene
-    throw SceneError("'" + name + "': " + what, where, mend);
+    throw SceneError("'" + name + "': " + what, where, fix);
   };
   if (static_cast<int>(markers.size()) != expected)
     refuse("needs " + std::to_string(expected) + " markers and got " + std::to_string(markers.size()),

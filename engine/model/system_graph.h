@@ -120,7 +120,8 @@ class SystemGraph {
   const std::vector<ForceEntry>& forces() const { return forces_; }
 
   /// A graph of some elements of `whole`, which stays their owner and must outlive it: its ground, and what is shared.
-  /// Elements of its own may be added too. For parts of a scene, and scenes simplified (engine/simplify/simplification.h).
+  /// Elements of its own may be added too. For parts of a scene, and scenes simplified
+  /// (engine/simplify/simplification.h).
   static std::unique_ptr<SystemGraph> part_of(SystemGraph& whole);
   void share(const BodyEntry& entry);
   /// Tied at other markers than in the graph that owns it: of bodies that stand in for others. SceneError for markers
@@ -156,7 +157,7 @@ class SystemGraph {
       adopt(std::move(element), name);
       return reference;
     } catch (const SceneError& error) {
-      throw SceneError("'" + name.text + "': " + error.problem(), to_string(name.where), error.mend());
+      throw SceneError("'" + name.text + "': " + error.problem(), to_string(name.where), error.fix());
     } catch (...) {
       rethrow_as_error("'" + name.text + "'", to_string(name.where), "see what its constructor says");
     }

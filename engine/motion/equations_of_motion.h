@@ -44,8 +44,8 @@ class EquationsOfMotion {
   /// number is that of the scene; which they are depends on the pose: factorize() leaves out a row that comes to depend
   /// on the others instead of one that no longer does.
   virtual const std::vector<int>& redundant_rows() const = 0;
-  /// Takes these rows from a state (State::left_out), and writes them there: the choice has a memory, and a step depends
-  /// on nothing but its state.
+  /// Takes these rows from a state (State::left_out), and writes them there: the choice has a memory, and a step
+  /// depends on nothing but its state.
   virtual void recall_rows(const std::vector<int>& /*left_out*/) {}
   virtual void track_rows(std::vector<int>& /*left_out*/) const {}
   /// Whether joints close loops: only then can constraints lose rank on the way.

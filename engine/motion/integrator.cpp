@@ -242,7 +242,7 @@ int largest_share(ConstVectorRef error, ConstVectorRef magnitudes, const Toleran
   double share = -1;
   for (Eigen::Index i = 0; i < error.size(); ++i) {
     const double ratio = std::abs(error[i]) / (tolerance.absolute + tolerance.relative * magnitudes[i]);
-    if (ratio <= share) continue;  // one that is no number is named
+    if (ratio <= share) continue;  // one that is not finite is named
     largest = static_cast<int>(i);
     if (std::isnan(ratio)) break;
     share = ratio;

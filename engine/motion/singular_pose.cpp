@@ -112,14 +112,15 @@ std::optional<double> SingularPose::search(const State& state, double step, doub
   double before = from, ahead = to, value_before = now, value = nearness(state, to);
   for (int k = 0; k < kSecants && std::abs(value) > kSmall * std::abs(now); ++k) {
     const double next = ahead - value * (ahead - before) / (value - value_before);
-    if (!(next > -step) || !(next < reach)) return {};  // or no number
+    if (!(next > -step) || !(next < reach)) return {};  // or not finite
     before = ahead, value_before = value;
     ahead = next;
     if (std::abs(ahead - before) < kNear * step) break;  // at the pose itself rows give way, and the sum means nothing
     value = nearness(state, next);
   }
   if (!(ahead > -step) || !(ahead < reach)) return {};
-  // Neither a pole nor a near miss: the signs before and behind it differ, the sizes hardly, and nearer they are smaller.
+  // Neither a pole nor a near miss: the signs before and behind it differ, the sizes hardly, and nearer they are
+  // smaller.
   const double length = 0.05 * step, behind = nearness(state, ahead + length), ago = nearness(state, ahead - length);
   const double change = std::abs(behind - ago);
   if (!(std::abs(behind + ago) < kEven * change)) return {};

@@ -8,8 +8,8 @@
 
 namespace lithe {
 
-/// Takes a motion through a pose where closed loops lose rank and branches of the motion meet (a parallelogram that lies
-/// flat), on the branch on which its velocity is smooth.
+/// Takes a motion through a pose where closed loops lose rank and branches of the motion meet (a parallelogram that
+/// lies flat), on the branch on which its velocity is smooth.
 ///
 /// Near such a pose, δ seconds away, an error ε in γ becomes ε/δ in v̇ and multipliers grow like 1/δ, while the motion
 /// itself is smooth: methods shorten their steps towards it without end. One step of Gauss collocation across, no node

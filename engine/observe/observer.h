@@ -8,7 +8,7 @@ namespace lithe {
 
 class Archive;
 
-/// One who is told of the states that a simulation comes by: a recorder, a live plot, a log. Owned by the scene; the
+/// Receives the states of a run: a recorder, a live plot, a log. Owned by the scene; the
 /// simulation borrows it. May throw: the simulation ends there, with its state kept.
 class Observer {
  public:

@@ -20,7 +20,7 @@ class Recorder final : public Observer {
   explicit Recorder(std::vector<Sensor> sensors, std::source_location where = std::source_location::current());
   ~Recorder() override;
 
-  /// Throws SimulationError, the row not added, for a value that is no finite number.
+  /// Throws SimulationError, the row not added, for a value that is not finite.
   void observe(Snapshot& snapshot) override;
 
   /// Writes each row into a file too, as soon as it is there: what a run that is killed leaves. ".csv": a line a row,

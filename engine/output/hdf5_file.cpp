@@ -13,7 +13,7 @@
 namespace lithe {
 namespace {
 
-constexpr const char* kMendRead = "write the file again; this one is damaged or cut short, or not of this kind.";
+constexpr const char* kFixRead = "write the file again; this one is damaged or cut short, or not of this kind.";
 
 /// Of what a writer may be writing this moment: HDF5's own hundred, each after twice the time, take hours.
 constexpr unsigned kReadAttempts = 10;
@@ -207,13 +207,13 @@ Hdf5Reader::Hdf5Reader(std::string path) : path_(std::move(path)), handles_(std:
     H5Pset_metadata_read_attempts(access, kReadAttempts);
     handles_->file = Handle(H5Fopen(path_.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, access), H5Fclose);
   }
-  if (!handles_->file.valid()) throw FileError("this is no HDF5 file, or it is cut short.", path_, kMendRead);
+  if (!handles_->file.valid()) throw FileError("this is no HDF5 file, or it is cut short.", path_, kFixRead);
 }
 
 Hdf5Reader::~Hdf5Reader() = default;
 
 void Hdf5Reader::refuse(const std::string& name, const std::string& problem) const {
-  throw FileError("'" + name + "' " + problem + ".", path_, kMendRead);
+  throw FileError("'" + name + "' " + problem + ".", path_, kFixRead);
 }
 
 bool Hdf5Reader::has(const std::string& name) const {

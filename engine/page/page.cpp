@@ -54,7 +54,7 @@ class Arrays {
           stored = static_cast<Stored>(values(r, c));
         if (!std::isfinite(static_cast<double>(stored)) || !std::isfinite(values(r, c)))
           throw SceneError("a number of the page is " + std::to_string(values(r, c)), "write_page",
-                           "see which shape or mode of the scene is no number, or too large for a float");
+                           "see which shape or mode of the scene is not finite, or too large for a float");
         std::memcpy(to, &stored, sizeof stored);
       }
     return {{"at", at}, {"n", values.size()}, {"type", type}};

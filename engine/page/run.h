@@ -55,7 +55,7 @@ class Run final : public Observer {
   /// What happened on the way: run.add(simulation.events()), once, after the run.
   void add(const std::vector<EventRecord>& events);
 
-  /// Throws SimulationError, the state not kept, for a value that is no finite number; SceneError for the state of
+  /// Throws SimulationError, the state not kept, for a value that is not finite; SceneError for the state of
   /// another system.
   void observe(Snapshot& snapshot) override;
 

@@ -42,7 +42,7 @@ class SceneRecorder {
   SceneRecorder(Snapshot& now, const std::vector<Sensor>& sensors, const RunOptions& options,
                 const std::vector<Drawn>& drawn, RunRecord& record);
   ~SceneRecorder();
-  /// Throws SimulationError for a value that is no finite number.
+  /// Throws SimulationError for a value that is not finite.
   void fill(Snapshot& now, int number, VectorX& row, std::vector<double>& contacts);
 
  private:

@@ -203,7 +203,7 @@ void SceneRecorder::fill(Snapshot& now, int number, VectorX& row, std::vector<do
   plan.require_finite(row);
   for (double value : contacts)
     if (!std::isfinite(value))
-      throw SimulationError("a contact's point or force is no number at " + time_text(now.time()),
+      throw SimulationError("a contact's point or force is not finite at " + time_text(now.time()),
                             "run '" + plan.run + "'", "see what its law divides by");
 }
 

@@ -38,7 +38,7 @@ LoadedBody::LoadedBody(Parameters parameters)
   table_.coordinates(object_.get(), &frame, &linear);
   if (linear < 0 || linear > kMostCoordinates)
     throw SceneError(object_.description() + " has " + std::to_string(linear) + " linear coordinates", "",
-                     "its author is to mend coordinates()");
+                     "its author is to fix coordinates()");
   coordinates_ = {.frame = frame != 0, .linear = linear};
   const int32_t *rows = nullptr, *columns = nullptr;
   const int32_t count = table_.linear_pattern(object_.get(), &rows, &columns);
@@ -46,7 +46,7 @@ LoadedBody::LoadedBody(Parameters parameters)
   if (!is_pattern(rows, columns, count, linear))
     throw SceneError(object_.description() + " has a pattern of " + std::to_string(count) +
                          " entries that is no lower triangle of " + std::to_string(linear) + " columns",
-                     "", "its author is to mend linear_pattern(): by column, each with its diagonal first");
+                     "", "its author is to fix linear_pattern(): by column, each with its diagonal first");
   using Indices = Eigen::Map<const Eigen::VectorXi>;
   pattern_ = {Indices(rows, count), Indices(columns, count)};
 }
@@ -80,7 +80,7 @@ Marker LoadedBody::made_marker(Function function, const char* where_at, const Pl
   const int32_t index = function(object_.get(), place..., why.text, sizeof why.text);
   if (index < 0)
     throw SceneError(type + " refuses a marker: " + why.problem(), where(),
-                     why.mend().empty() ? "see what its author says of its markers" : why.mend());
+                     why.fix().empty() ? "see what its author says of its markers" : why.fix());
   return {this, index};
 }
 
@@ -112,7 +112,7 @@ void LoadedBody::initial_state(VectorRef q, VectorRef v) const {
   ErrorText why;
   if (table_.initial_state(object_.get(), q.data(), v.data(), why.text, sizeof why.text) != 0)
     throw SceneError("'" + name() + "': " + object_.description() + " has no initial state: " + why.problem(), where(),
-                     why.mend().empty() ? "see what its author says" : why.mend());
+                     why.fix().empty() ? "see what its author says" : why.fix());
 }
 
 void LoadedBody::evaluate(const BodyState& state, Level level) const {

@@ -35,7 +35,7 @@ void initialize_with(const Table& table, const PluginObject& object, std::span<c
   ErrorText why;
   if (table.initialize(object.get(), Markers(markers).all, why.text, sizeof why.text) != 0)
     throw SceneError(object.description() + " refuses its markers as drawn: " + why.problem(), "",
-                     why.mend().empty() ? "see what its author says of its markers" : why.mend());
+                     why.fix().empty() ? "see what its author says of its markers" : why.fix());
 }
 
 std::vector<MeasuredAngle> angles_of(const auto& table, const PluginObject& object) {
@@ -45,12 +45,12 @@ std::vector<MeasuredAngle> angles_of(const auto& table, const PluginObject& obje
   const int count = table.angles ? table.angles(object.get(), written, kMost) : 0;
   if (count < 0 || count > kMost)
     throw SceneError(object.description() + " measures " + std::to_string(count) + " angles", "",
-                     "its author is to mend angles(): at most " + std::to_string(kMost));
+                     "its author is to fix angles(): at most " + std::to_string(kMost));
   for (const lithe_measured_angle& a : std::span(written, count)) {
     const auto is_marker = [&](int m) { return m >= 0 && m < table.marker_count; };
     if (!is_marker(a.A) || !is_marker(a.B) || a.axis < 0 || a.axis > 2)
       throw SceneError(object.description() + " measures an angle between markers or about an axis that it has not", "",
-                       "its author is to mend angles()");
+                       "its author is to fix angles()");
     angles.push_back({a.A, a.B, a.axis, a.to_point != 0});
   }
   return angles;

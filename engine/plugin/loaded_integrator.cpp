@@ -166,7 +166,7 @@ void LoadedIntegrator::finish(int32_t code, const ErrorText& why) {
   if (code < 0)
     throw SimulationError(
         object_.description() + " failed: " + why.problem(), "integrator",
-        why.mend().empty() ? "see what its author says; the state reached before is kept" : why.mend());
+        why.fix().empty() ? "see what its author says; the state reached before is kept" : why.fix());
 }
 
 void LoadedIntegrator::prepare(EquationsOfMotion& equations, State& state) {
@@ -202,7 +202,7 @@ bool LoadedIntegrator::keep(Archive& archive, EquationsOfMotion& equations, cons
   if (!table_.load || table_.load(object_.get(), &s, bytes.data(), static_cast<std::int64_t>(bytes.size()), why.text,
                                   sizeof why.text) != 0)
     throw FileError(object_.description() + " cannot take its past back: " + why.problem(), archive.source(),
-                    why.mend().empty() ? "resume with the plug-in that wrote it" : why.mend());
+                    why.fix().empty() ? "resume with the plug-in that wrote it" : why.fix());
   if (border_.trouble) std::rethrow_exception(std::exchange(border_.trouble, nullptr));
   return true;
 }

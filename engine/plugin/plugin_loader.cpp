@@ -11,8 +11,8 @@ constexpr int kMostVersions = 100;
 
 std::string entry_name(int version) { return "lithe_plugin_v" + std::to_string(version); }
 
-[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& problem, const std::string& mend) {
-  throw FileError(problem, path.string(), mend);
+[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& problem, const std::string& fix) {
+  throw FileError(problem, path.string(), fix);
 }
 
 /// Why a library without our entry does not serve: built for another version, or no plug-in at all.

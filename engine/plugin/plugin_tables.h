@@ -20,9 +20,9 @@ namespace lithe::plugin {
 /// What a guarded function returns.
 enum Outcome : int32_t { kFine = 0, kRetry = 1, kFatal = -1 };
 
-inline void write_error(char* error, size_t size, const std::string& problem, const std::string& mend = "") {
+inline void write_error(char* error, size_t size, const std::string& problem, const std::string& fix = "") {
   if (!error || size == 0) return;
-  const std::string text = mend.empty() ? problem : problem + "\n" + mend;
+  const std::string text = fix.empty() ? problem : problem + "\n" + fix;
   const size_t length = std::min(size - 1, text.size());
   std::memcpy(error, text.data(), length);
   error[length] = 0;
@@ -34,7 +34,7 @@ int32_t guarded(char* error, size_t size, F&& f) noexcept {
   try {
     return f();
   } catch (const Error& e) {
-    write_error(error, size, e.problem(), e.mend());
+    write_error(error, size, e.problem(), e.fix());
   } catch (const std::exception& e) {
     write_error(error, size, e.what());
   } catch (...) {

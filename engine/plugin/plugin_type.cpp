@@ -74,7 +74,7 @@ std::string ErrorText::problem() const {
   return all.empty() ? "it gave no reason" : all.substr(0, all.find('\n'));
 }
 
-std::string ErrorText::mend() const {
+std::string ErrorText::fix() const {
   const std::string all = this->all();
   const size_t at = all.find('\n');
   return at == std::string::npos ? "" : all.substr(at + 1);
@@ -106,13 +106,13 @@ void* PluginObject::make(const lithe_field* fields, size_t field_count,
   void* object = create(given.data(), given.size(), why.text, sizeof why.text);
   if (!object)
     throw SceneError(description_ + " refuses: " + why.problem(), "",
-                     why.mend().empty() ? "see what its author says of its parameters" : why.mend());
+                     why.fix().empty() ? "see what its author says of its parameters" : why.fix());
   return object;
 }
 
 void PluginObject::fail(const Element& element, const ErrorText& why) const {
   throw SimulationError("'" + element.name() + "': " + description_ + " failed: " + why.problem(), element.where(),
-                        why.mend().empty() ? "see what its author says; the state reached before is kept" : why.mend());
+                        why.fix().empty() ? "see what its author says; the state reached before is kept" : why.fix());
 }
 
 }  // namespace lithe

@@ -37,7 +37,7 @@ struct ErrorText {
   char text[1024];
   ErrorText() { text[0] = 0; }
   std::string problem() const;
-  std::string mend() const;  // "" if none was given
+  std::string fix() const;  // "" if none was given
 
  private:
   std::string all() const;

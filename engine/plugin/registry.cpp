@@ -64,11 +64,11 @@ struct Registry::Loading {
   const Types& known;
   std::shared_ptr<const PluginLibrary> library;
   Types fresh{};
-  std::string problem{}, mend{};  // the first
+  std::string problem{}, fix{};  // the first
   std::exception_ptr thrown{};
 
   int32_t refuse(const std::string& what, const std::string& how) {
-    if (problem.empty()) problem = what, mend = how;
+    if (problem.empty()) problem = what, fix = how;
     return -1;
   }
 
@@ -153,7 +153,7 @@ void Registry::take(const std::shared_ptr<const PluginLibrary>& library, const s
       fresh.joints.size() + fresh.forces.size() + fresh.bodies.size() + fresh.integrators.size() == 0)
     loading.refuse("the plug-in exports no type", "export one with LITHE_EXPORT_JOINT or its like");
   if (!loading.problem.empty())
-    throw FileError("the plug-in is refused: " + loading.problem, source, loading.mend);
+    throw FileError("the plug-in is refused: " + loading.problem, source, loading.fix);
   types_.joints.merge(fresh.joints);
   types_.forces.merge(fresh.forces);
   types_.bodies.merge(fresh.bodies);
@@ -169,7 +169,7 @@ std::unique_ptr<Integrator> Registry::integrator(Located name, const ParameterLi
   try {
     return std::make_unique<LoadedIntegrator>(type, parameters);
   } catch (const SceneError& error) {
-    throw SceneError(error.problem(), to_string(name.where), error.mend());
+    throw SceneError(error.problem(), to_string(name.where), error.fix());
   }
 }
 

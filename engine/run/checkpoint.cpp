@@ -73,8 +73,8 @@ void write_checkpoint(const Archive& archive, const std::string& path) {
 
 Archive read_checkpoint(const std::string& path) {
   const Hdf5Reader file(path);
-  const auto refuse = [&](const std::string& problem, const std::string& mend) {
-    throw FileError(problem, path, mend);
+  const auto refuse = [&](const std::string& problem, const std::string& fix) {
+    throw FileError(problem, path, fix);
   };
   if (file.text_attribute("/", "kind") != kKind)
     refuse("the file is no checkpoint but a '" + file.text_attribute("/", "kind") + "'",

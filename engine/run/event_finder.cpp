@@ -41,7 +41,7 @@ double EventFinder::value(Watched& w) {
                      "see what it reads there; the state reached before is kept");
   }
   if (!std::isfinite(value))
-    throw SimulationError("the event '" + w.name + "' watches what is no finite number", time_text(snapshot_.time()),
+    throw SimulationError("the event '" + w.name + "' watches a value that is not finite", time_text(snapshot_.time()),
                           "give a function that is a number at every state");
   return value;
 }

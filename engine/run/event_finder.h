@@ -34,7 +34,7 @@ class EventFinder {
     bool rising;
   };
   /// Passages in the last step, which led from `from` to `to`, by time. Throws SimulationError for a function that
-  /// gives no number.
+  /// gives no finite value.
   const std::vector<Crossing>& find(const Integrator& integrator, const State& from, const State& to);
   /// Ends the step: its end is where the next begins.
   void accept();

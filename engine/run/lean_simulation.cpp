@@ -373,7 +373,7 @@ void LeanSimulation::fail(State& state, const Island& failed, const SimulationEr
   gather_events();
   watches_.tell_all(state.time, [&]() -> Snapshot& { return look(state); });
   throw SimulationError("in the island of " + names(failed.system.layout()) + ": " + error.problem(), error.where(),
-                        error.mend());
+                        error.fix());
 }
 
 void LeanSimulation::gather(State& state, double time) const {

@@ -18,10 +18,10 @@ struct LeanOptions {
   bool sleep = true;  // islands at rest are not stepped
 };
 
-/// The loop over time, island by island: parts of a scene that nothing ties (split(), engine/model/islands.h) have systems
-/// and integrators of their own, so that a stiff or fast one does not force its steps on the others; those at rest
-/// sleep (engine/run/sleeping_integrator.h). Islands meet at the times that observers wait for, and there observers see the
-/// whole.
+/// The loop over time, island by island: parts of a scene that nothing ties (split(), engine/model/islands.h) have
+/// systems and integrators of their own, so that a stiff or fast one does not force its steps on the others; those at
+/// rest sleep (engine/run/sleeping_integrator.h). Islands meet at the times that observers wait for, and there
+/// observers see the whole.
 ///   LeanSimulation simulation{graph, [] { return std::make_unique<Automatic>(); }};
 ///   State state = simulation.system().initial_state();
 ///   simulation.observe(recorder, every(0.01));

@@ -73,7 +73,7 @@ SceneFingerprint::SceneFingerprint(const System& system) : system_(system), elem
   if (!sample(1e-2)) sample(0);
 }
 
-/// False where the equations give no numbers.
+/// False where the equations give no finite values.
 bool SceneFingerprint::sample(double away) {
   const State& drawn = system_.initial_state();
   const Layout& layout = system_.layout();

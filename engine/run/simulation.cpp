@@ -12,14 +12,14 @@
 namespace lithe {
 namespace {
 
-/// Index of the first entry that is no finite number; -1: none.
+/// Index of the first entry that is not finite; -1: none.
 int find_not_finite(const VectorX& x) {
   if (x.allFinite()) return -1;
   const double* at = std::find_if(x.data(), x.data() + x.size(), [](double value) { return !std::isfinite(value); });
   return static_cast<int>(at - x.data());
 }
 
-/// The name of what is no finite number in a state; empty: nothing.
+/// The name of a value that is not finite in a state; empty: nothing.
 std::string find_not_finite(const State& state, const Layout& layout) {
   if (!std::isfinite(state.time)) return "the time";
   for (const auto& [vector, what] : {std::pair(&state.v_dot, "acceleration of "), std::pair(&state.v, "velocity of ")})
@@ -121,7 +121,7 @@ void Simulation::check(const State& state, double end) const {
                      "Simulation::run", "start from system.initial_state()");
   // Accelerations and multipliers are the integrator's to find.
   if (!std::isfinite(state.time) || !state.q.allFinite() || !state.v.allFinite())
-    throw SceneError("the state to start from is no finite number in " +
+    throw SceneError("the state to start from is not finite in " +
                          find_not_finite({state.time, state.q, state.v, {}, {}}, layout),
                      "Simulation::run", "start from system.initial_state()");
   if (!std::isfinite(end) || end < state.time - time_round_off(end))
@@ -152,11 +152,11 @@ void Simulation::advance(State& state, double stop) {
          "give a smaller step or another tolerance; if neither helps, look for what happens there: a locked mechanism, "
          "an impact, a force that grows without bound");
   if (const std::string name = find_not_finite(state, system_.layout()); !name.empty())
-    fail(state, step() + " left what is no finite number: " + name + culprit(state.time),
+    fail(state, step() + " left a value that is not finite: " + name + culprit(state.time),
          "look for a force that divides by zero or overflows near there, or give a smaller step");
   if (!(state.time > last_.time && state.time <= stop))
     fail(state, step() + " to " + time_text(stop) + " ended at " + time_text(state.time) + culprit(stop),
-         "give a looser tolerance if steps became smaller than time can tell; else mend the integrator: a step moves "
+         "give a looser tolerance if steps became smaller than time can tell; else fix the integrator: a step moves "
          "time, never past its stop");
   if (finder_) {
     try {
@@ -185,14 +185,14 @@ Snapshot& Simulation::look(const State& state) {
   return snapshot_;
 }
 
-void Simulation::fail(State& state, const std::string& what, const std::string& mend) {
+void Simulation::fail(State& state, const std::string& what, const std::string& fix) {
   state = last_;
   watches_.tell_all(state.time, [&]() -> Snapshot& { return look(state); });
   try {
     find_multipliers(state);
   } catch (const Error&) {  // NOLINT: the failure itself matters more
   }
-  throw SimulationError(what, time_text(last_.time) + ", " + integrator_.name(), mend);
+  throw SimulationError(what, time_text(last_.time) + ", " + integrator_.name(), fix);
 }
 
 }  // namespace lithe

@@ -43,11 +43,11 @@ class Simulation {
   /// may have shifted its velocities a little (integrators/generalized_alpha.h). A state left as the last run made it
   /// goes on from there: run(state, 1), run(state, 2) is run(state, 2) where a step ends at 1. Any other starts the
   /// integrator, and the schedules, anew. Throws SceneError for an end before the state's time or a state that does not
-  /// fit the system; SimulationError where the integrator fails or leaves a coordinate that is no number, or where
+  /// fit the system; SimulationError where the integrator fails or leaves a coordinate that is not finite, or where
   /// events accumulate: ever more of them in ever shorter times; where an element, observer or event throws, memory
-  /// runs out, or a signal asks to end (engine/base/interrupt.h). It names the element and the time. Then the state is the
-  /// last good one, observers have been told of it (but after lack of memory or an exception), and the next run starts
-  /// from it. Multipliers::later leaves State::lambda empty at the end where the integrator does.
+  /// runs out, or a signal asks to end (engine/base/interrupt.h). It names the element and the time. Then the state is
+  /// the last good one, observers have been told of it (but after lack of memory or an exception), and the next run
+  /// starts from it. Multipliers::later leaves State::lambda empty at the end where the integrator does.
   void run(State& state, double end, Multipliers multipliers = Multipliers::found);
 
   /// Writes checkpoints of later runs to `path`, each in the place of the one before: at their first state, then after
@@ -92,7 +92,7 @@ class Simulation {
   void check_accumulation(State& state, const std::string& name);
   void find_multipliers(State& state);
   Snapshot& look(const State& state);
-  [[noreturn]] void fail(State& state, const std::string& what, const std::string& mend);
+  [[noreturn]] void fail(State& state, const std::string& what, const std::string& fix);
 
   const System& system_;
   Integrator& integrator_;

@@ -7,8 +7,8 @@
 namespace lithe {
 
 /// An integrator that sleeps while its scene rests: it moves time alone, evaluates nothing, and leaves q and v as they
-/// are, bit for bit. For scenes in which nothing depends on time (depends_on_time(), engine/model/islands.h): there v = 0 and
-/// v_dot = 0 last for ever, so that only a changed state can wake it, by start().
+/// are, bit for bit. For scenes in which nothing depends on time (depends_on_time(), engine/model/islands.h): there v =
+/// 0 and v_dot = 0 last for ever, so that only a changed state can wake it, by start().
 ///
 /// At rest is what v = 0 exactly and one implicit step of a length h that outlasts the sleep,
 ///   (M/h² + D/h + K) δ + Gᵀ y = f,   G δ = -g,

@@ -98,7 +98,7 @@ void Certificate::write_json(const std::string& path) const {
                       {"answer_cost_s", answer_cost},
                       {"remarks", remarks}};
   PartialFile file(path);
-  // Numbers that are not finite come out as null; names that are no UTF-8 are mended.
+  // Numbers that are not finite come out as null; names that are no UTF-8 are fixed.
   file.stream() << sheet.dump(2, ' ', false, Json::error_handler_t::replace) << "\n";
   file.commit();
 }

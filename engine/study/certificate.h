@@ -23,7 +23,7 @@ struct CertifiedQuantity {
   double change = 0;  // largest change in the run, max |y(t) - y(0)|
   double bound = 0;   // the error that was asked for, in the quantity's unit
   StatedError error;
-  bool met() const { return error.total() <= bound; }  // not, if either is no number
+  bool met() const { return error.total() <= bound; }  // not, if either is not finite
 };
 
 /// One candidate mode of a body, and what it does.

@@ -30,7 +30,7 @@ double number(const std::string& word, const std::string& text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size())
-    throw SceneError("'" + text + "' is no number", "lithe chart, " + word, "write numbers like 1e-5");
+    throw SceneError("'" + text + "' is not a number", "lithe chart, " + word, "write numbers like 1e-5");
   return value;
 }
 

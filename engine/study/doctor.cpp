@@ -57,7 +57,7 @@ void rank(std::vector<Finding>& findings) {
   findings = std::move(once);
 }
 
-/// Runs the scene otherwise, where a run can mend its cause.
+/// Runs the scene otherwise, where a run can fix its cause.
 void try_cures(const Drawn& drawn, const StudyScene& scene, const StudyMethod& method, const DiagnoseOptions& options,
                const Watched& first, Diagnosis& diagnosis) {
   const auto attempt = [&](Cause cause, const StudyMethod& by, double setting, const std::string& tried) {
@@ -94,7 +94,7 @@ void try_cures(const Drawn& drawn, const StudyScene& scene, const StudyMethod& m
         another(finding.cause);
         break;
       default:
-        break;  // the scene itself is to be mended
+        break;  // the scene itself is to be fixed
     }
     if (!diagnosis.cures.empty() && diagnosis.cures.back().helped) return;
   }
@@ -119,7 +119,7 @@ Diagnosis diagnose(const StudyScene& scene, const StudyMethod& method, const Dia
     drawn = std::make_unique<Drawn>(scene);
   } catch (const Error& error) {
     return refused(error.problem(),
-                   {Cause::bad_parameter, true, 0.95, error.problem() + " (" + error.where() + ")", error.mend()});
+                   {Cause::bad_parameter, true, 0.95, error.problem() + " (" + error.where() + ")", error.fix()});
   }
   try {
     drawn->assemble();
@@ -176,7 +176,7 @@ std::string to_string(Cause cause) {
                                       "free body",
                                       "bad unit",
                                       "extreme mass ratio",
-                                      "no number",
+                                      "not finite",
                                       "stiff",
                                       "discontinuity",
                                       "step too large",
@@ -192,7 +192,7 @@ std::string Diagnosis::text() const {
   if (findings.empty()) text += "nothing is wrong with it\n";
   for (const Finding& f : findings)
     text +=
-        (f.alarm ? to_string(f.cause) : "note, " + to_string(f.cause)) + ": " + f.what + "\n  mend: " + f.mend + "\n";
+        (f.alarm ? to_string(f.cause) : "note, " + to_string(f.cause)) + ": " + f.what + "\n  fix: " + f.fix + "\n";
   for (const Cure& cure : cures)
     text += "tried " + cure.tried + ": " + (cure.helped ? "helped" : "did not help") + "; " + cure.result + "\n";
   return text;

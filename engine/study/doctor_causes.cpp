@@ -38,10 +38,10 @@ std::vector<Finding> find_no_number(const Case& c) {
     now.evaluate(state);
     for (const auto& entry : system.graph().forces())
       if (entry.make_batch && !force_values(now, *entry.force).allFinite())
-        return {{Cause::no_number, true, 0.99, named(*entry.force) + " is no finite number at " + time_text(state.time),
+        return {{Cause::no_number, true, 0.99, named(*entry.force) + " is not finite at " + time_text(state.time),
                  "look for a division by a zero distance or speed, a root or a logarithm of what is negative"}};
   }
-  if (c.run.why.find("no number") == std::string::npos && c.run.why.find("no finite number") == std::string::npos)
+  if (c.run.why.find("no finite") == std::string::npos && c.run.why.find("not finite") == std::string::npos)
     return {};
   return {{Cause::no_number, true, 0.5, c.run.why, "look for a law that divides by zero or overflows near there"}};
 }
@@ -182,7 +182,7 @@ std::vector<Finding> find_instability(const Case& c) {
                  setting_words(c.method, c.options.setting) + ", by " + number(c.finer.zigzag) + " " +
                  setting_words(c.method, finer_setting(c.method, c.options.setting)) +
                  ": the method does not damp them",
-             "take spectral_radius 0.8 to 0.9 or the form of stabilized index 2; smaller steps do not mend it"}};
+             "take spectral_radius 0.8 to 0.9 or the form of stabilized index 2; smaller steps do not fix it"}};
   const double coarse = c.growth(c.run), fine = c.growth(c.finer);
   if (!c.conservative || !(coarse > 0.05)) return {};
   const std::string grows = "energy grows by " + number(coarse) + " times the largest kinetic energy " +
@@ -191,7 +191,7 @@ std::vector<Finding> find_instability(const Case& c) {
   if (fine > 0.03 * coarse)
     return {{Cause::unstable_method, true, 0.9, "the method is not stable here: " + grows + ", though nothing feeds it",
              "take a method with damping at high frequencies (generalized-alpha with spectral_radius 0.8 or less), or "
-             "one with error control; smaller steps do not mend it"}};
+             "one with error control; smaller steps do not fix it"}};
   return {{Cause::step_too_large, true, 0.75, "the step is too large: " + grows,
            "give a smaller step or a finer tolerance"}};
 }

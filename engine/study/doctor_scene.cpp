@@ -153,8 +153,8 @@ std::vector<BodyInertia> inertias(const System& system, const State& start) {
 }
 
 void look_at_units(const System& system, const State& start, double length, std::vector<Finding>& out) {
-  const auto add = [&](Cause cause, double certainty, const std::string& what, const std::string& mend) {
-    out.push_back({cause, true, certainty, what, mend});
+  const auto add = [&](Cause cause, double certainty, const std::string& what, const std::string& fix) {
+    out.push_back({cause, true, certainty, what, fix});
   };
   if (const double g = system.gravity().norm(); g > 100)
     add(Cause::bad_unit, 0.98, "gravity is " + number(g) + " m/s²: " + number(g / 9.80665) + " times that of the earth",
@@ -257,18 +257,18 @@ bool is_conservative(const System& system, const std::vector<State>& states) {
 Finding of_refused_scene(Drawn& drawn, const SceneError& error) {
   const std::string text = error.problem();
   const auto says = [&](const char* words) { return text.find(words) != std::string::npos; };
-  Finding finding{Cause::bad_parameter, true, 0.9, text + " (" + error.where() + ")", error.mend()};
+  Finding finding{Cause::bad_parameter, true, 0.9, text + " (" + error.where() + ")", error.fix()};
   if (says("cannot be assembled")) {
     finding.cause = Cause::open_joint;
-  } else if (says("no numbers")) {
+  } else if (says("not finite")) {
     finding.cause = Cause::no_number;
     const System system = assemble(drawn.graph, {.start = AssembleOptions::Start::as_drawn});
     Snapshot now(system, system.initial_state());
     for (const auto& entry : drawn.graph.forces())
       if (!force_values(now, *entry.force).allFinite())
         finding.what =
-            "the force '" + entry.force->name() + "' on " + bodies_of(*entry.force) + " is no finite number at t = 0",
-        finding.mend = "look for a division by a zero distance or speed, a root or a logarithm of what is negative";
+            "the force '" + entry.force->name() + "' on " + bodies_of(*entry.force) + " is not finite at t = 0",
+        finding.fix = "look for a division by a zero distance or speed, a root or a logarithm of what is negative";
   }
   return finding;
 }

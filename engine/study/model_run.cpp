@@ -61,7 +61,7 @@ class Sampler final : public Observer {
     read();
     for (std::size_t i = 0; i < row_.size(); ++i)
       if (!std::isfinite(row_[i]))
-        throw SimulationError("'" + run_.samples.columns[i] + "' is no finite number", time_text(time),
+        throw SimulationError("'" + run_.samples.columns[i] + "' is not finite", time_text(time),
                               "look what its sensor divides by");
     run_.samples.add_row(row_);
     VectorX g(snapshot_.system().layout().row_count());

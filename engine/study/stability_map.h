@@ -40,7 +40,7 @@ class StabilityMap {
   const std::vector<StabilityCell>& cells() const { return cells_; }
 
   /// {"cells": [{scene, title, method, outcome, measure, value, largest_stable_step_s, why, more, expected}]}; what is
-  /// no finite number is null. Throws FileError.
+  /// not finite is null. Throws FileError.
   void write_json(const std::string& path) const;
   /// Markdown: first scenes x outcomes, then a line a cell with its figure.
   std::string table() const;

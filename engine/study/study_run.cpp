@@ -53,7 +53,7 @@ class Runner {
   }
 
  private:
-  /// Reads the sensors at a time within the last step; false, with the reason, for what is no number.
+  /// Reads the sensors at a time within the last step; false, with the reason, for a value that is not finite.
   bool look(double time) {
     if (time < state_.time) {
       integrator_.interpolate(study_.system().layout(), from_, state_, time, within_);
@@ -69,7 +69,7 @@ class Runner {
     }
     for (std::size_t i = 0; i < row_.size(); ++i)
       if (!std::isfinite(row_[i])) {
-        run_.why = at_time(time) + "'" + run_.samples.columns[i] + "' is no finite number";
+        run_.why = at_time(time) + "'" + run_.samples.columns[i] + "' is not finite";
         return false;
       }
     run_.samples.add_row(row_);
@@ -94,8 +94,8 @@ double thread_seconds() {
 }
 
 StudySystem::StudySystem(const StudyScene& scene) : scene_(scene), graph_({.gravity = scene.gravity}) {
-  const auto refuse = [&](const std::string& what, const std::string& mend) {
-    throw SceneError("the study '" + scene.name + "' " + what, "StudyScene '" + scene.name + "'", mend);
+  const auto refuse = [&](const std::string& what, const std::string& fix) {
+    throw SceneError("the study '" + scene.name + "' " + what, "StudyScene '" + scene.name + "'", fix);
   };
   if (!scene.draw) refuse("draws nothing", "let draw(graph) add bodies and joints, and return what is watched");
   if (!(scene.duration > 0)) refuse("has no duration", "set duration, in seconds");

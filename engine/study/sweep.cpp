@@ -19,7 +19,7 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
 }
 
 void check(const SweepScene& scene, const Table& parameters, const SweepOptions& options) {
-  const auto refuse = [](const std::string& what, const std::string& mend) { throw SceneError(what, "sweep", mend); };
+  const auto refuse = [](const std::string& what, const std::string& fix) { throw SceneError(what, "sweep", fix); };
   if (!scene) refuse("there is no scene", "give a function of a SweepPoint");
   if (options.threads < 0) refuse("a sweep takes no negative number of threads", "0 means all processors");
   if (parameters.row_count() == 0) refuse("there are no points", "give a table with a row a point, such as grid()");
@@ -30,7 +30,7 @@ void check(const SweepScene& scene, const Table& parameters, const SweepOptions&
       refuse("the parameter '" + name + "' appears twice", "give each a name of its own");
     for (int row = 0; row < parameters.row_count(); ++row)
       if (!std::isfinite(parameters.at(row, static_cast<int>(i))))
-        refuse("the parameter '" + name + "' is no finite number in row " + std::to_string(row), "mend the table");
+        refuse("the parameter '" + name + "' is not finite in row " + std::to_string(row), "fix the table");
   }
 }
 
@@ -54,9 +54,9 @@ bool same_names(const SweepValues& a, const SweepValues& b) {
 SweepOutcome compute(const SweepScene& scene, const Table& parameters, int row) {
   const SweepPoint point(parameters, row);
   SweepOutcome outcome{.row = row};
-  const auto fail = [&](const std::string& what, const std::string& where, const std::string& mend) {
+  const auto fail = [&](const std::string& what, const std::string& where, const std::string& fix) {
     outcome.values.clear();
-    outcome.failure = SweepFailure{row, point.text(), what, where, mend};
+    outcome.failure = SweepFailure{row, point.text(), what, where, fix};
   };
   const auto foreign = [&](const std::string& what) {
     fail(what, "the scene of the sweep", "this is no error of Lithe's: see what the scene calls at this point");
@@ -66,7 +66,7 @@ SweepOutcome compute(const SweepScene& scene, const Table& parameters, int row) 
     outcome.values = scene(point);
     check_names(outcome.values, parameters.columns);
   } catch (const Error& error) {
-    fail(error.problem(), error.where(), error.mend());
+    fail(error.problem(), error.where(), error.fix());
   } catch (const std::exception& error) {
     foreign(error.what());
   } catch (...) {
@@ -100,7 +100,7 @@ SweepResult gather(const Table& parameters, std::vector<SweepOutcome>& outcomes)
       outcome.failure = SweepFailure{outcome.row, SweepPoint(parameters, outcome.row).text(),
                                      "it names other results than " + SweepPoint(parameters, first->row).text(),
                                      "the scene of the sweep",
-                                     "return the same names in the same order; NaN where there is no number"};
+                                     "return the same names in the same order; NaN where there is not finite"};
     const auto begin = parameters.values.begin() + static_cast<std::ptrdiff_t>(outcome.row * width);
     std::vector<double> row(begin, begin + static_cast<std::ptrdiff_t>(width));
     for (std::size_t i = 0; i < named.size(); ++i)
@@ -154,7 +154,7 @@ std::string SweepResult::report() const {
   std::string text = std::to_string(failures.size()) + " of " + std::to_string(table.row_count()) + " points failed\n";
   for (std::size_t i = 0; i < failures.size() && i < kMostReported; ++i)
     text += failures[i].point + ": " + failures[i].what + "\n  at:   " + failures[i].where +
-            "\n  mend: " + failures[i].mend + "\n";
+            "\n  fix: " + failures[i].fix + "\n";
   if (failures.size() > kMostReported) text += "and " + std::to_string(failures.size() - kMostReported) + " more\n";
   return text;
 }
@@ -181,7 +181,7 @@ void SweepResult::write_csv(const std::string& path) const {
     }
     if (!failures.empty()) line += ',';
     if (failure != failures.end() && failure->row == row) {
-      line += quoted(failure->what + "; at " + failure->where + "; " + failure->mend);
+      line += quoted(failure->what + "; at " + failure->where + "; " + failure->fix);
       ++failure;
     }
     file.stream() << line << '\n';

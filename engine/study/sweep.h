@@ -46,7 +46,7 @@ struct SweepOptions {
 struct SweepFailure {
   int row = 0;
   std::string point;  // "point 3 (length 0.5, mass 2)"
-  std::string what, where, mend;
+  std::string what, where, fix;
 };
 
 struct SweepResult {

@@ -78,7 +78,7 @@ Bytes encoded(const SweepOutcome& outcome) {
   out.add(outcome.row).add(outcome.seconds).add(outcome.values.size());
   for (const SweepValue& value : outcome.values) out.add(value.name).add(value.value);
   out.add(outcome.failure.has_value());
-  if (const auto& f = outcome.failure) out.add(f->point).add(f->what).add(f->where).add(f->mend);
+  if (const auto& f = outcome.failure) out.add(f->point).add(f->what).add(f->where).add(f->fix);
   return out.bytes();
 }
 
@@ -92,7 +92,7 @@ SweepOutcome decoded(const Bytes& bytes) {
   if (in.number<bool>()) {
     SweepFailure& f = outcome.failure.emplace();
     f.row = outcome.row;
-    for (std::string* text : {&f.point, &f.what, &f.where, &f.mend}) *text = in.text();
+    for (std::string* text : {&f.point, &f.what, &f.where, &f.fix}) *text = in.text();
   }
   return outcome;
 }
@@ -239,8 +239,8 @@ class MpiRanks final : public SweepRanks {
             "see what that rank said before; all ranks must run the same sweeps");
   }
 
-  void end_all(const std::string& what, const std::string& mend) {
-    std::fprintf(stderr, "%s\n", SimulationError(what, "sweep, rank " + std::to_string(rank_), mend).what());
+  void end_all(const std::string& what, const std::string& fix) {
+    std::fprintf(stderr, "%s\n", SimulationError(what, "sweep, rank " + std::to_string(rank_), fix).what());
     MPI_Abort(world_, 1);
     std::abort();  // MPI_Abort is not declared to end the process
   }

@@ -13,7 +13,7 @@ namespace lithe {
 /// - lemke: knows no limits that move; they are taken from the solution before, `iterations` times. Inverts W: where it
 ///   is singular, with compliance alone. Gives up on impulses beyond 1e5 N s.
 /// - projected_gauss_seidel: row by row, `iterations` sweeps.
-/// Where Bullet gives up or returns no numbers: r = 0, not converged.
+/// Where Bullet gives up or returns no finite values: r = 0, not converged.
 class BulletMlcp final : public ConeSolver {
  public:
   enum class Method { dantzig, lemke, projected_gauss_seidel };

@@ -24,8 +24,8 @@
 namespace lithe {
 namespace bullet_stepper {
 
-[[noreturn]] void refuse(const Element& element, const std::string& what, const std::string& mend) {
-  throw SceneError("'" + element.name() + "' " + what, element.where(), mend);
+[[noreturn]] void refuse(const Element& element, const std::string& what, const std::string& fix) {
+  throw SceneError("'" + element.name() + "' " + what, element.where(), fix);
 }
 
 /// What may meet: pairs of one contact element whose groups agree, one of them moving.
@@ -410,7 +410,7 @@ StepResult BulletStepper::advance(EquationsOfMotion& equations, State& state, do
     const auto broken = std::find_if(v_.data(), v_.data() + v_.size(), [](double x) { return !std::isfinite(x); });
     const int index = static_cast<int>(broken - v_.data());
     return {StepResult::Outcome::failed,
-            "Bullet gives no numbers at the step of " + step_text(h) +
+            "Bullet gives no finite values at the step of " + step_text(h) +
                 (index < v_.size() ? "; first in " + system_.layout().velocity_name(index) : "")};
   }
   state.time = count == 1 ? t_stop : state.time + h;

@@ -30,7 +30,7 @@ class Shape {
   std::shared_ptr<const Data> data_;
 };
 
-/// Shapes to collide with. Sizes in m; each throws SceneError for a size that is not above zero, or no number.
+/// Shapes to collide with. Sizes in m; each throws SceneError for a size that is not above zero, or not finite.
 namespace shape {
 
 Shape sphere(double radius);

@@ -17,7 +17,8 @@ class Bushing final : public Force</*markers=*/2, /*rows=*/6> {
     Matrix6 damping = Matrix6::Zero();    // D: N s/m, N s, N m s/rad
     bool relaxed_as_drawn = true;         // else where the markers coincide
   };
-  /// Throws SceneError for matrices that are not symmetric, have a negative eigenvalue, or hold what is no number.
+  /// Throws SceneError for matrices that are not symmetric, have a negative eigenvalue, or hold a value that is not
+  /// finite.
   explicit Bushing(Parameters parameters);
   /// K or D of a bushing without couplings.
   static Matrix6 diagonal(const Vector3& translation, const Vector3& rotation);

@@ -21,7 +21,8 @@ class CoordinateSpring final : public Force</*markers=*/2, /*rows=*/1> {
     double preload = 0;                  // σ₀, N or N m
     TensionLaw law{};                    // added to these
   };
-  /// Throws SceneError for more than one coordinate, a negative stiffness or damping, and for what is no number.
+  /// Throws SceneError for more than one coordinate, a negative stiffness or damping, and for a value that is not
+  /// finite.
   CoordinateSpring(CoordinateSet coordinate, Parameters parameters);
 
   std::vector<MeasuredAngle> angles() const override { return coordinate_.angles(); }

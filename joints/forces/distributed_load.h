@@ -19,7 +19,7 @@ class DistributedLoad final : public ForceElement {
     Axes axes = Axes::body;       // the field turns with the body frame, or keeps its direction
     MotionLaw amplitude{};        // factor over time; none: 1
   };
-  /// Throws SceneError for no force, more than eight, and for what is no number.
+  /// Throws SceneError for no force, more than eight, and for a value that is not finite.
   explicit DistributedLoad(Parameters parameters);
 
   int marker_count() const override { return static_cast<int>(parameters_.forces.size()); }

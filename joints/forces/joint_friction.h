@@ -27,7 +27,7 @@ class JointFriction final : public Force</*markers=*/2, /*rows=*/1> {
     double bending_arm = 0;             // l, m: between the bearing's halves; 0: bending does not press
     double preload = 0;                 // N₀, N
   };
-  /// Throws SceneError without a joint, for an angle without a radius, and for what is negative or no number.
+  /// Throws SceneError without a joint, for an angle without a radius, and for what is negative or not finite.
   JointFriction(CoordinateSet coordinate, Parameters parameters);
 
   std::vector<MeasuredAngle> angles() const override { return coordinate_.angles(); }

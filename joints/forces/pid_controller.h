@@ -24,7 +24,7 @@ class PidController final : public Force</*markers=*/4, /*rows=*/1> {
     double derivative = 0;                                   // k_d, N s/m or N m s/rad
     double limit = std::numeric_limits<double>::infinity();  // of |F|, N or N m
   };
-  /// Throws SceneError without a target, without the two coordinates, and for gains that are negative or no numbers.
+  /// Throws SceneError without a target, without the two coordinates, and for gains that are negative or not finite.
   PidController(CoordinateSet coordinates, Parameters parameters);
 
   std::vector<MeasuredAngle> angles() const override { return coordinates_.angles(); }

@@ -16,7 +16,7 @@ class PointForce final : public Force</*markers=*/1, /*rows=*/0> {
     Axes axes = Axes::world;
   };
 
-  /// Throws SceneError for what is no number.
+  /// Throws SceneError for a value that is not finite.
   explicit PointForce(Parameters parameters);
 
   bool depends_on_time() const override { return false; }

@@ -19,7 +19,7 @@ class SpringDamper final : public Force</*markers=*/2, /*rows=*/1> {
     TensionLaw law{};            // added to these: tabulated_spring(...), or a function of stretch and speed
   };
 
-  /// Throws SceneError for a stiffness or damping that is negative, and for what is no number.
+  /// Throws SceneError for a stiffness or damping that is negative, and for a value that is not finite.
   explicit SpringDamper(Parameters parameters);
 
   double natural_length() const { return parameters_.natural_length; }

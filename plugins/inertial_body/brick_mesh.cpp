@@ -25,7 +25,7 @@ const std::vector<int>& BrickMesh::node_set(const std::string& set) const {
 }
 
 void require_sound(const BrickMesh& mesh) {
-  const auto fail = [&](const std::string& what, const std::string& mend) { throw SceneError(what, mesh.name, mend); };
+  const auto fail = [&](const std::string& what, const std::string& fix) { throw SceneError(what, mesh.name, fix); };
   const Solid& m = mesh.material;
   if (!(m.young > 0) || !std::isfinite(m.young))
     fail("Young's modulus is " + std::to_string(m.young), "give material.young > 0, in Pa");

@@ -34,8 +34,8 @@ class DeckReader {
  private:
   enum class Card { other, node, element, node_set, elastic, density };
 
-  [[noreturn]] void fail(const std::string& what, const std::string& mend) const {
-    throw FileError(what, path_ + ":" + std::to_string(line_), mend);
+  [[noreturn]] void fail(const std::string& what, const std::string& fix) const {
+    throw FileError(what, path_ + ":" + std::to_string(line_), fix);
   }
 
   /// Words between commas, without blanks, in lower case; a comma at the end leaves none.

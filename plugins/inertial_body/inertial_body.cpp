@@ -15,7 +15,7 @@ InertialBody::Parameters with_mesh(InertialBody::Parameters p) {
   try {
     if (!p.mesh) p.mesh = std::make_shared<const BrickMesh>(read_brick_mesh(p.mesh_file.string()));
   } catch (const FileError& error) {  // a plug-in's border lets the problem through, not the place
-    throw FileError(error.where() + ": " + error.problem(), error.where(), error.mend());
+    throw FileError(error.where() + ": " + error.problem(), error.where(), error.fix());
   }
   require_sound(*p.mesh);
   return p;

@@ -158,7 +158,7 @@ TEST(BasisFile, ADamagedByteIsRefusedOrChangesNothing) {
       expect_same(*read_modal_basis(path), basis);  // padding between data
     } catch (const FileError& error) {
       ++refused;
-      EXPECT_FALSE(error.mend().empty());
+      EXPECT_FALSE(error.fix().empty());
       EXPECT_EQ(error.where(), path);
     }
   }

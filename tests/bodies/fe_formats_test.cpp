@@ -410,7 +410,7 @@ struct Damage {
   std::vector<std::string> mentions;
 };
 
-TEST_F(Formats, DamagedFilesAreRefusedWithFileLineAndMend) {
+TEST_F(Formats, DamagedFilesAreRefusedWithFileLineAndFix) {
   const char *hb = "ansys, Harwell-Boeing", *mmf = "ansys, Matrix Market", *coordinate = "abaqus, coordinate";
   const char *labels = "abaqus, matrix input", *dmig = "nastran, DMIG", *op4 = "nastran, OUTPUT4 text";
   const std::vector<Damage> damages = {

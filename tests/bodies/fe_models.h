@@ -64,7 +64,7 @@ void expect_error(const std::function<void()>& call, const std::vector<std::stri
   } catch (const Kind& error) {
     for (const std::string& text : mentions)
       EXPECT_NE(std::string(error.what()).find(text), std::string::npos) << "no '" << text << "' in:\n" << error.what();
-    EXPECT_FALSE(error.mend().empty());
+    EXPECT_FALSE(error.fix().empty());
     EXPECT_FALSE(error.where().empty());
     return;
   } catch (const std::exception& other) {

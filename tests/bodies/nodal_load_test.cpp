@@ -177,7 +177,7 @@ TEST(NodalLoad, IsRefusedForOddSizesAndNothing) {
   expect_error<SceneError>([&] { bar.body->nodal_load({1, 2}, Matrix3X::Zero(3, 2)); }, {"zero at every node"});
   Matrix3X wrong = Matrix3X::Ones(3, 1);
   wrong(1, 0) = std::nan("");
-  expect_error<SceneError>([&] { bar.body->nodal_load({1}, wrong); }, {"no number"});
+  expect_error<SceneError>([&] { bar.body->nodal_load({1}, wrong); }, {"not finite"});
 }
 
 }  // namespace

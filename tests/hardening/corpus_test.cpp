@@ -33,7 +33,7 @@ TEST_P(Corpus, is_read_into_what_is_sound_or_refused) {
         target.run(bytes_of(entry.path()), scratch.path(""));
         ++read;
       } catch (const Error& error) {
-        EXPECT_FALSE(error.problem().empty() || error.where().empty() || error.mend().empty()) << entry.path();
+        EXPECT_FALSE(error.problem().empty() || error.where().empty() || error.fix().empty()) << entry.path();
         ++refused;
       } catch (const fuzz::SilentAcceptance& wrong) {
         ADD_FAILURE() << entry.path() << " is taken as good: " << wrong.what();

@@ -1,4 +1,4 @@
-// What goes wrong around a run gives one Error that says what, where and how to mend it, and what was computed is kept.
+// What goes wrong around a run gives one Error that says what, where and how to fix it, and what was computed is kept.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -71,7 +71,7 @@ std::string message(F&& f) {
   } catch (const Expected& error) {
     EXPECT_FALSE(error.problem().empty());
     EXPECT_FALSE(error.where().empty());
-    EXPECT_FALSE(error.mend().empty());
+    EXPECT_FALSE(error.fix().empty());
     return error.what();
   } catch (const std::exception& error) {
     ADD_FAILURE() << "another kind of error: " << error.what();
@@ -121,12 +121,12 @@ class UsersCode : public testing::TestWithParam<Case> {
   When when() const { return {.trouble = GetParam().trouble}; }
   std::string cause() const {
     return GetParam().trouble == Trouble::throws         ? "threw: no such entry in the table"
-           : GetParam().trouble == Trouble::not_a_number ? "no finite number"
+           : GetParam().trouble == Trouble::not_a_number ? "not finite"
                                                          : "no std::exception";
   }
   testing::Matcher<std::string> tells(const std::string& name) const {
     return AllOf(HasSubstr("'" + name + "'"), HasSubstr(cause()), HasSubstr("faults_test.cpp:"), HasSubstr("t = 0."),
-                 HasSubstr("mend: "));
+                 HasSubstr("fix: "));
   }
 };
 
@@ -303,7 +303,7 @@ TEST_P(NoMemory, at_any_moment_is_an_error_that_leaves_a_state_to_go_on_from_and
       } catch (const Error& error) {
         failed = memory::recover();
         ++errors;
-        ASSERT_FALSE(error.mend().empty());
+        ASSERT_FALSE(error.fix().empty());
       } catch (const std::bad_alloc&) {
         failed = memory::recover();
         ++bare;
@@ -375,7 +375,7 @@ class Disk : public testing::TestWithParam<std::string> {
  protected:
   void expect_refused(const std::string& path) const {
     const std::string text = message<Error>([&] { writers().at(GetParam())(path); });
-    EXPECT_THAT(text, AllOf(HasSubstr(path), HasSubstr("cannot write"), HasSubstr("mend: choose a path")));
+    EXPECT_THAT(text, AllOf(HasSubstr(path), HasSubstr("cannot write"), HasSubstr("fix: choose a path")));
   }
   /// An older file of that name stays what it was.
   void expect_kept(const std::string& path) const { EXPECT_EQ(file_text(path), "older"); }

@@ -198,7 +198,7 @@ TEST(Adams, HitsStopTimesWithoutSlivers) {
   EXPECT_LT(method->statistics().steps, 2 * other->statistics().steps);
 }
 
-/// Pushes until a time, and then gives no number, or throws.
+/// Pushes until a time, and then gives no finite value, or throws.
 class BrokenForce final : public Force<1, 0> {
  public:
   struct Parameters {
@@ -228,7 +228,7 @@ TEST(Adams, FailureIsAResultInWords) {
     EXPECT_FALSE(result.ok());
     EXPECT_LE(scene.state.time, 0.1);
     EXPECT_TRUE(scene.state.q.allFinite() && scene.state.v.allFinite());
-    EXPECT_NE(result.why.find(throws ? "the spring is broken" : "no numbers"), std::string::npos) << result.why;
+    EXPECT_NE(result.why.find(throws ? "the spring is broken" : "no finite"), std::string::npos) << result.why;
   }
 }
 

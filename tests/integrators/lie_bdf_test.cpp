@@ -155,7 +155,7 @@ TEST(LieBdf, HitsStopTimesAndGivesTheSameAnswerSplit) {
   expect_below("500 outputs, steps", static_cast<double>(third->statistics().steps), 700);
 }
 
-/// Pushes its marker with a force that ends in no number after a while.
+/// Pushes its marker with a force that ends in NaN after a while.
 class BreakingForce final : public Force<1, 0> {
  public:
   void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const override {

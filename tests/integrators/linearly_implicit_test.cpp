@@ -144,7 +144,7 @@ TEST(LinearlyImplicit, DampsAsItSays) {
   EXPECT_GT(ratio(2), 0);
 }
 
-/// Pushes its marker with a force that ends in no number after a while.
+/// Pushes its marker with a force that ends in NaN after a while.
 class EndingForce final : public Force<1, 0> {
  public:
   void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const override {

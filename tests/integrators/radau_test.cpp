@@ -251,7 +251,7 @@ TEST(RadauStep, SplitsAFixedStepThatDoesNotConverge) {
   expect_below("fast top, steps of 10 ms split, q", (scene.state.q - exact.q).norm(), 1e-5);
 }
 
-/// Pushes its marker with a force that ends in no number after a while.
+/// Pushes its marker with a force that ends in NaN after a while.
 class BrokenForce final : public Force<1, 0> {
  public:
   void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const override {

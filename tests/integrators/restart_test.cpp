@@ -604,7 +604,7 @@ TEST(CheckpointFile, is_refused_wherever_it_is_damaged_or_cut) {
       EXPECT_TRUE(read.bytes() == read_checkpoint(path).bytes());
     } catch (const FileError& error) {
       ++refused;
-      EXPECT_FALSE(error.mend().empty());
+      EXPECT_FALSE(error.fix().empty());
     }
   }
   EXPECT_EQ(refused + same_content, 200);

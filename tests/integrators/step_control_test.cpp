@@ -128,7 +128,7 @@ TEST(StepEnd, IsConsistent) {
   }
 }
 
-/// Pushes its marker with a force that ends in no number after a while.
+/// Pushes its marker with a force that ends in NaN after a while.
 class BrokenForce final : public Force<1, 0> {
  public:
   void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const override {
@@ -149,7 +149,7 @@ TEST(Failure, IsAResultThatNamesTheCoordinate) {
     EXPECT_FALSE(result.ok()) << method->name();
     EXPECT_LE(scene.state.time, 0.1) << method->name();
     EXPECT_TRUE(scene.state.q.allFinite() && scene.state.v.allFinite()) << method->name();
-    const std::string expected = method->name().starts_with("explicit") ? "probe: p_" : "no numbers";
+    const std::string expected = method->name().starts_with("explicit") ? "probe: p_" : "no finite";
     EXPECT_NE(result.why.find(expected), std::string::npos) << result.why;
   }
 }

@@ -377,7 +377,7 @@ TEST(ContactLaws, ParametersThatAreNoLawAreNamed) {
   EXPECT_THROW(effective_modulus(1, 0.6, 1, 0.3), SceneError);
   EXPECT_THROW(effective_modulus(1, 0.3, 1, nan), SceneError);
 
-  // and no motion that is no number passes for a force
+  // and no motion that is not finite passes for a force
   ContactMotion motion = still(-1);
   motion.velocity[0] = nan;
   EXPECT_TRUE(std::isnan(compliant_load(good, {}, motion).force[0]));

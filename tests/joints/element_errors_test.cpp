@@ -23,7 +23,7 @@
 #include "joints/rolling_disc.h"
 #include "joints/screw_joint.h"
 
-/// Bad input of the elements on joint coordinates: an error that names the element and the line, and how to mend it.
+/// Bad input of the elements on joint coordinates: an error that names the element and the line, and how to fix it.
 namespace lithe::test::element_errors_test {
 namespace {
 
@@ -39,7 +39,7 @@ void expect_error(F&& draw, const std::vector<std::string>& words) {
   } catch (const SceneError& error) {
     for (const std::string& word : words) EXPECT_NE(error.problem().find(word), std::string::npos) << error.what();
     EXPECT_EQ(error.where().rfind("element_errors_test.cpp:", 0), 0u) << error.what();
-    EXPECT_FALSE(error.mend().empty()) << error.what();
+    EXPECT_FALSE(error.fix().empty()) << error.what();
   }
 }
 

@@ -249,7 +249,7 @@ async function checkBroken(browser, path) {
   console.log(`${basename(path)}, with spoilt numbers`);
   const { page, close } = await openPage(browser, path);
   const text = await page.locator('[role=alert]').innerText();
-  check('it says what is wrong and how to mend it', /cannot be unpacked|cannot be shown/.test(text) && /mend:/.test(text), text);
+  check('it says what is wrong and how to fix it', /cannot be unpacked|cannot be shown/.test(text) && /fix:/.test(text), text);
   await close();
 }
 

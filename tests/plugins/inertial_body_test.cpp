@@ -474,7 +474,7 @@ TEST(InertialBody, flies_free_with_a_rigid_body_welded_to_its_end) {
 }
 
 TEST(InertialBody, names_what_is_wrong_with_a_mesh) {
-  const auto mend_of = [](const BrickMesh& mesh) -> std::string {
+  const auto fix_of = [](const BrickMesh& mesh) -> std::string {
     try {
       SystemGraph graph;
       graph.add<InertialBody>("solid", {.mesh = shared(mesh)});
@@ -485,13 +485,13 @@ TEST(InertialBody, names_what_is_wrong_with_a_mesh) {
   };
   BrickMesh mesh = large_block();
   std::swap(mesh.elements[1][0], mesh.elements[1][1]);
-  EXPECT_NE(mend_of(mesh).find("element 2 is inside out"), std::string::npos);
+  EXPECT_NE(fix_of(mesh).find("element 2 is inside out"), std::string::npos);
   mesh = large_block();
   mesh.elements[0][3] = mesh.elements[0][2];
-  EXPECT_NE(mend_of(mesh).find("element 1 has a node twice"), std::string::npos);
+  EXPECT_NE(fix_of(mesh).find("element 1 has a node twice"), std::string::npos);
   mesh = large_block();
   mesh.material.poisson = 0.5;
-  EXPECT_NE(mend_of(mesh).find("Poisson"), std::string::npos);
+  EXPECT_NE(fix_of(mesh).find("Poisson"), std::string::npos);
   EXPECT_THROW(large_block().node_set("nowhere"), SceneError);
   EXPECT_THROW(read_brick_mesh("no/such/deck.inp"), FileError);
   EXPECT_THROW(read_brick_mesh(kPendulum + "hex20/calculix/matrices.inp"), FileError);

@@ -96,7 +96,7 @@ TEST(CamFollower, lift_of_a_knife_edge_is_the_profile) {
   EXPECT_GT(turned, 1);
 }
 
-TEST(CamFollower, refuses_what_is_no_cam_and_says_how_to_mend_it) {
+TEST(CamFollower, refuses_what_is_no_cam_and_says_how_to_fix_it) {
   const auto problem = [](const CamFollower::Parameters& p) -> std::string {
     try {
       const CamFollower cam(p);
@@ -212,13 +212,13 @@ TEST(LoadedBody, tells_which_markers_it_has) {
     FAIL();
   } catch (const SceneError& error) {
     EXPECT_EQ(error.problem(), "'box': body type 'rattle_box' of rattle_box.so refuses a marker: there is no node 7");
-    EXPECT_EQ(error.mend(), "the bead is node 1");
+    EXPECT_EQ(error.fix(), "the bead is node 1");
   }
   try {
     box.average({1, 2});
     FAIL();
   } catch (const SceneError& error) {
-    EXPECT_EQ(error.mend(), "it has marker(position) node(number)");
+    EXPECT_EQ(error.fix(), "it has marker(position) node(number)");
   }
 }
 

@@ -1,4 +1,4 @@
-// The list of broken inputs: each gives one typed error that says what, where and how to mend it.
+// The list of broken inputs: each gives one typed error that says what, where and how to fix it.
 #include <gtest/gtest.h>
 
 #include <unistd.h>
@@ -129,7 +129,7 @@ std::vector<BrokenInput> list() {
          SystemGraph graph;
          graph.add<RigidBody>("body", {.inertia = {1, 1, 3}});
        }},
-      {"a parameter that is no number", "velocity",
+      {"a parameter that is not finite", "velocity",
        [] {
          SystemGraph graph;
          graph.add<RigidBody>("body", {.velocity = {0, kNaN, 0}});
@@ -214,7 +214,7 @@ std::vector<BrokenInput> list() {
 
 class BadInput : public testing::TestWithParam<BrokenInput> {};
 
-TEST_P(BadInput, gives_one_error_that_says_what_where_and_how_to_mend_it) {
+TEST_P(BadInput, gives_one_error_that_says_what_where_and_how_to_fix_it) {
   try {
     GetParam().run();
     FAIL() << "accepted silently";
@@ -223,7 +223,7 @@ TEST_P(BadInput, gives_one_error_that_says_what_where_and_how_to_mend_it) {
     EXPECT_NE(text.find(GetParam().says), std::string::npos) << text;
     EXPECT_FALSE(error.problem().empty()) << text;
     EXPECT_FALSE(error.where().empty()) << text;
-    EXPECT_FALSE(error.mend().empty()) << text;
+    EXPECT_FALSE(error.fix().empty()) << text;
     EXPECT_EQ(text.find("error: error:"), std::string::npos) << text;
   }
 }

@@ -53,13 +53,13 @@ TEST(Chart, MistakesAreTold) {
   folder.write("empty.cpp", "int main() {}\n");
   const Outcome empty = folder.shell("lithe chart empty.cpp");
   EXPECT_EQ(empty.exit_code, 2);
-  EXPECT_TRUE(says(empty, "error: the scene has nothing to chart.\n  mend: write  lithe::StudyScene scene() { ... }"));
+  EXPECT_TRUE(says(empty, "error: the scene has nothing to chart.\n  fix: write  lithe::StudyScene scene() { ... }"));
 
   folder.write("swing.cpp", kScene);
   const Outcome method = folder.shell("lithe chart swing.cpp --methods magic");
   EXPECT_EQ(method.exit_code, 1);
   EXPECT_TRUE(says(method, "error: there is no method 'magic'"));
-  EXPECT_TRUE(says(folder.shell("lithe chart swing.cpp --tolerances tight"), "'tight' is no number"));
+  EXPECT_TRUE(says(folder.shell("lithe chart swing.cpp --tolerances tight"), "'tight' is not a number"));
 }
 
 }  // namespace

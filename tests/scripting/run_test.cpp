@@ -123,13 +123,13 @@ TEST(Mistakes, OutsideOfJointsAreToldToo) {
   EXPECT_TRUE(says(folder.shell("lithe run scene.cpp"), "the scene has no main()"));
 }
 
-TEST(Mistakes, ThatOnlyTheGraphSeesEndTheSceneWithWhatWhereAndMend) {
+TEST(Mistakes, ThatOnlyTheGraphSeesEndTheSceneWithWhatWhereAndFix) {
   const ScriptFolder folder;
   folder.write("scene.cpp",
                pendulum_scene(R"(graph.add<RevoluteJoint>("elbow", {upper.marker({0.5, 0, 0}, along_y)});)"));
   const Outcome missing = folder.shell("lithe run scene.cpp");
   EXPECT_EQ(missing.exit_code, 1);
-  EXPECT_TRUE(says(missing, "error: 'elbow': needs 2 markers and got 1\n  at:   scene.cpp:20\n  mend: "));
+  EXPECT_TRUE(says(missing, "error: 'elbow': needs 2 markers and got 1\n  at:   scene.cpp:20\n  fix: "));
   EXPECT_FALSE(says(missing, "terminate"));
 
   folder.write("other.cpp", "#include <stdexcept>\nint main() { throw std::runtime_error(\"of the user\"); }\n");

@@ -69,13 +69,13 @@ Answer solve_once(const Scene& scene, ElasticParts& parts, double target) {
   return {std::move(solution), static_cast<double>(std::clock() - begun) / CLOCKS_PER_SEC};
 }
 
-/// Samples that end early, or are no numbers, would hide errors.
+/// Samples that end early, or are not finite, would hide errors.
 void require_comparable(const Table& samples, const Table& reference) {
   const auto finite = [](double value) { return std::isfinite(value); };
   if (samples.row_count() == reference.row_count() && samples.columns.size() == reference.columns.size() &&
       std::all_of(samples.values.begin(), samples.values.end(), finite))
     return;
-  throw SimulationError("the answer has not the reference's samples, or some that are no numbers", "tools/certify",
+  throw SimulationError("the answer has not the reference's samples, or some that are not finite", "tools/certify",
                         "run the scene by itself: diagnose() tells why it fails");
 }
 

@@ -22,13 +22,13 @@ bool finite(const SparseMatrix& A) { return A.nonZeros() == 0 || A.coeffs().allF
 
 void check_matrix(const SparseMatrix& A, Eigen::Index size) {
   demand(A.rows() == size && A.cols() == size, "a matrix does not fit the degrees of freedom");
-  demand(finite(A), "a matrix has an entry that is no number");
+  demand(finite(A), "a matrix has an entry that is not finite");
 }
 
 void check_elements(const std::vector<ElementBlock>& elements, int nodes) {
   for (const ElementBlock& block : elements) {
     demand(std::isfinite(block.material.young + block.material.poisson + block.material.density),
-           "a material is no number");
+           "a material is not finite");
     for (const auto& element : block.nodes)
       for (const int node : element) demand(node >= 0 && node < nodes, "an element has a node that is not there");
   }
@@ -40,7 +40,7 @@ void check_model(const FiniteElementModel& model, Matrices matrices = Matrices::
   demand(static_cast<Eigen::Index>(model.node_ids.size()) == model.nodes.cols(), "labels do not fit the nodes");
   const std::set<int> ids(model.node_ids.begin(), model.node_ids.end());
   demand(ids.size() == model.node_ids.size(), "two nodes have one label");
-  demand(model.nodes.allFinite(), "a node's position is no number");
+  demand(model.nodes.allFinite(), "a node's position is not finite");
   for (const RotationalDof& turn : model.rotations)
     demand(turn.node >= 0 && turn.node < model.node_count() && turn.axis >= 0 && turn.axis < 3,
            "a rotation is of a node or axis that is not there");
@@ -60,7 +60,7 @@ void check_model(const FiniteElementModel& model, Matrices matrices = Matrices::
 void check_basis(const ModalBasis& basis) {
   const Eigen::Index modes = basis.mode_count(), dofs = basis.nodes.size() + Eigen::Index(basis.rotations.size());
   demand(static_cast<Eigen::Index>(basis.node_ids.size()) == basis.nodes.cols(), "labels do not fit the nodes");
-  demand(basis.nodes.allFinite() && basis.modes.allFinite(), "nodes or modes are no numbers");
+  demand(basis.nodes.allFinite() && basis.modes.allFinite(), "nodes or modes are not finite");
   demand(basis.modes.rows() == dofs && basis.modes.cols() == modes, "modes do not fit the nodes");
   check_matrix(basis.stiffness, modes);
   check_matrix(basis.modal_mass, modes);
@@ -69,7 +69,7 @@ void check_basis(const ModalBasis& basis) {
   demand(basis.integrals.mode_count() == modes, "the integrals do not fit the modes");
   demand(std::isfinite(basis.integrals.mass) && basis.integrals.J0.allFinite() && basis.integrals.C1.allFinite() &&
              basis.integrals.J2.allFinite(),
-         "the integrals are no numbers");
+         "the integrals are not finite");
   demand(basis.frequencies.allFinite() && basis.frequencies.size() == modes, "frequencies do not fit the modes");
 }
 
@@ -111,7 +111,7 @@ void gmsh(const std::string& job) {
 }
 void frd(const std::string& job) {
   const ImportedModes modes = read_calculix_modes(job + ".frd", four_nodes());
-  demand(modes.frequencies.allFinite() && modes.shapes.allFinite(), "a mode is no number");
+  demand(modes.frequencies.allFinite() && modes.shapes.allFinite(), "a mode is not finite");
   demand(modes.shapes.cols() == modes.frequencies.size() && (modes.shapes.size() == 0 || modes.shapes.rows() == 12),
          "modes do not fit");
 }
@@ -125,7 +125,7 @@ void ansys(const std::string& job) {
 }
 void harwell_boeing(const std::string& job) {
   const SparseMatrix A = read_harwell_boeing(job + ".K");
-  demand(finite(A), "a matrix has an entry that is no number");
+  demand(finite(A), "a matrix has an entry that is not finite");
 }
 void nastran(const std::string& job) { check_model(read_nastran({.deck = job + ".bdf"})); }
 void op4(const std::string& job) { check_model(read_nastran({.deck = job + ".bdf", .matrices = {job + ".op4"}})); }

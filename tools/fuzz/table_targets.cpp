@@ -62,9 +62,9 @@ void basis(std::string_view input, const std::filesystem::path& folder) {
          "what is written again is read otherwise");
   demand(basis->nodes.allFinite() && basis->modes.allFinite() && basis->frequencies.allFinite() &&
              basis->integrals.Mff.allFinite() && basis->rotation.allFinite() && basis->origin.allFinite(),
-         "a basis has what is no number");
+         "a basis has a value that is not finite");
   for (const SparseMatrix* A : {&basis->stiffness, &basis->modal_mass, &basis->nodal_mass})
-    demand(A->nonZeros() == 0 || A->coeffs().allFinite(), "a matrix has an entry that is no number");
+    demand(A->nonZeros() == 0 || A->coeffs().allFinite(), "a matrix has an entry that is not finite");
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 namespace lithe::command {
 
 struct Explanation {
-  std::string what, mend;  // mend may be empty
+  std::string what, fix;  // fix may be empty
 };
 
 /// What is wrong with the call at a place of the source, given the compiler's message: it says that nothing matches,

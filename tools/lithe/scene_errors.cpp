@@ -24,7 +24,7 @@ std::terminate_handler previous;
   if (const std::exception_ptr thrown = std::current_exception()) {
     try {
       std::rethrow_exception(thrown);
-    } catch (const Error& error) {  // says what, where and how to mend
+    } catch (const Error& error) {  // says what, where and how to fix
       end("", error.what());
     } catch (const std::exception& error) {
       end("error: the scene threw an exception and did not catch it: ", error.what());

@@ -42,7 +42,7 @@ class Bench {
     double residual = 0;              // largest |g|
   };
   /// Starts the integrator and runs to `end` (s). `after` is told of every step. Stops early, not reached, where the
-  /// energy error passes `energy_limit` (J) or what comes out is no number.
+  /// energy error passes `energy_limit` (J) or what comes out is not finite.
   Course run(Integrator& integrator, double end, const std::function<void()>& after = {},
              double energy_limit = INFINITY) {
     integrator.start(equations, state);
@@ -83,7 +83,7 @@ class Bench {
   State state = system.initial_state();
 
  private:
-  /// What is no number is larger than all.
+  /// What is not finite is larger than all.
   static double larger(double a, double b) { return std::isnan(a) || std::isnan(b) ? NAN : std::max(a, b); }
 
   VectorX residual_;

@@ -62,7 +62,7 @@ struct Registered {
 StabilityCell run(const Scene& scene, const Cell& cell);
 Finding run(const Cell& cell);
 
-/// The outcome of a detector: unstable if it is no number or beyond `unbounded`, converged within `limit`.
+/// The outcome of a detector: unstable if it is not finite or beyond `unbounded`, converged within `limit`.
 Outcome judged(double detector, double limit, double unbounded = std::numeric_limits<double>::infinity());
 
 }  // namespace lithe::lab

@@ -40,8 +40,8 @@ std::string element_name(const std::string& type, const std::vector<int>& nodes,
 }
 
 [[noreturn]] void refuse_element(const std::string& problem, const std::string& type, const std::vector<int>& nodes,
-                                 const std::string& mend) {
-  throw SceneError(problem, element_name(type, nodes, [](int node) { return node; }) + " (indices)", mend);
+                                 const std::string& fix) {
+  throw SceneError(problem, element_name(type, nodes, [](int node) { return node; }) + " (indices)", fix);
 }
 
 const SolidType& require_solid(const std::string& name, const std::vector<int>& nodes, const Matrix3X& positions) {
@@ -84,8 +84,8 @@ struct SolidGeometry {
     if (!(j > flat))
       refuse_element(j < -flat ? "it is turned inside out." : "it has no volume, or a position is not a number.", type,
                      nodes,
-                     j < -flat ? "number its nodes in the order of CalculiX, or mend the mesh where it folds."
-                               : "merge its coinciding nodes and drop it, or mend the mesh.");
+                     j < -flat ? "number its nodes in the order of CalculiX, or fix the mesh where it folds."
+                               : "merge its coinciding nodes and drop it, or fix the mesh.");
     return J;
   }
 };
@@ -113,7 +113,7 @@ void at_elements(const FiniteElementModel& model, Visit&& visit) {
           return node >= 0 && node < model.node_count() ? model.node_ids[static_cast<size_t>(node)] : node;
         };
         throw SceneError(error.problem(), "model '" + model.name + "', " + element_name(block.type, nodes, label),
-                         error.mend());
+                         error.fix());
       }
 }
 

@@ -14,7 +14,7 @@ namespace lithe {
 /// real nodes (exactly, since these modes carry no inertia of their own), M is the nodal block of .mas, which is the
 /// consistent mass of C3D8. Not Guyan on M: CalculiX gives the appended rows a mass that is not the body's.
 /// Rows are placed by .dof. Nodes that no element uses and no row mentions are left out, with a warning.
-/// Throws FileError naming file:line, what was read and how to mend it.
+/// Throws FileError naming file:line, what was read and how to fix it.
 FiniteElementModel read_calculix(const std::string& job);
 
 }  // namespace lithe

@@ -57,20 +57,20 @@ const Found& chosen(const std::vector<Found>& all, const std::string& asked, con
 }
 
 std::vector<MatrixRow> read_row_list(const std::string& path) {
-  constexpr const char* kMend = "write one line a row: node and direction (1-6; 0 for scalar points).";
-  TextFile file(path, kMend);
+  constexpr const char* kFix = "write one line a row: node and direction (1-6; 0 for scalar points).";
+  TextFile file(path, kFix);
   std::vector<MatrixRow> rows;
   while (file.next()) {
     if (file.blank()) continue;
     const auto& words = file.words();
-    if (words.size() != 2) file.fail("a line of " + std::to_string(words.size()) + " words.", kMend);
+    if (words.size() != 2) file.fail("a line of " + std::to_string(words.size()) + " words.", kFix);
     rows.push_back({file.integer(words[0], "node label"), file.integer(words[1], "direction")});
     if (rows.back().node < 1 || rows.back().direction < 0 || rows.back().direction > 6)
       file.fail(
           "node " + std::to_string(rows.back().node) + ", direction " + std::to_string(rows.back().direction) + ".",
-          kMend);
+          kFix);
   }
-  if (file.ended_in_mid_line()) file.fail("the last line has no end: the file is cut.", kMend);
+  if (file.ended_in_mid_line()) file.fail("the last line has no end: the file is cut.", kFix);
   return rows;
 }
 

@@ -117,8 +117,8 @@ class NastranDeckReader {
 
   // ---- fields of an entry; errors name the line where it begins
 
-  [[noreturn]] void fail(const Entry& entry, const std::string& problem, const std::string& mend) const {
-    throw FileError(problem, file_.path() + ":" + std::to_string(entry.line), mend);
+  [[noreturn]] void fail(const Entry& entry, const std::string& problem, const std::string& fix) const {
+    throw FileError(problem, file_.path() + ":" + std::to_string(entry.line), fix);
   }
   static const std::string& field(const Entry& entry, size_t k) {
     static const std::string kEmpty;
@@ -128,14 +128,14 @@ class NastranDeckReader {
     try {
       return file_.integer(field(entry, k), what);
     } catch (const FileError& error) {  // its line is that of the entry's end
-      fail(entry, error.problem(), error.mend());
+      fail(entry, error.problem(), error.fix());
     }
   }
   double number(const Entry& entry, size_t k, const char* what) const {
     try {
       return fortran_number(file_, field(entry, k), what);
     } catch (const FileError& error) {
-      fail(entry, error.problem(), error.mend());
+      fail(entry, error.problem(), error.fix());
     }
   }
 

@@ -53,7 +53,7 @@ class Source {
   virtual void skip_last() = 0;                                   // the number that closes a matrix
   virtual long words_a_number() const = 0;                        // as the length of a sparse column counts them
   virtual bool length_in_words() const = 0;                       // of a dense column
-  [[noreturn]] virtual void fail(const std::string& problem, const std::string& mend) const = 0;
+  [[noreturn]] virtual void fail(const std::string& problem, const std::string& fix) const = 0;
 };
 
 class TextSource final : public Source {
@@ -95,7 +95,7 @@ class TextSource final : public Source {
   void skip_last() override { next_line(); }
   long words_a_number() const override { return type_ % 2 == 1 ? 1 : 2; }
   bool length_in_words() const override { return false; }
-  void fail(const std::string& problem, const std::string& mend) const override { file_.fail(problem, mend); }
+  void fail(const std::string& problem, const std::string& fix) const override { file_.fail(problem, fix); }
 
  private:
   long at(int k, const char* what) const {
@@ -175,8 +175,8 @@ class BinarySource final : public Source {
   void skip_last() override {}
   long words_a_number() const override { return static_cast<long>(number_bytes() / word_); }
   bool length_in_words() const override { return true; }
-  void fail(const std::string& problem, const std::string& mend) const override {
-    throw FileError(problem, path_ + ": byte " + std::to_string(start_), mend);
+  void fail(const std::string& problem, const std::string& fix) const override {
+    throw FileError(problem, path_ + ": byte " + std::to_string(start_), fix);
   }
 
  private:

@@ -52,8 +52,8 @@ class SidReader {
   }
 
  private:
-  [[noreturn]] void refuse(const std::string& problem, int line, const std::string& mend) const {
-    throw FileError(problem, path_ + (line > 0 ? ":" + std::to_string(line) : ""), mend);
+  [[noreturn]] void refuse(const std::string& problem, int line, const std::string& fix) const {
+    throw FileError(problem, path_ + (line > 0 ? ":" + std::to_string(line) : ""), fix);
   }
   void expect(const std::string& key) {
     if (file_.next().key != key)

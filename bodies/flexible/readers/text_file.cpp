@@ -31,10 +31,10 @@ std::string lower_case(std::string_view text) {
   return lower;
 }
 
-TextFile::TextFile(std::string path, const std::string& mend) : path_(std::move(path)) {
+TextFile::TextFile(std::string path, const std::string& fix) : path_(std::move(path)) {
   std::error_code ignored;
-  if (!std::filesystem::exists(path_, ignored)) throw FileError("there is no such file.", path_, mend);
-  if (std::filesystem::is_directory(path_, ignored)) throw FileError("this is a folder, not a file.", path_, mend);
+  if (!std::filesystem::exists(path_, ignored)) throw FileError("there is no such file.", path_, fix);
+  if (std::filesystem::is_directory(path_, ignored)) throw FileError("this is a folder, not a file.", path_, fix);
   stream_.open(path_);
   if (!stream_) throw FileError("the file cannot be opened.", path_, "check its permissions.");
 }
@@ -108,8 +108,8 @@ int TextFile::integer(std::string_view token, std::string_view what) const {
   return value;
 }
 
-void TextFile::fail(const std::string& problem, const std::string& mend) const {
-  throw FileError(problem, where(), mend);
+void TextFile::fail(const std::string& problem, const std::string& fix) const {
+  throw FileError(problem, where(), fix);
 }
 
 }  // namespace lithe

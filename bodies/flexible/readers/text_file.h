@@ -8,11 +8,11 @@
 namespace lithe {
 
 /// A text file read line by line that always knows where it stands, so that every complaint names file:line, what was
-/// read and how to mend it. Numbers are read whole or refused: no "1.2x", no NaN, no overflow.
+/// read and how to fix it. Numbers are read whole or refused: no "1.2x", no NaN, no overflow.
 class TextFile {
  public:
-  /// Throws FileError if there is no such file; `mend` says where it should come from.
-  TextFile(std::string path, const std::string& mend);
+  /// Throws FileError if there is no such file; `fix` says where it should come from.
+  TextFile(std::string path, const std::string& fix);
 
   bool next();  // moves to the next line; false at the end
   std::string_view line() const { return line_; }
@@ -30,7 +30,7 @@ class TextFile {
   double number(std::string_view token, std::string_view what) const;
   int integer(std::string_view token, std::string_view what) const;
 
-  [[noreturn]] void fail(const std::string& problem, const std::string& mend) const;
+  [[noreturn]] void fail(const std::string& problem, const std::string& fix) const;
 
  private:
   std::string path_, line_;

@@ -6,8 +6,8 @@
 
 using namespace lithe;
 
-/// Explicit midpoint rule: v̇ at the middle of the step, reached by half an Euler step, serves the whole of it. Turns are
-/// increments d in the chart of the step's start, ḋ = Jr⁻¹(d) v. A step ends on g = 0 and ġ = 0.
+/// Explicit midpoint rule: v̇ at the middle of the step, reached by half an Euler step, serves the whole of it. Turns
+/// are increments d in the chart of the step's start, ḋ = Jr⁻¹(d) v. A step ends on g = 0 and ġ = 0.
 class Midpoint final : public Integrator {
  public:
   struct Parameters {

@@ -27,7 +27,8 @@ class CircularSlot final : public Joint</*markers=*/2, /*rows=*/2> {
 };
 
 int main() {
-  // 1. A slot of 0.5 m in the world's xz plane: the marker's z axis is the world's y axis. The bob starts level with the
+  // 1. A slot of 0.5 m in the world's xz plane: the marker's z axis is the world's y axis. The bob starts level with
+  // the
   //    middle.
   SystemGraph graph{{.gravity = {0, 0, -9.81}}};
   auto& bob = graph.add<RigidBody>("bob", {.mass = 2, .inertia = {1e-3, 1e-3, 1e-3}, .position = {0.5, 0, 0}});

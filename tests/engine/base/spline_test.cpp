@@ -65,7 +65,7 @@ TEST(CubicSpline, RefusesTablesThatAreNone) {
       CubicSpline(std::move(x), std::move(y), "my table");
     } catch (const SceneError& error) {
       EXPECT_EQ(error.where(), "my table");
-      EXPECT_FALSE(error.mend().empty());
+      EXPECT_FALSE(error.fix().empty());
       return error.problem();
     }
     ADD_FAILURE() << "no error";

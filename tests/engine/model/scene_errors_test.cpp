@@ -22,7 +22,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// `where` of an error that names a line of this file.
 const std::string kHere = "scene_errors_test.cpp:";
 
-/// The error says what is wrong (each of `words`), where, and how to mend it.
+/// The error says what is wrong (each of `words`), where, and how to fix it.
 template <class F>
 void expect_error(F&& draw, const std::vector<std::string>& words, const std::string& where = kHere) {
   try {
@@ -31,7 +31,7 @@ void expect_error(F&& draw, const std::vector<std::string>& words, const std::st
   } catch (const SceneError& error) {
     for (const std::string& word : words) EXPECT_NE(error.problem().find(word), std::string::npos) << error.what();
     EXPECT_EQ(error.where().rfind(where, 0), 0u) << error.what();
-    EXPECT_FALSE(error.mend().empty()) << error.what();
+    EXPECT_FALSE(error.fix().empty()) << error.what();
   }
 }
 

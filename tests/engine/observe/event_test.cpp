@@ -252,7 +252,7 @@ TEST(event, what_watches_no_number_or_has_no_name_is_refused) {
     simulation.run(scene.state, 1);
     FAIL();
   } catch (const SimulationError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("'hole' watches what is no finite number"));
+    EXPECT_THAT(error.what(), HasSubstr("'hole' watches a value that is not finite"));
   }
   EXPECT_LT(scene.state.time, 0.31);  // the last good state
 }

@@ -97,13 +97,13 @@ TEST(output_csv, a_broken_line_is_named_by_file_and_number) {
   EXPECT_THROW(read_csv(folder.path("absent.csv")), FileError);
 }
 
-TEST(output_csv, an_unwritable_path_says_how_to_mend_it) {
+TEST(output_csv, an_unwritable_path_says_how_to_fix_it) {
   const ScratchFolder folder;
   write_text(folder.path("file"), "not a folder");
   const std::string message =
       message_of<FileError>([&] { write_csv({.columns = {"t"}}, folder.path("file/run.csv")); });
   EXPECT_THAT(message, HasSubstr(folder.path("file/run.csv")));
-  EXPECT_THAT(message, HasSubstr("mend: choose a path"));
+  EXPECT_THAT(message, HasSubstr("fix: choose a path"));
   std::filesystem::create_directory(folder.path("taken"));
   EXPECT_THROW(write_csv({.columns = {"t"}}, folder.path("taken")), FileError);
   EXPECT_EQ(folder.file_count(), 1) << "a temporary file was left behind";

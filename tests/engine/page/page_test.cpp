@@ -584,7 +584,7 @@ std::string told(Fault&& fault) {
     fault();
   } catch (const Error& error) {
     EXPECT_FALSE(error.where().empty()) << error.what();
-    EXPECT_FALSE(error.mend().empty()) << error.what();
+    EXPECT_FALSE(error.fix().empty()) << error.what();
     return error.problem();
   }
   return "nothing";

@@ -184,12 +184,12 @@ TEST(simulation, a_failure_is_named_and_loses_nothing) {
   const std::string message = message_of<SimulationError>([&] { c.simulation.run(c.state, 2.0); });
   EXPECT_THAT(message, HasSubstr("the step from t = 0.5 s failed: it strikes thirteen"));
   EXPECT_THAT(message, HasSubstr("at:   t = 0.5 s, clock"));
-  EXPECT_THAT(message, HasSubstr("mend: give a smaller step"));
+  EXPECT_THAT(message, HasSubstr("fix: give a smaller step"));
   EXPECT_THAT(recorder.table().column("t"), ElementsAre(0, 0.375, 0.5));  // the last good state too
   EXPECT_EQ(c.state.time, 0.5);
   EXPECT_EQ(c.state.v[0], 0);  // what the failed step spoilt
 
-  c.clock.trouble = Clock::Trouble::none;  // mended: goes on, on the old schedule
+  c.clock.trouble = Clock::Trouble::none;  // fixed: goes on, on the old schedule
   c.simulation.run(c.state, 1.0);
   EXPECT_THAT(recorder.table().column("t"), ElementsAre(0, 0.375, 0.5, 0.75));
 }
@@ -200,7 +200,7 @@ TEST(simulation, a_coordinate_that_is_no_number_ends_the_run_by_name) {
   Witness witness;
   c.simulation.observe(witness, every_step());
   EXPECT_THAT(message_of<SimulationError>([&] { c.simulation.run(c.state, 2.0); }),
-              HasSubstr("no finite number: velocity of rod: omega_y"));
+              HasSubstr("not finite: velocity of rod: omega_y"));
   EXPECT_EQ(c.state.time, 0.5);
   EXPECT_TRUE(c.state.v.allFinite());
   EXPECT_EQ(witness.times.size(), 17u);

@@ -31,7 +31,7 @@ TEST(doctor, names_the_right_cause_first_in_nine_of_ten_seeded_faults) {
     if (printing()) std::printf("---- %s%s\n%s", named ? "" : "! ", fault.name.c_str(), diagnosis.text().c_str());
     for (const Finding& finding : diagnosis.findings) {
       EXPECT_FALSE(finding.what.empty());
-      EXPECT_FALSE(finding.mend.empty());
+      EXPECT_FALSE(finding.fix.empty());
     }
   }
   if (printing()) std::printf("%d of %zu\n", right, faults.size());
@@ -76,7 +76,7 @@ TEST(doctor, tells_of_a_state_that_its_joints_do_not_allow) {
     EXPECT_EQ(findings[0].cause, Cause::inconsistent_start);
     EXPECT_TRUE(findings[0].alarm);
     EXPECT_THAT(findings[0].what, testing::HasSubstr("'pin' row"));
-    EXPECT_THAT(findings[0].mend, testing::HasSubstr("Projector"));
+    EXPECT_THAT(findings[0].fix, testing::HasSubstr("Projector"));
   }
 }
 
@@ -121,7 +121,7 @@ TEST(doctor, names_the_part_at_fault_with_figures) {
   } cases[] = {{"pin a centimetre off", "'pin' row 3 does not close as drawn: it is off by -0.01"},
                {"bump stop of steel", "'wire' between 'rod' and 'bob' rings at 3.39e+04 rad/s"},
                {"dry friction without smoothing", "'rub' on ground and 'block' jumps from"},
-               {"table that ends", "'wind' on 'rod' is no finite number at t = 0.7"},
+               {"table that ends", "'wind' on 'rod' is not finite at t = 0.7"},
                {"two drives of one shaft", "'brake' row 1 repeats 'motor' row 1 but asks for another motion"},
                {"pin of a microgram between tons", "'rod' weighs 5e+09 times as much as 'hook'"},
                {"forgotten joint", "nothing ties 'cup' to ground"}};

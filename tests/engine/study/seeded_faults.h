@@ -362,7 +362,7 @@ inline std::vector<Patient> seeded_faults() {
         return watch_body(rod);
       });
 
-  // ---- what is no number ----
+  // ---- a value that is not finite ----
   add("force that divides by zero at the start", Cause::no_number, rk, 1e-6, 1, [=](SystemGraph& graph) {
     auto& bob = graph.add<RigidBody>("bob", {.mass = 1, .inertia = {0.1, 0.1, 0.1}});
     graph.add<UserForce>("charge", {bob.marker()},

@@ -119,7 +119,7 @@ TEST(Sweep, APointThatFailsLeavesTheOthersAlone) {
   EXPECT_EQ(failure.point, "point 2 (mass -1, length 1)");
   EXPECT_NE(failure.what.find("mass"), std::string::npos) << failure.what;
   EXPECT_NE(failure.where.find("sweep_test.cpp"), std::string::npos) << failure.where;
-  EXPECT_FALSE(failure.mend.empty());
+  EXPECT_FALSE(failure.fix.empty());
   for (int row = 0; row < 6; ++row)
     EXPECT_EQ(std::isnan(result.table.at(row, 2)), row == 2 || row == 3) << "row " << row;
   EXPECT_EQ(result.report().find("2 of 6 points failed\npoint 2 (mass -1, length 1): "), 0u) << result.report();
@@ -139,7 +139,7 @@ TEST(Sweep, WhateverAPointThrowsIsNamed) {
   EXPECT_EQ(result.failures[0].what, "no such file");
   EXPECT_NE(result.failures[1].what.find("no std::exception"), std::string::npos);
   EXPECT_EQ(result.failures[2].what, "the sweep has no parameter 'y'");
-  EXPECT_EQ(result.failures[2].mend, "known are x");
+  EXPECT_EQ(result.failures[2].fix, "known are x");
   EXPECT_NE(result.failures[3].what.find("other results than point 0 (x 5)"), std::string::npos);
   EXPECT_NE(result.failures[4].what.find("'x'"), std::string::npos);
   EXPECT_EQ(result.table.columns, (std::vector<std::string>{"x", "square"}));
@@ -239,7 +239,7 @@ TEST(Sweep, RefusesPointsThatAreNone) {
   EXPECT_NE(refusal({}).find("no points"), std::string::npos);
   EXPECT_NE(refusal({{"x"}, {}}).find("no points"), std::string::npos);
   EXPECT_NE(refusal({{"x", "x"}, {1, 2}}).find("'x' appears twice"), std::string::npos);
-  EXPECT_NE(refusal({{"x"}, {1, NAN}}).find("'x' is no finite number in row 1"), std::string::npos);
+  EXPECT_NE(refusal({{"x"}, {1, NAN}}).find("'x' is not finite in row 1"), std::string::npos);
   EXPECT_NE(message_of<SceneError>([&] { sweep({}, grid({{"x", {1}}}), kQuiet); }).find("no scene"), std::string::npos);
   EXPECT_NE(message_of<SceneError>([&] {
               sweep(scene, grid({{"x", {1}}}), with_threads(-1));

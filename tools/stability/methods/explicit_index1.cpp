@@ -173,7 +173,7 @@ StepResult ExplicitIndex1::advance(EquationsOfMotion& equations, State& state, d
   project(equations, time);
   if (!trouble_.empty()) return {StepResult::Outcome::failed, trouble_};
   if (!q_.allFinite() || !v_.allFinite())
-    return {StepResult::Outcome::failed, "the coordinates are no numbers any more"};
+    return {StepResult::Outcome::failed, "the coordinates are not finite any more"};
   state.time = time;
   state.q = q_, state.v = v_;
   state.v_dot = v_dot_.col(0), state.lambda = lambda_;

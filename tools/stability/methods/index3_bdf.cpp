@@ -79,7 +79,7 @@ StepResult Index3Bdf::advance(EquationsOfMotion& equations, State& state, double
     v_ += x.segment(nv, nv);
     lambda_ += x.tail(rows);
     ++statistics_.newton_iterations;
-    if (!x.allFinite()) return {StepResult::Outcome::failed, "Newton's corrections are no numbers"};
+    if (!x.allFinite()) return {StepResult::Outcome::failed, "Newton's corrections are not finite"};
     if (x.head(2 * nv).cwiseAbs().maxCoeff() < kConverged) break;
   }
   v_dot_ = (v_ - state.v - carry * (state.v - v_before_)) / (share * h);

@@ -74,7 +74,7 @@ StepResult PlainAlpha::advance(EquationsOfMotion& equations, State& state, doubl
     lambda_ += rl_;
     ++statistics_.newton_iterations;
     if (!v_dot_.allFinite() || !lambda_.allFinite())
-      return {StepResult::Outcome::failed, "Newton's corrections are no numbers"};
+      return {StepResult::Outcome::failed, "Newton's corrections are not finite"};
     double size = per_d * delta_.cwiseAbs().maxCoeff(), scale = v_dot_.cwiseAbs().maxCoeff();
     if (rl_.size() > 0) {
       size = std::max(size, rl_.cwiseAbs().maxCoeff());

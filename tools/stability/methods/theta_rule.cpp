@@ -41,7 +41,7 @@ StepResult ThetaRule::advance(EquationsOfMotion& equations, State& state, double
     equations.solve(rv_, none_);
     v_dot_ += rv_;
     ++statistics_.newton_iterations;
-    if (!v_dot_.allFinite()) return {StepResult::Outcome::failed, "Newton's corrections are no numbers"};
+    if (!v_dot_.allFinite()) return {StepResult::Outcome::failed, "Newton's corrections are not finite"};
     converged = h * rv_.cwiseAbs().maxCoeff() < kConverged * (1 + state.v.cwiseAbs().maxCoeff());
   }
   if (!converged) ++statistics_.newton_failures;

@@ -1,10 +1,10 @@
 // Reads the two data elements of the page into runs with typed arrays. The format is told in tools/viewer/README.md.
 
-/** What is wrong with the data, and how to mend it: shown in the page in place of the run. */
+/** What is wrong with the data, and how to fix it: shown in the page in place of the run. */
 export class PageError extends Error {
-  constructor(what, mend) {
+  constructor(what, fix) {
     super(what);
-    this.mend = mend;
+    this.fix = fix;
   }
 }
 

@@ -21,8 +21,8 @@ import { Stage } from './scene/stage.js';
 import { initialView } from './view.js';
 
 function showTrouble(app, error) {
-  const mend = error instanceof PageError ? error.mend : 'open the browser\'s console for the place, and report it.';
-  clear(app).append(h('div.trouble', { role: 'alert' }, h('h1', {}, 'This run cannot be shown'), h('p', {}, error.message), h('p.faint', {}, `mend: ${mend}`)));
+  const fix = error instanceof PageError ? error.fix : 'open the browser\'s console for the place, and report it.';
+  clear(app).append(h('div.trouble', { role: 'alert' }, h('h1', {}, 'This run cannot be shown'), h('p', {}, error.message), h('p.faint', {}, `fix: ${fix}`)));
 }
 
 /** The 3D view, or null and a word in its place where the browser has no WebGL: the rest of the page still serves. */
@@ -33,7 +33,7 @@ function makeStage(place, model, view) {
   if (!probe) {
     canvas.remove();
     place.append(h('div.no-webgl', { role: 'alert' }, h('b', {}, 'No 3D view'), h('p', {}, 'This browser offers no WebGL 2. Charts, graph and numbers work all the same.'),
-      h('p.faint', {}, 'mend: switch on hardware acceleration, or open the page in another browser.')));
+      h('p.faint', {}, 'fix: switch on hardware acceleration, or open the page in another browser.')));
     return null;
   }
   probe.getExtension('WEBGL_lose_context')?.loseContext();
