@@ -37,7 +37,7 @@ TOPICS = [
      ["joints/contact/*.h", "engine/contact/*.h", "engine/cones/*.h", "engine/model/contact_*.h"]),
     ("integrators", "Integrators", "What advances time.", ["integrators/*.h"]),
     ("analysis", "Analyses", "Equilibrium, kinematics, linearization, Campbell diagrams, descriptions.",
-     ["engine/analysis/*.h", "engine/analysis/equilibrium.h"]),
+     ["engine/analysis/*.h"]),
     ("study", "Studies", "Work against precision, sweeps, the doctor, `solve()` and its certificate.",
      ["engine/study/*.h"]),
     ("output", "Results", "Tables, charts, files; the run as one page.", ["engine/output/*.h", "engine/page/*.h"]),
