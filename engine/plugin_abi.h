@@ -214,9 +214,9 @@ typedef struct lithe_row_slice {
   int32_t count;
 } lithe_row_slice;
 
-/* M(q) v_dot + G(q, t)ᵀ lambda = f(q, v, t),  g(q, t) = 0  (engine/motion/equations_of_motion.h). Everything after evaluate()
-   refers to the state evaluated last. Functions return 0; otherwise end the step and return what they returned: the
-   host knows why. */
+/* M(q) v_dot + G(q, t)ᵀ lambda = f(q, v, t),  g(q, t) = 0  (engine/motion/equations_of_motion.h). Everything after
+   evaluate() refers to the state evaluated last. Functions return 0; otherwise end the step and return what they
+   returned: the host knows why. */
 typedef struct lithe_equations {
   size_t struct_size;
   void* host; /* first argument of the functions */

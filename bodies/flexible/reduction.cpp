@@ -89,7 +89,8 @@ void fill_nodal(const BodyFrame& frame, FramePlacement placed, const BodyMatrice
     throw SceneError("nodal coordinates need a mass that is a scalar interpolation, of solid elements.", placed.where,
                      "ask for a number of modes instead of kAllNodal: as many as there are coordinates, if need be.");
   placed.fixed_dofs = with_swing_held(placed);
-  const SupportedProblem problem = supported(body.K, body.M, free_motions(placed, {}, {}).T, MatrixX(body.K.rows(), 0), {});
+  const SupportedProblem problem =
+      supported(body.K, body.M, free_motions(placed, {}, {}).T, MatrixX(body.K.rows(), 0), {});
   const ElasticProblem elastic(problem.K, problem.M, problem.rigid, placed.where);
   require_held(lowest_modes(elastic, 1), elastic);
   basis.nodal = true;

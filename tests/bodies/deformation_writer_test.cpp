@@ -32,8 +32,8 @@ TEST(DeformationWriter, gives_paraview_the_moving_mesh_with_its_volume_and_its_n
   simulation.run(state, 0.1);
 
   // Through VTK's own reader: tests/engine/output/read_vtu.py prints points, cells, volume and sums of the fields.
-  const std::string command =
-      "/usr/bin/python3 '" LITHE_SOURCE_DIR "/tests/engine/output/read_vtu.py' '" + folder.path("rod_0002.vtu") + "' 2>&1";
+  const std::string reader = LITHE_SOURCE_DIR "/tests/engine/output/read_vtu.py";
+  const std::string command = "/usr/bin/python3 '" + reader + "' '" + folder.path("rod_0002.vtu") + "' 2>&1";
   FILE* pipe = popen(command.c_str(), "r");
   std::string text;
   std::array<char, 4096> part;

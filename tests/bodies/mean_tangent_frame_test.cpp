@@ -80,7 +80,8 @@ TEST(MeanTangentFrame, LetsAPulledFaceShrinkAsPoissonSays) {
   EXPECT_NEAR(free.mean_end.x() / (stress / Block::young * Block::length), 1, 1e-7);
   EXPECT_LT(free.mean_root.norm(), 1e-9 * free.mean_end.norm());
   for (Eigen::Index i = 0; i < free.displacements.cols(); ++i)
-    EXPECT_NEAR(free.displacements(0, i), stress / Block::young * (block.model.nodes(0, i) - block.drawn(block.root()[0]).x()),
+    EXPECT_NEAR(free.displacements(0, i),
+                stress / Block::young * (block.model.nodes(0, i) - block.drawn(block.root()[0]).x()),
                 1e-7 * free.mean_end.x());
 
   // A tangent frame holds the root, which makes the block stiffer along.

@@ -59,7 +59,8 @@ double root_stress(const FlexibleBody& rod, Snapshot& now) {
 
 /// Through VTK's own reader: tests/engine/output/read_vtu.py prints points, cells, and sums of the fields.
 std::string vtk_text(const std::string& path) {
-  const std::string command = "/usr/bin/python3 '" LITHE_SOURCE_DIR "/tests/engine/output/read_vtu.py' '" + path + "' 2>&1";
+  const std::string reader = LITHE_SOURCE_DIR "/tests/engine/output/read_vtu.py";
+  const std::string command = "/usr/bin/python3 '" + reader + "' '" + path + "' 2>&1";
   FILE* pipe = popen(command.c_str(), "r");
   std::string text;
   std::array<char, 4096> part;

@@ -133,7 +133,8 @@ struct Bars : Structure {
     for (int i = 0; i < count; ++i) {
       const std::string number = std::to_string(i + 1);
       auto& bar = graph.add<FlexibleBody>(
-          "bar " + number, {.basis = basis, .position = A * Vector3(length * i, -height / 2, -height / 2), .orientation = A});
+          "bar " + number,
+          {.basis = basis, .position = A * Vector3(length * i, -height / 2, -height / 2), .orientation = A});
       graph.add<FixedJoint>("weld " + number, {tip, bar.average(x_min)});
       tip = bar.average(x_max);
     }
@@ -241,7 +242,8 @@ TEST(EquilibriumOfSlenderStructures, ANetDrawnFlatHangsSoThatEveryKnotIsInBalanc
                                     {knots[a]->marker(), knots[b]->marker()},
                                     {.stiffness = stiffness, .natural_length = natural});
       net.tip = knots[knots.size() / 2]->marker();
-      const auto rest = net.rest("net of " + std::to_string(count) + " meshes, stretched by " + std::to_string(stretch));
+      const auto rest =
+          net.rest("net of " + std::to_string(count) + " meshes, stretched by " + std::to_string(stretch));
       // The balance, written out by hand.
       const auto at = [&](int k) -> Vector3 { return rest.found.state.q.segment<3>(7 * k); };
       std::vector<Vector3> force(knots.size(), Vector3(0, 0, -9.81 * mass));

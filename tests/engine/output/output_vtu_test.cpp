@@ -27,7 +27,8 @@ namespace {
 
 // What VTK's own reader finds in a file; see read_vtu.py. A missing VTK fails the test, with the package to install.
 std::string read_by_vtk(const std::string& path) {
-  const std::string command = "/usr/bin/python3 '" LITHE_SOURCE_DIR "/tests/engine/output/read_vtu.py' '" + path + "' 2>&1";
+  const std::string reader = LITHE_SOURCE_DIR "/tests/engine/output/read_vtu.py";
+  const std::string command = "/usr/bin/python3 '" + reader + "' '" + path + "' 2>&1";
   FILE* pipe = popen(command.c_str(), "r");
   std::string text;
   std::array<char, 4096> part;
