@@ -9,6 +9,8 @@
 
 namespace lithe {
 
+class EquationsOfMotion;
+
 
 /// The contacts of rigid surfaces as integrators see them, at the state evaluated last by the equations of motion.
 class RigidContacts {
