@@ -10,6 +10,7 @@
 #include "bodies/flexible/readers/calculix.h"
 #include "engine/assembly/assembler.h"
 #include "engine/base/error.h"
+#include "engine/study/certificate.h"
 #include "integrators/explicit_runge_kutta.h"
 #include "tests/bodies/fe_models.h"
 #include "tests/support/body_checks.h"
@@ -179,7 +180,8 @@ TEST_P(DeflectedBody, in_free_flight_keeps_energy_and_momenta) {
 INSTANTIATE_TEST_SUITE_P(Kinds, DeflectedBody,
                          testing::Values(std::pair(Deflection::stiffened, std::string("frameA")),
                                          std::pair(Deflection::quadratic, std::string("frameA")),
-                                         std::pair(Deflection::quadratic, std::string("mean"))));
+                                         std::pair(Deflection::quadratic, std::string("mean"))),
+                         [](const auto& test) { return to_string(test.param.first) + "_" + test.param.second; });
 
 TEST(Deflection, energy_of_fourth_order_is_that_of_the_nonlinear_elements) {
   // A cantilever bent along its first mode by 6 % of its length: the strain energy of the whole field [B, Ψ] ξ(η),

@@ -8,6 +8,7 @@
 #include "bodies/rigid_body.h"
 #include "engine/observe/sensors.h"
 #include "engine/observe/snapshot.h"
+#include "engine/study/certificate.h"
 #include "tests/bodies/fe_models.h"
 #include "tests/support/body_checks.h"
 #include "tests/support/motion.h"
@@ -275,7 +276,11 @@ TEST_P(PartOfABody, owes_what_every_body_owes) {
 INSTANTIATE_TEST_SUITE_P(Kinds, PartOfABody,
                          testing::Values(Fidelity{{}, Deflection::linear}, Fidelity{kSome, Deflection::linear},
                                          Fidelity{kSome, Deflection::stiffened}, Fidelity{{1}, Deflection::quadratic},
-                                         Fidelity{kSome, Deflection::quadratic}));
+                                         Fidelity{kSome, Deflection::quadratic}),
+                         [](const auto& test) {
+                           return to_string(test.param.deflection) + "_" +
+                                  std::to_string(test.param.modes.size()) + "_modes";
+                         });
 
 TEST(Fidelity, deformation_at_the_start_belongs_to_its_mode) {
   FlexibleBody::Parameters parameters{.basis = basis_of(Deflection::quadratic), .mode_count = 4};

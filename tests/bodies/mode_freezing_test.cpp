@@ -1,5 +1,6 @@
 // Modes that stand still while they are quiet: what freezing keeps, what it takes, and that it lets go in time.
 #include "engine/run/mode_freezing.h"
+#include "engine/study/certificate.h"
 
 #include <gtest/gtest.h>
 
@@ -308,7 +309,8 @@ TEST_P(Freezing, lets_go_when_the_bar_is_hit_and_stays_within_the_promise) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Deflections, Freezing,
-                         testing::Values(Deflection::linear, Deflection::stiffened, Deflection::quadratic));
+                         testing::Values(Deflection::linear, Deflection::stiffened, Deflection::quadratic),
+                         [](const auto& test) { return to_string(test.param); });
 
 /// A clamped bar that a force at its tip shakes.
 Scene shaken(double damping, const std::function<double(double time)>& push, Marker* tip = nullptr) {

@@ -29,7 +29,7 @@ target_link_libraries(lithe INTERFACE ${LITHE_LIBRARIES})
 # Headers keep their folders, so "engine/model/body.h" means the same installed as here. The private ones come along: a
 # public template may lean on one.
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/lithe)
-install(TARGETS lithe ${LITHE_LIBRARIES} EXPORT lithe_targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS lithe ${LITHE_LIBRARIES} EXPORT lithe_targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}/lithe)
 install(EXPORT lithe_targets NAMESPACE lithe:: FILE lithe-targets.cmake DESTINATION ${package_dir})
 install(FILES ${PROJECT_BINARY_DIR}/include/lithe/lithe.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lithe)
 foreach(library ${LITHE_LIBRARIES})

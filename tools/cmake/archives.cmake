@@ -1,0 +1,18 @@
+# `cpack --config build/release/CPackConfig.cmake`: a .deb for Debian 12 and a tarball, each with the command, headers,
+# libraries, plug-ins, pages and examples. tests/package/check_archives.sh unpacks both into an empty root.
+install(DIRECTORY examples docs DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN "CMakeLists.txt" EXCLUDE)
+install(FILES README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+
+set(CPACK_GENERATOR DEB TGZ)
+set(CPACK_PACKAGE_NAME lithe)
+set(CPACK_PACKAGE_CONTACT "Lithe")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+# `lithe run` compiles scenes against the shared library and Eigen alone; find_package(lithe) links the static ones.
+set(CPACK_DEBIAN_PACKAGE_DEPENDS "g++ (>= 12), libeigen3-dev (>= 3.4)")
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS
+    "gnuplot-nox, libbullet-dev, libhdf5-dev, libspdlog-dev, libsuitesparse-dev, libsundials-dev, zlib1g-dev")
+include(CPack)
