@@ -86,7 +86,7 @@ void Automatic::prepare(EquationsOfMotion& equations, State& state) {
   wait_ = {kTraits[0].wait, kTraits[1].wait, kTraits[2].wait};
   held_steps_ = calm_steps_ = 0;
   explicit_work_ =
-      equations.forward_dynamics() ? kForwardWork : kTraits[place(Method::explicit_runge_kutta)].evaluation;
+      equations.parts().forward_dynamics ? kForwardWork : kTraits[place(Method::explicit_runge_kutta)].evaluation;
   incumbent_ = Method::explicit_runge_kutta;
   change(incumbent_, equations, state);
 }

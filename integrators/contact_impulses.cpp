@@ -76,7 +76,7 @@ ContactImpulses::Aim ContactImpulses::aim(const RigidContacts::Point& point, con
 
 bool ContactImpulses::apply(EquationsOfMotion& equations, const VectorX& v, double h, const ContactMemory& last,
                             VectorX& v_end, VectorX& d) {
-  RigidContacts& contacts = *equations.rigid_contacts();
+  RigidContacts& contacts = *equations.parts().rigid_contacts;
   contacts.find(v, h);
   acted_ = !contacts.empty();
   iterations_ = 0;
@@ -423,7 +423,7 @@ void ContactImpulses::history(Archive& archive) {
 
 void ContactImpulses::remember(EquationsOfMotion& equations, const VectorX& v, double h, ContactMemory& memory) const {
   if (acted_)
-    equations.rigid_contacts()->remember(total_, v, h, friction_.slip_at_start(), friction_.slip_at_end(), memory);
+    equations.parts().rigid_contacts->remember(total_, v, h, friction_.slip_at_start(), friction_.slip_at_end(), memory);
   else
     memory.clear();
 }

@@ -38,8 +38,8 @@ StepResult MoreauJean::advance(EquationsOfMotion& equations, State& state, doubl
   const Layout& layout = equations.layout();
 
   // 1. Without contact: forces and their derivatives in the middle.
-  const bool rigid = equations.rigid_contacts() != nullptr;
-  if (rigid) equations.recall(ContactMemory{});
+  const bool rigid = equations.parts().rigid_contacts != nullptr;
+  if (rigid) equations.memory().recall(ContactMemory{});
   d_ = h / 2 * state.v;
   layout.retract(state.q, d_, q_);
   equations.evaluate(state.time + h / 2, q_, state.v, Level::velocity);

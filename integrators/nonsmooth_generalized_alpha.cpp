@@ -14,7 +14,7 @@ NonsmoothGeneralizedAlpha::NonsmoothGeneralizedAlpha(Parameters parameters, std:
 }
 
 void NonsmoothGeneralizedAlpha::prepare(EquationsOfMotion& equations, State& state) {
-  equations.recall(ContactMemory{});
+  equations.memory().recall(ContactMemory{});
   jumped_ = false;
   GeneralizedAlpha::prepare(equations, state);
 }
@@ -30,12 +30,12 @@ bool NonsmoothGeneralizedAlpha::keep(Archive& archive, EquationsOfMotion& equati
 
 StepResult NonsmoothGeneralizedAlpha::advance(EquationsOfMotion& equations, State& state, double t_stop) {
   // 1. The smooth motion.
-  equations.recall(ContactMemory{});
+  equations.memory().recall(ContactMemory{});
   start_ = state;
   if (jumped_) state.v_dot = smooth_v_dot_, state.lambda = smooth_lambda_;
   jumped_ = false;
   const StepResult result = GeneralizedAlpha::advance(equations, state, t_stop);
-  if (!result.ok() || !equations.rigid_contacts()) return result;
+  if (!result.ok() || !equations.parts().rigid_contacts) return result;
   const Layout& layout = equations.layout();
   const double h = state.time - start_.time;
   if (!(h > 0)) return result;

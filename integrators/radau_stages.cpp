@@ -65,7 +65,7 @@ void RadauStages::prepare(EquationsOfMotion& equations, const State& state) {
   allowance_ = 1e-3;
   equations.evaluate(state.time, state.q, state.v, Level::velocity);
   equations.residual(state.v_dot, state.lambda, x_);
-  equations.factorize_complex({1.0, alpha_, alpha_ * alpha_}, state.v_dot, state.lambda, nullptr);
+  equations.parts().complex_factor->factorize_complex({1.0, alpha_, alpha_ * alpha_}, state.v_dot, state.lambda, nullptr);
 }
 
 void RadauStages::predict(const Layout& layout, const State& start, double h) {
@@ -149,7 +149,7 @@ void RadauStages::correct(EquationsOfMotion& equations, double h) {
   dl_.col(0) = y_;
   xc_ = dv_.col(1) + i * dv_.col(2);
   yc_ = (dl_.col(1) + i * dl_.col(2)) / z;
-  equations.solve_complex(xc_, yc_);
+  equations.parts().complex_factor->solve_complex(xc_, yc_);
   xc_ *= z;
   dv_.col(1) = xc_.real();
   dv_.col(2) = xc_.imag();

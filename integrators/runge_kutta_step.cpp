@@ -30,7 +30,7 @@ RungeKuttaStep::RungeKuttaStep(const RungeKuttaTableau& tableau, EquationsOfMoti
     : tableau_(tableau),
       equations_(equations),
       layout_(equations.layout()),
-      forward_(equations.forward_dynamics()),
+      forward_(equations.parts().forward_dynamics),
       projector_(equations) {
   const int nv = layout_.v_count(), rows = layout_.row_count();
   for (MatrixX* x : {&d_dot_, &v_dot_}) x->setZero(nv, static_cast<Eigen::Index>(tableau.a.size()));

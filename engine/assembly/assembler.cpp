@@ -26,6 +26,30 @@ struct Assembler::ComplexPart {
   ContactCorrection<std::complex<double>> contacts;
 };
 
+/// Of one assembler: a kernel for the scene, with the forces that act in it.
+class Assembler::Forward final : public ForwardDynamics {
+ public:
+  explicit Forward(Assembler& assembler) : assembler_(assembler) {}
+
+  void accelerations(double time, ConstVectorRef q, ConstVectorRef v, VectorRef v_dot) override {
+    kernel().accelerations(q.data(), v.data(), assembler_.applied_forces(time, q, v), v_dot.data());
+  }
+  bool project(double, VectorRef q, VectorRef v, double tolerance) override {
+    if (!kernel().project(q.data(), v.data(), tolerance)) return false;
+    if (!assembler_.system_.angles_.empty()) assembler_.place_markers(q);  // track() is to read them
+    return true;
+  }
+
+ private:
+  ForwardKernel& kernel() {
+    if (!kernel_) kernel_ = make_forward_kernel(*assembler_.system_.rigid_);
+    return *kernel_;
+  }
+
+  Assembler& assembler_;
+  std::unique_ptr<ForwardKernel> kernel_;  // once asked for
+};
+
 Assembler::Assembler(const System& system) : system_(system), factor_(std::make_unique<BlockFactor>(system.blocks_)) {
   const auto& layout = system.layout();
   const int rows = layout.row_count(), compliant = system.compliant_count_;
@@ -44,8 +68,11 @@ Assembler::Assembler(const System& system) : system_(system), factor_(std::make_
   unknowns_.setZero(layout.v_count() + rows + compliant);
   zero_v_.setZero(layout.v_count());
   zero_rows_.setZero(rows);
-  for (const RedundantRow& r : system.redundant_) redundant_rows_.push_back(r.row);
-  factor_->drop_rows(redundant_rows_);
+  facts_ = {.layout = &layout, .redundant_rows = {}, .velocity_rows = system.velocity_rows(), .reacts = system.reacts_,
+            .has_loops = factor_->guarded()};
+  for (const RedundantRow& r : system.redundant_) facts_.redundant_rows.push_back(r.row);
+  factor_->drop_rows(facts_.redundant_rows);
+  if (system.rigid_) forward_ = std::make_unique<Forward>(*this);
   if (system.contacts().empty()) return;
   std::vector<BodyState> bodies;
   for (const auto& slice : layout.bodies()) bodies.push_back(body_state(*slice.body));
@@ -65,39 +92,18 @@ void Assembler::recall(const ContactMemory& contacts) {
   if (contacts_) contacts_->recall(contacts);
 }
 
-bool Assembler::has_loops() const { return factor_->guarded(); }
-
-RigidContacts* Assembler::rigid_contacts() { return rigid_contacts_.get(); }
+EquationsOfMotion::Parts Assembler::parts() {
+  return {.memory = this,
+          .complex_factor = this,
+          .forward_dynamics = forward_.get(),
+          .rigid_contacts = rigid_contacts_.get(),
+          .held = this};
+}
 
 void Assembler::track_contacts(State& state) {
   if (!contacts_ || !contacts_->remembers()) return;
   evaluate(state.time, state.q, state.v, Level::velocity);
   contacts_->track(state.contacts);
-}
-
-/// Of one assembler: a kernel for the scene, with the forces that act in it.
-class Assembler::Forward final : public ForwardDynamics {
- public:
-  Forward(Assembler& assembler, std::unique_ptr<ForwardKernel> kernel)
-      : assembler_(assembler), kernel_(std::move(kernel)) {}
-
-  void accelerations(double time, ConstVectorRef q, ConstVectorRef v, VectorRef v_dot) override {
-    kernel_->accelerations(q.data(), v.data(), assembler_.applied_forces(time, q, v), v_dot.data());
-  }
-  bool project(double, VectorRef q, VectorRef v, double tolerance) override {
-    if (!kernel_->project(q.data(), v.data(), tolerance)) return false;
-    if (!assembler_.system_.angles_.empty()) assembler_.place_markers(q);  // track() is to read them
-    return true;
-  }
-
- private:
-  Assembler& assembler_;
-  std::unique_ptr<ForwardKernel> kernel_;
-};
-
-ForwardDynamics* Assembler::forward_dynamics() {
-  if (system_.rigid_ && !forward_) forward_ = std::make_unique<Forward>(*this, make_forward_kernel(*system_.rigid_));
-  return forward_.get();
 }
 
 /// Here, where Forward is known.
@@ -361,7 +367,7 @@ void Assembler::factorize(const TangentWeights& weights, ConstVectorRef v_dot, C
 void Assembler::exchange_weak_rows() {
   constexpr double kGain = 2;  // less is not worth a new factor, nor going back and forth
   const int velocities = layout().v_count(), rows = layout().row_count();
-  for (int exchanges = 0; exchanges < static_cast<int>(redundant_rows_.size()); ++exchanges) {
+  for (int exchanges = 0; exchanges < static_cast<int>(facts_.redundant_rows.size()); ++exchanges) {
     int weakest = -1, stronger = -1;
     double gain = kGain;
     for (int e : factor_->weak_rows()) {
@@ -370,29 +376,29 @@ void Assembler::exchange_weak_rows() {
       factor_->solve(unknowns_.data());
       weak_rates_.setZero(rows);
       add_rates(unknowns_.data(), weak_rates_);
-      for (std::size_t k = 0; k < redundant_rows_.size(); ++k) {
-        const int d = redundant_rows_[k];
+      for (std::size_t k = 0; k < facts_.redundant_rows.size(); ++k) {
+        const int d = facts_.redundant_rows[k];
         const double a = std::abs(weak_rates_[d] / weak_rates_[e]) * system_.row_scales_[e] / system_.row_scales_[d];
         if (a > gain) gain = a, weakest = e, stronger = static_cast<int>(k);
       }
     }
     if (weakest < 0) break;
-    redundant_rows_[stronger] = weakest;
-    std::sort(redundant_rows_.begin(), redundant_rows_.end());
-    factor_->drop_rows(redundant_rows_);
+    facts_.redundant_rows[stronger] = weakest;
+    std::sort(facts_.redundant_rows.begin(), facts_.redundant_rows.end());
+    factor_->drop_rows(facts_.redundant_rows);
     factor_->factorize(work_.values);
   }
 }
 
 void Assembler::recall_rows(const std::vector<int>& left_out) {
-  if (left_out == redundant_rows_) return;
+  if (left_out == facts_.redundant_rows) return;
   if (left_out.empty()) {
-    redundant_rows_.clear();
-    for (const RedundantRow& r : system_.redundant_) redundant_rows_.push_back(r.row);
+    facts_.redundant_rows.clear();
+    for (const RedundantRow& r : system_.redundant_) facts_.redundant_rows.push_back(r.row);
   } else {
-    redundant_rows_ = left_out;
+    facts_.redundant_rows = left_out;
   }
-  factor_->drop_rows(redundant_rows_);
+  factor_->drop_rows(facts_.redundant_rows);
 }
 
 /// S is linear in the weights: twice the real form gives its real and imaginary part. Compliant rows are not: -1/(k w).
@@ -436,7 +442,7 @@ void Assembler::factorize_complex(const ComplexTangentWeights& weights, ConstVec
       values[c.values + i] = work_.values[c.values + i] / work_.values[k] * values[k];
     }
   }
-  complex_->factor.drop_rows(redundant_rows_);
+  complex_->factor.drop_rows(facts_.redundant_rows);
   complex_->factor.factorize(values);
   complex_->contacts.clear();
   if (!contacts_) return;
@@ -550,7 +556,7 @@ BodyEnergy Assembler::energy() {
 }
 
 void Assembler::minimum_norm(VectorRef lambda) {
-  if (redundant_rows_.empty()) return;
+  if (facts_.redundant_rows.empty()) return;
   if (!least_norm_) least_norm_ = std::make_unique<LeastNorm>(system_.blocks_);
   least_norm_->apply(work_.values, lambda);
 }

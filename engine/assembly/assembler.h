@@ -18,23 +18,22 @@ template <class Scalar>
 class ContactCorrection;
 
 /// Evaluates one system: walks the batches and writes the blocks of M, f, g, G in place. One a thread.
-class Assembler final : public EquationsOfMotion {
+class Assembler final : public EquationsOfMotion,
+                        public StepMemory,
+                        public ComplexFactor,
+                        public HeldCoordinates {
  public:
   explicit Assembler(const System& system);
   ~Assembler() override;
 
-  const Layout& layout() const override { return system_.layout(); }
-  const std::vector<int>& redundant_rows() const override { return redundant_rows_; }
+  const Facts& facts() const override { return facts_; }
+  Parts parts() override;
   void recall_rows(const std::vector<int>& left_out) override;
-  void track_rows(std::vector<int>& left_out) const override { left_out = redundant_rows_; }
-  bool has_loops() const override;
-  bool reacts() const override { return system_.reacts_; }
-  const std::vector<int>& velocity_rows() const override { return system_.velocity_rows(); }
+  void track_rows(std::vector<int>& left_out) const override { left_out = facts_.redundant_rows; }
   void recall(const VectorX& quadrants) override;
   void track(VectorX& quadrants) const override;
   void recall(const ContactMemory& contacts) override;
   void track_contacts(State& state) override;
-  RigidContacts* rigid_contacts() override;
   void evaluate(double time, ConstVectorRef q, ConstVectorRef v, Level level) override;
   void residual(ConstVectorRef v_dot, ConstVectorRef lambda, VectorRef r) override;
   void constraint(Level which, VectorRef out) const override;
@@ -42,7 +41,6 @@ class Assembler final : public EquationsOfMotion {
                  const VectorX* increment) override;
   void solve(VectorRef rv, VectorRef rl) const override;
   BodyEnergy energy() override;
-  ForwardDynamics* forward_dynamics() override;
   void factorize_complex(const ComplexTangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
                          const VectorX* increment) override;
   void solve_complex(ComplexVectorRef rv, ComplexVectorRef rl) const override;
@@ -96,7 +94,7 @@ class Assembler final : public EquationsOfMotion {
   std::unique_ptr<ContactForces> contacts_;                        // null: the scene has none
   std::unique_ptr<ContactCorrection<double>> contact_correction_;  // likewise
   std::unique_ptr<RigidContacts> rigid_contacts_;
-  std::vector<int> redundant_rows_;
+  Facts facts_;
   VectorX weak_rates_;                     // of exchange_weak_rows()
   std::unique_ptr<LeastNorm> least_norm_;  // once asked for
   /// Linear coordinates that stand still, and what that leaves of the blocks.
@@ -109,7 +107,7 @@ class Assembler final : public EquationsOfMotion {
   VectorX zero_v_, zero_rows_;
   class Forward;
   friend class Forward;
-  std::unique_ptr<ForwardDynamics> forward_;  // once asked for; null: the scene has none
+  std::unique_ptr<ForwardDynamics> forward_;  // null: the scene has none
 };
 
 }  // namespace lithe

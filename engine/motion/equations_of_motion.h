@@ -33,37 +33,77 @@ class ForwardDynamics {
   virtual bool project(double time, VectorRef q, VectorRef v, double tolerance) = 0;
 };
 
+/// Factors of the iteration matrix at complex weights, beside the real one.
+class ComplexFactor {
+ public:
+  virtual ~ComplexFactor() = default;
+  /// As EquationsOfMotion::factorize. The first call allocates it.
+  virtual void factorize_complex(const ComplexTangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
+                                 const VectorX* increment) = 0;
+  virtual void solve_complex(ComplexVectorRef rv, ComplexVectorRef rl) const = 0;
+};
+
+/// What evaluations carry along besides time, q and v: a step takes it from its state and writes it there, so that it
+/// depends on nothing but its state. Integrator does both, a step.
+class StepMemory {
+ public:
+  virtual ~StepMemory() = default;
+  /// The whole turns of the angles that joints measure (State::quadrants): taken over from a state that evaluations will
+  /// be near, and brought up to the state evaluated last.
+  virtual void recall(const VectorX& quadrants) = 0;
+  virtual void track(VectorX& quadrants) const = 0;
+  /// Rows that are left out (State::left_out): the choice has a memory.
+  virtual void recall_rows(const std::vector<int>& /*left_out*/) {}
+  virtual void track_rows(std::vector<int>& /*left_out*/) const {}
+  /// Contacts (State::contacts): what compliant ones remember, and what rigid ones do, who act in evaluations by what
+  /// they did last. Tracking evaluates the state.
+  virtual void recall(const ContactMemory& /*contacts*/) {}
+  virtual void track_contacts(State& /*state*/) {}
+};
+
+/// Holds linear coordinates of bodies where they are.
+class HeldCoordinates {
+ public:
+  virtual ~HeldCoordinates() = default;
+  /// The rows of these velocities become v_dot = 0, and no other row and no joint knows their acceleration. Their v must
+  /// be zero. Replaces those held before; none: lets all go, from the next evaluate() on. A factor needs an acceleration
+  /// part. False, and nothing is changed, for other velocities.
+  virtual bool hold(const std::vector<int>& velocities) = 0;
+};
+
 /// M(q) v_dot + G(q, t)ᵀ lambda = f(q, v, t),  g(q, t) = 0: all that an integrator sees of a scene. One object a
 /// thread: it holds the scratch of the state evaluated last, to which everything after evaluate() refers.
 class EquationsOfMotion {
  public:
   virtual ~EquationsOfMotion() = default;
 
-  virtual const Layout& layout() const = 0;
-  /// Rows that repeat others, sorted: handled by solve(), to be left out by codes that factorise for themselves. Their
-  /// number is that of the scene; which they are depends on the pose: factorize() leaves out a row that comes to depend
-  /// on the others instead of one that no longer does.
-  virtual const std::vector<int>& redundant_rows() const = 0;
-  /// Takes these rows from a state (State::left_out), and writes them there: the choice has a memory, and a step
-  /// depends on nothing but its state.
-  virtual void recall_rows(const std::vector<int>& /*left_out*/) {}
-  virtual void track_rows(std::vector<int>& /*left_out*/) const {}
-  /// Whether joints close loops: only then can constraints lose rank on the way.
-  virtual bool has_loops() const { return true; }
-  /// Whether f depends on lambda (friction by reactions).
-  virtual bool reacts() const = 0;
-  /// Rows on velocities alone (rolling), sorted: their g is zero always.
-  virtual const std::vector<int>& velocity_rows() const = 0;
-  /// The whole turns of the angles that joints measure: taken over from a state that evaluations will be near, and
-  /// brought up to the state evaluated last. Integrator does both, a step.
-  virtual void recall(const VectorX& quadrants) = 0;
-  virtual void track(VectorX& quadrants) const = 0;
-  /// The same of contacts (State::contacts): what compliant ones remember, and what rigid ones do, who act in
-  /// evaluations by what they did last. tracking evaluates the state.
-  virtual void recall(const ContactMemory& /*contacts*/) {}
-  virtual void track_contacts(State& /*state*/) {}
-  /// Contacts of rigid surfaces; null: the scene has none. Who does not know them cannot integrate the scene.
-  virtual RigidContacts* rigid_contacts() { return nullptr; }
+  struct Facts {
+    const Layout* layout = nullptr;
+    /// Rows that repeat others, sorted: handled by solve(), to be left out by codes that factorise for themselves. Their
+    /// number is that of the scene; which they are depends on the pose: factorize() leaves out a row that comes to
+    /// depend on the others instead of one that no longer does.
+    std::vector<int> redundant_rows;
+    std::vector<int> velocity_rows;  // on velocities alone (rolling), sorted: their g is zero always
+    bool reacts = false;             // f depends on lambda (friction by reactions)
+    bool has_loops = false;          // joints close loops: only then can constraints lose rank on the way
+  };
+  virtual const Facts& facts() const = 0;
+  const Layout& layout() const { return *facts().layout; }
+  const std::vector<int>& redundant_rows() const { return facts().redundant_rows; }
+  const std::vector<int>& velocity_rows() const { return facts().velocity_rows; }
+  bool reacts() const { return facts().reacts; }
+
+  /// What only some integrators ask for. Null: these equations have no such part.
+  struct Parts {
+    StepMemory* memory = nullptr;  // never null
+    ComplexFactor* complex_factor = nullptr;
+    ForwardDynamics* forward_dynamics = nullptr;
+    RigidContacts* rigid_contacts = nullptr;  // contacts of rigid surfaces: who does not know them must refuse the scene
+    HeldCoordinates* held = nullptr;
+  };
+  virtual Parts parts() = 0;
+  StepMemory& memory() { return *parts().memory; }
+
   virtual void evaluate(double time, ConstVectorRef q, ConstVectorRef v, Level level) = 0;
   /// r = M v_dot + Gᵀ lambda - f; f knows lambda where joints rub. Needs Level::velocity.
   virtual void residual(ConstVectorRef v_dot, ConstVectorRef lambda, VectorRef r) = 0;
@@ -71,8 +111,6 @@ class EquationsOfMotion {
   virtual void constraint(Level which, VectorRef out) const = 0;
   /// Of all bodies and force elements (theirs counts as elastic) at the state evaluated last. Needs Level::velocity.
   virtual BodyEnergy energy() = 0;
-  /// Null if the scene has no such way.
-  virtual ForwardDynamics* forward_dynamics() { return nullptr; }
 
   /// Forms and factorises [S Gᵀ; G 0], S = weighted derivative of r. `increment`: the step's increment d = q_n -> q in
   /// the chart of q_n if S is to act on corrections of d' = v (null: corrections are turns of the present state).
@@ -80,19 +118,9 @@ class EquationsOfMotion {
                          const VectorX* increment) = 0;
   /// Solves [S Gᵀ; G 0] (x, y) = (rv, rl) in place with the last factor. Redundant rows get y = 0.
   virtual void solve(VectorRef rv, VectorRef rl) const = 0;
-  /// The same with complex weights, in a factor of its own beside the real one. The first call allocates it.
-  virtual void factorize_complex(const ComplexTangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
-                                 const VectorX* increment) = 0;
-  virtual void solve_complex(ComplexVectorRef rv, ComplexVectorRef rl) const = 0;
   /// Every block of the last [S Gᵀ; G 0] as assembled: row, column (constraint rows follow the velocities), values. The
   /// sparse codes of others (KLU) need it.
   virtual void visit_blocks(const std::function<void(int row, int column, ConstMatrixRef block)>& visit) const = 0;
-
-  /// Holds linear coordinates of bodies where they are: the rows of these velocities become v_dot = 0, and no other row
-  /// and no joint knows their acceleration. Their v must be zero. Replaces those held before; none: lets all go, from
-  /// the next evaluate() on. A factor needs an acceleration part. False, and nothing is changed, for other velocities
-  /// or equations that cannot.
-  virtual bool hold(const std::vector<int>& velocities) { return velocities.empty(); }
 };
 
 }  // namespace lithe

@@ -62,15 +62,15 @@ Integrator::Integrator() = default;
 Integrator::~Integrator() = default;
 
 void Integrator::start(EquationsOfMotion& equations, State& state) {
-  if (equations.rigid_contacts() && !handles_rigid_contacts())
+  if (equations.parts().rigid_contacts && !handles_rigid_contacts())
     throw SceneError(name() + " knows no contact between rigid surfaces", "Integrator::start",
                      "take MoreauJean or NonsmoothGeneralizedAlpha, or give the contact a compliant law: "
                      "{.law = Compliance{...}}");
-  equations.recall(state.quadrants);
-  equations.recall_rows(state.left_out);
-  equations.recall(state.contacts);
-  equations.track_contacts(state);
-  equations.recall(state.contacts);
+  equations.memory().recall(state.quadrants);
+  equations.memory().recall_rows(state.left_out);
+  equations.memory().recall(state.contacts);
+  equations.memory().track_contacts(state);
+  equations.memory().recall(state.contacts);
   quadrants_ = state.quadrants;
   turn_rates_.setZero(quadrants_.size());
   last_length_ = 0;
@@ -79,14 +79,14 @@ void Integrator::start(EquationsOfMotion& equations, State& state) {
   shrunk_ = false;
   singular_pose_.reset();
   prepare(equations, state);
-  equations.track_rows(state.left_out);
+  equations.memory().track_rows(state.left_out);
 }
 
 StepResult Integrator::step(EquationsOfMotion& equations, State& state, double t_stop, Multipliers multipliers) {
   multipliers_ = multipliers;
-  equations.recall(state.quadrants);
-  equations.recall_rows(state.left_out);
-  equations.recall(state.contacts);
+  equations.memory().recall(state.quadrants);
+  equations.memory().recall_rows(state.left_out);
+  equations.memory().recall(state.contacts);
   quadrants_ = state.quadrants;
   const double begin = state.time;
   bool passed = shrunk_ && pass_singular_pose(equations, state, t_stop);
@@ -96,9 +96,9 @@ StepResult Integrator::step(EquationsOfMotion& equations, State& state, double t
     if (!result.ok() && !passed) return result;
   }
   if (!passed) watch_steps(state.time - begin, state.time == t_stop);
-  equations.track(state.quadrants);
-  equations.track_rows(state.left_out);
-  equations.track_contacts(state);
+  equations.memory().track(state.quadrants);
+  equations.memory().track_rows(state.left_out);
+  equations.memory().track_contacts(state);
   if (turn_rates_.size() > 0 && turn_rates_.size() == state.quadrants.size())
     limit_turn(state.quadrants, state.time - begin);
   return {};
@@ -122,7 +122,7 @@ void Integrator::watch_steps(double length, bool cut) {
 /// A step through a singular pose, if one is near.
 bool Integrator::pass_singular_pose(EquationsOfMotion& equations, State& state, double t_stop) {
   shrunk_ = false;
-  if (!equations.has_loops()) return false;
+  if (!equations.facts().has_loops) return false;
   constexpr double kFarthest = 20, kShortest = 1.0 / 16, kTurn = 0.01;  // of the step; of the usual one; rad
   if (!singular_pose_) singular_pose_ = std::make_unique<SingularPose>(equations);
   double turning = 0;

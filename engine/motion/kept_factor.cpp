@@ -24,7 +24,7 @@ void KeptFactor::make(EquationsOfMotion& equations, const TangentWeights& weight
   else
     increment_.resize(0);
   factorize(equations);
-  equations.track_rows(at_.left_out);
+  equations.memory().track_rows(at_.left_out);
 }
 
 void KeptFactor::make_complex(EquationsOfMotion& equations, const TangentWeights& weights,
@@ -35,13 +35,13 @@ void KeptFactor::make_complex(EquationsOfMotion& equations, const TangentWeights
   complex_ = complex;
   increment_.resize(0);
   factorize(equations);
-  equations.track_rows(at_.left_out);
+  equations.memory().track_rows(at_.left_out);
 }
 
 void KeptFactor::factorize(EquationsOfMotion& equations) const {
   const VectorX* increment = increment_.size() > 0 ? &increment_ : nullptr;
   equations.factorize(weights_, at_.v_dot, at_.lambda, increment);
-  if (kind_ == Kind::complex) equations.factorize_complex(complex_, at_.v_dot, at_.lambda, increment);
+  if (kind_ == Kind::complex) equations.parts().complex_factor->factorize_complex(complex_, at_.v_dot, at_.lambda, increment);
 }
 
 void KeptFactor::history(Archive& archive, EquationsOfMotion& equations) {
@@ -62,9 +62,9 @@ void KeptFactor::history(Archive& archive, EquationsOfMotion& equations) {
     if (at_.q.size() != layout.q_count() || at_.v.size() != layout.v_count() || at_.v_dot.size() != layout.v_count() ||
         at_.lambda.size() != layout.row_count() || (increment_.size() > 0 && increment_.size() != layout.v_count()))
       throw FileError("the checkpoint's factor does not fit the scene", archive.source(), "resume from an older one");
-    equations.recall(at_.quadrants);
-    equations.recall_rows(at_.left_out);
-    equations.recall(at_.contacts);
+    equations.memory().recall(at_.quadrants);
+    equations.memory().recall_rows(at_.left_out);
+    equations.memory().recall(at_.contacts);
     equations.evaluate(at_.time, at_.q, at_.v, Level::velocity);
     VectorX unused(at_.v.size());
     equations.residual(at_.v_dot, at_.lambda, unused);

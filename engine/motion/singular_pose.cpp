@@ -70,7 +70,7 @@ SingularPose::SingularPose(EquationsOfMotion& equations) : equations_(equations)
 /// simple zero where G loses a rank.
 double SingularPose::nearness(const State& state, double later) {
   const Layout& layout = equations_.layout();
-  equations_.recall_rows(left_out_);  // at the pose itself no choice can be told from another
+  equations_.memory().recall_rows(left_out_);  // at the pose itself no choice can be told from another
   d_ = later * state.v + 0.5 * later * later * state.v_dot;
   layout.retract(state.q, d_, q_);
   v_.setZero();
@@ -84,8 +84,8 @@ double SingularPose::nearness(const State& state, double later) {
 
 std::optional<double> SingularPose::find(const State& state, double step, double reach) {
   constexpr int kSamples = 20;
-  if (rows_.size() == 0 || equations_.rigid_contacts() || state.v_dot.size() != d_.size()) return {};
-  equations_.track_rows(left_out_);
+  if (rows_.size() == 0 || equations_.parts().rigid_contacts || state.v_dot.size() != d_.size()) return {};
+  equations_.memory().track_rows(left_out_);
   // Where the way bends, or a pole lies near, secants from afar lead out: again from nearer, watching another sum, and
   // from between changes of sign.
   std::optional<double> found;
@@ -100,7 +100,7 @@ std::optional<double> SingularPose::find(const State& state, double step, double
     if (value * value_next < 0) found = search(state, step, before, next, reach);
     before = next, value = value_next;
   }
-  equations_.recall_rows(left_out_);
+  equations_.memory().recall_rows(left_out_);
   return found;
 }
 

@@ -83,14 +83,14 @@ LoadedIntegrator::LoadedIntegrator(const IntegratorType& type, const ParameterLi
     return Border::cross(host, [&](Border& self, int, int nv, int rows) {
       if (increment) self.increment = read(increment, nv);
       const auto complex = [](const double* x) { return std::complex<double>(x[0], x[1]); };
-      self.equations->factorize_complex({complex(w->position), complex(w->velocity), complex(w->acceleration)},
+      self.equations->parts().complex_factor->factorize_complex({complex(w->position), complex(w->velocity), complex(w->acceleration)},
                                         read(v_dot, nv), read(lambda, rows), increment ? &self.increment : nullptr);
     });
   };
   t.solve_complex = [](void* host, double* rv, double* rl) {
     return Border::cross(host, [&](Border& self, int, int nv, int rows) {
       using Map = Eigen::Map<ComplexVectorX>;
-      self.equations->solve_complex(Map(reinterpret_cast<std::complex<double>*>(rv), nv),
+      self.equations->parts().complex_factor->solve_complex(Map(reinterpret_cast<std::complex<double>*>(rv), nv),
                                     Map(reinterpret_cast<std::complex<double>*>(rl), rows));
     });
   };
@@ -122,13 +122,13 @@ LoadedIntegrator::LoadedIntegrator(const IntegratorType& type, const ParameterLi
   t.recall = [](void* host, const double* quadrants, int32_t count) {
     return Border::cross(host, [&](Border& self, int, int, int) {
       self.quadrants = read(quadrants, count);
-      self.equations->recall(self.quadrants);
+      self.equations->memory().recall(self.quadrants);
     });
   };
   t.track = [](void* host, double* quadrants, int32_t count) {
     return Border::cross(host, [&](Border& self, int, int, int) {
       self.quadrants = read(quadrants, count);
-      self.equations->track(self.quadrants);
+      self.equations->memory().track(self.quadrants);
       if (self.quadrants.size() == count) write(quadrants, count) = self.quadrants;
     });
   };

@@ -12,12 +12,15 @@
 namespace lithe::plugin {
 
 /// The host's equations of motion as the class sees them.
-class HostEquations final : public EquationsOfMotion {
+class HostEquations final : public EquationsOfMotion, public StepMemory, public ComplexFactor {
  public:
+  /// The host itself leads through poses where loops lose rank: no loops here.
   explicit HostEquations(const lithe_equations& host)
       : host_(host),
-        redundant_rows_(host.redundant_rows, host.redundant_rows + host.redundant_count),
-        velocity_rows_(host.velocity_rows, host.velocity_rows + host.velocity_row_count) {
+        facts_{.layout = &layout_,
+               .redundant_rows = {host.redundant_rows, host.redundant_rows + host.redundant_count},
+               .velocity_rows = {host.velocity_rows, host.velocity_rows + host.velocity_row_count},
+               .reacts = host.reacts != 0} {
     for (int i = 0; i < host.body_count; ++i) {
       const lithe_body_slice& b = host.bodies[i];
       layout_.add_body(b.name, {.frame = b.frame != 0, .linear = b.linear});
@@ -25,10 +28,11 @@ class HostEquations final : public EquationsOfMotion {
     for (int i = 0; i < host.row_slice_count; ++i) layout_.add_rows(host.row_slices[i].name, host.row_slices[i].count);
   }
 
-  const Layout& layout() const override { return layout_; }
-  const std::vector<int>& redundant_rows() const override { return redundant_rows_; }
-  const std::vector<int>& velocity_rows() const override { return velocity_rows_; }
-  bool reacts() const override { return host_.reacts != 0; }
+  HostEquations(const HostEquations&) = delete;
+  HostEquations& operator=(const HostEquations&) = delete;
+
+  const Facts& facts() const override { return facts_; }
+  Parts parts() override { return {.memory = this, .complex_factor = this}; }
   void recall(const VectorX& quadrants) override {
     check(host_.recall(host_.host, quadrants.data(), static_cast<int32_t>(quadrants.size())));
   }
@@ -87,7 +91,7 @@ class HostEquations final : public EquationsOfMotion {
 
   lithe_equations host_;
   Layout layout_;
-  std::vector<int> redundant_rows_, velocity_rows_;
+  Facts facts_;
 };
 
 /// What the host holds: an integrator and the equations it was started with.

@@ -95,7 +95,8 @@ void ModeFreezing::prepare(EquationsOfMotion& equations, State& state) {
     m.patience = 1;
   }
   earlier_ = statistics_ = {};
-  if (!modes_.empty() && !equations.hold({modes_.front().v}))
+  HeldCoordinates* held = equations.parts().held;
+  if (!modes_.empty() && (!held || !held->hold({modes_.front().v})))
     throw SceneError("modes of '" + modes_.front().history.body + "' cannot be frozen in these equations",
                      "ModeFreezing", "put it around the integrator, not into a loaded one");
   hold(equations);
@@ -178,7 +179,7 @@ void ModeFreezing::hold(EquationsOfMotion& equations) {
   held_.clear();
   for (const Mode& m : modes_)
     if (m.frozen) held_.push_back(m.v);
-  equations.hold(held_);
+  if (!modes_.empty()) equations.parts().held->hold(held_);
 }
 
 /// False, and nothing has happened, where joints need these modes: what they do to the rows nothing else can.
@@ -191,7 +192,7 @@ bool ModeFreezing::freeze(EquationsOfMotion& equations, State& state, const std:
     return rate;
   };
   // 1. With these modes still free: their mobility, the momentum of the rates that go, and what they do to the rows.
-  equations.recall(state.quadrants);
+  equations.memory().recall(state.quadrants);
   VectorX rates = zero_v_, trial = zero_v_, momentum = zero_v_;
   for (std::size_t i = 0; i < quiet.size(); ++i) {
     rates[quiet[i]->v] = state.v[quiet[i]->v];
@@ -252,11 +253,11 @@ void ModeFreezing::start_method(EquationsOfMotion& equations, State& state) {
 }
 
 void ModeFreezing::find_holding_forces(EquationsOfMotion& equations, const State& state) {
-  equations.hold({});
-  equations.recall(state.quadrants);
+  equations.parts().held->hold({});
+  equations.memory().recall(state.quadrants);
   equations.evaluate(state.time, state.q, state.v, Level::velocity);
   equations.residual(state.v_dot, state.lambda, r_);
-  equations.hold(held_);
+  equations.parts().held->hold(held_);
   for (Mode& m : modes_)
     if (m.frozen) m.force = -m.mobility * r_[m.v];
 }

@@ -78,7 +78,7 @@ void Simulation::record(const EventFinder::Crossing& crossing) {
 
 /// What time stepping tells of rigid surfaces in the step from last_ to `state`, among the events of that step by time.
 void Simulation::record_happenings(const State& state) {
-  RigidContacts* contacts = equations_.rigid_contacts();
+  RigidContacts* contacts = equations_.parts().rigid_contacts;
   if (!contacts) return;
   for (const RigidContacts::Happening& happening : contacts->happenings()) {
     const double time = last_.time + happening.time;

@@ -16,7 +16,7 @@ using namespace lithe::bench;
 /// CPU seconds of so many evaluations of v̇ at the start, as explicit integrators make them.
 double accelerations(const System& system, int evaluations) {
   Assembler assembler(system);
-  ForwardDynamics& forward = *assembler.forward_dynamics();
+  ForwardDynamics& forward = *assembler.parts().forward_dynamics;
   State state = system.initial_state();
   forward.accelerations(0, state.q, state.v, state.v_dot);  // the first one analyses and allocates
   const double started = cpu_seconds();

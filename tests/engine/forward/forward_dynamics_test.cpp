@@ -112,7 +112,7 @@ void expect_same_accelerations(const std::function<void(SystemGraph&)>& draw, Fo
     Assembler by_rows(general.system), by_forward(forward.system);
     VectorX expected(state.v.size()), lambda(general.system.layout().row_count()), v_dot(state.v.size());
     Projector(by_rows).accelerations(state.time, state.q, state.v, expected, lambda);
-    by_forward.forward_dynamics()->accelerations(state.time, state.q, state.v, v_dot);
+    by_forward.parts().forward_dynamics->accelerations(state.time, state.q, state.v, v_dot);
     EXPECT_GT(expected.norm(), 5);
     EXPECT_LT((v_dot - expected).norm(), 1e-9 * expected.norm()) << "t = " << time;
   }
@@ -157,7 +157,7 @@ TEST(ForwardDynamics, a_state_off_the_constraints_is_moved_onto_them_by_about_as
     scene.system.layout().retract(on.q, away, q);
     v += away;
     Assembler equations(scene.system);
-    ASSERT_TRUE(equations.forward_dynamics()->project(on.time, q, v, 1e-14));
+    ASSERT_TRUE(equations.parts().forward_dynamics->project(on.time, q, v, 1e-14));
     VectorX g(scene.system.layout().row_count());
     equations.evaluate(on.time, q, v, Level::velocity);
     equations.constraint(Level::position, g);
@@ -218,7 +218,7 @@ TEST(ForwardDynamics, what_branches_hand_to_their_trunk_is_what_they_weigh) {
   Assembler by_rows(general.system), by_forward(forward.system);
   VectorX expected(state.v.size()), lambda(general.system.layout().row_count()), v_dot(state.v.size());
   Projector(by_rows).accelerations(state.time, state.q, state.v, expected, lambda);
-  by_forward.forward_dynamics()->accelerations(state.time, state.q, state.v, v_dot);
+  by_forward.parts().forward_dynamics->accelerations(state.time, state.q, state.v, v_dot);
   EXPECT_LT((v_dot - expected).norm(), 1e-9 * expected.norm());
 }
 
