@@ -7,7 +7,7 @@ namespace lithe {
 
 CoordinateDrive::CoordinateDrive(CoordinateSet coordinate, Parameters parameters)
     : coordinate_(std::move(coordinate)), motion_(std::move(parameters.motion)) {
-  if (coordinate_.count() != 1) throw SceneError("a drive moves one coordinate", "", "add a drive for each");
+  coordinate_.require_one("a drive");
   if (!motion_)
     throw SceneError("has no motion", "", "give .motion = ramp(0, 2), harmonic(...), or a function of time");
 }

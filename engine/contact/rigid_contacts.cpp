@@ -3,9 +3,9 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <tuple>
 
+#include "engine/factor/graph_topology.h"
 #include "engine/motion/equations_of_motion.h"
 
 namespace lithe {
@@ -28,37 +28,37 @@ void RigidContacts::group_bodies() {
   const BlockStructure& blocks = scene_.blocks;
   const auto& bodies = scene_.equations.layout().bodies();
   const int n = static_cast<int>(bodies.size());
-  std::vector<int> body_of(scene_.equations.layout().v_count()), parent(n);
+  std::vector<int> body_of(scene_.equations.layout().v_count());
   for (int b = 0; b < n; ++b)
     for (int i = 0; i < (bodies[b].frame ? 6 : 0) + bodies[b].linear; ++i) body_of[bodies[b].v + i] = b;
   // 1. Who shares rows or couplings.
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](int b) {
-    while (parent[b] != b) b = parent[b] = parent[parent[b]];
-    return b;
-  };
+  Topology topology{n, std::vector<std::vector<int>>(blocks.rows.size())};
   std::vector<char> tied(n, 0);
-  std::vector<int> first(blocks.rows.size(), -1);
   for (const auto& G : blocks.jacobians) {
     const int b = body_of[G.velocity];
     tied[b] = 1;
-    if (first[G.rows] < 0) first[G.rows] = b;
-    parent[root(b)] = root(first[G.rows]);
+    auto& tie = topology.ties[G.rows];
+    if (std::find(tie.begin(), tie.end(), b) == tie.end()) tie.push_back(b);
   }
+  const auto tie = [&](int a, int b) {
+    if (a != b) topology.ties.push_back({a, b});
+  };
   for (const auto& c : blocks.row_couplings)
-    if (first[c.rows] >= 0 && first[c.on] >= 0) parent[root(first[c.rows])] = root(first[c.on]);
+    if (!topology.ties[c.rows].empty() && !topology.ties[c.on].empty())
+      tie(topology.ties[c.rows].front(), topology.ties[c.on].front());
   for (const auto& c : blocks.couplings) {
     const int a = body_of[blocks.frames[c.a].v], b = body_of[blocks.frames[c.b].v];
     tied[a] = tied[b] = 1;
-    parent[root(a)] = root(b);
+    tie(a, b);
   }
   for (const int b : scene_.loaded) tied[b] = 1;  // its load has a tangent
   // 2. Components, by their first body.
+  const std::vector<int> island = islands(topology);
   std::vector<int> component(n, -1);
   component_.assign(n, -1);
   place_.assign(scene_.equations.layout().v_count(), 0);
   for (int b = 0; b < n; ++b) {
-    int& c = component[root(b)];
+    int& c = component[island[b]];
     if (c < 0) c = static_cast<int>(components_.size()), components_.emplace_back();
     component_[b] = c;
     Component& of = components_[c];

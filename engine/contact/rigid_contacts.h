@@ -11,7 +11,6 @@ namespace lithe {
 
 class EquationsOfMotion;
 
-
 /// The contacts of rigid surfaces as integrators see them, at the state evaluated last by the equations of motion.
 class RigidContacts {
  public:

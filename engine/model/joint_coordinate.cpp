@@ -76,6 +76,11 @@ MeasuredCoordinate measure(Kind kind, int axis, const MarkerView& A, const Marke
   return distance(A, B);
 }
 
+void CoordinateSet::require_one(const char* element) const {
+  if (count() != 1)
+    throw SceneError(std::string(element) + " acts on one coordinate", "", "add one for each coordinate");
+}
+
 std::vector<Marker> CoordinateSet::markers() const {
   std::vector<Marker> all;
   for (const JointCoordinate& x : coordinates_) {

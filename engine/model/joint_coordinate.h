@@ -39,6 +39,8 @@ class CoordinateSet {
   int count() const { return static_cast<int>(coordinates_.size()); }
   const JointCoordinate& operator[](int i) const { return coordinates_[i]; }
   bool is_angle(int i) const { return coordinates_[i].is_angle(); }
+  /// Throws SceneError unless there is one: "a spring acts on one coordinate".
+  void require_one(const char* element) const;
   /// Throws SceneError for an axis other than 0, 1, 2.
   std::vector<Marker> markers() const;
   std::vector<MeasuredAngle> angles() const;  // one a coordinate, so that places are alike

@@ -7,7 +7,7 @@ namespace lithe {
 
 CoordinateMotor::CoordinateMotor(CoordinateSet coordinate, Parameters parameters)
     : coordinate_(std::move(coordinate)), parameters_(std::move(parameters)) {
-  if (coordinate_.count() != 1) throw SceneError("a motor moves one coordinate", "", "add a motor for each");
+  coordinate_.require_one("a motor");
   if (!parameters_.effort)
     throw SceneError("has no law", "", "give .effort = [](double time, double coordinate, double rate) { ... }");
 }

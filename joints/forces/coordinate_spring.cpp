@@ -7,7 +7,7 @@ namespace lithe {
 
 CoordinateSpring::CoordinateSpring(CoordinateSet coordinate, Parameters parameters)
     : coordinate_(std::move(coordinate)), parameters_(std::move(parameters)) {
-  if (coordinate_.count() != 1) throw SceneError("a spring acts on one coordinate", "", "add a spring for each");
+  coordinate_.require_one("a spring");
   require::not_negative(parameters_.stiffness, "stiffness");
   require::not_negative(parameters_.damping, "damping");
   require::finite(parameters_.preload, "preload");

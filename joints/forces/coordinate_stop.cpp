@@ -7,7 +7,7 @@ namespace lithe {
 
 CoordinateStop::CoordinateStop(CoordinateSet coordinate, Parameters parameters)
     : coordinate_(std::move(coordinate)), parameters_(parameters) {
-  if (coordinate_.count() != 1) throw SceneError("a stop ends one coordinate", "", "add a stop for each");
+  coordinate_.require_one("a stop");
   if (!(parameters_.lower < parameters_.upper))
     throw SceneError("the lower limit is not below the upper", "", "give .lower, .upper or both, m or rad");
   if (std::isinf(parameters_.lower) && std::isinf(parameters_.upper))

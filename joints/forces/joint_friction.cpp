@@ -25,7 +25,7 @@ struct Press {
 JointFriction::JointFriction(CoordinateSet coordinate, Parameters parameters)
     : coordinate_(std::move(coordinate)), parameters_(parameters) {
   Parameters& p = parameters_;
-  if (coordinate_.count() != 1) throw SceneError("friction acts on one coordinate", "", "add one for each");
+  coordinate_.require_one("friction");
   if (!p.joint) throw SceneError("names no joint", "", "give .joint = &pin: whose reaction presses");
   for (const auto& [value, name] :
        {std::pair(p.dynamic, "dynamic"), std::pair(p.still, "still"), std::pair(p.viscous, "viscous"),

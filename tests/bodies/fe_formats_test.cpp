@@ -303,7 +303,7 @@ TEST_F(Formats, FieldsMayBeShortLongOrFree) {
   EXPECT_EQ(deck.positions[3], Vector3::Zero());
   ASSERT_EQ(deck.matrices.size(), 1u);
   ASSERT_EQ(deck.matrices[0].matrix.entries.size(), 3u);
-  EXPECT_EQ(deck.matrices[0].matrix.entries[2].row, (MatrixRow{3, 3}));
+  EXPECT_EQ(deck.matrices[0].matrix.entries[2].row, (DofRow{3, 3}));
   EXPECT_EQ(deck.matrices[0].matrix.entries[1].value, -1.0);
 }
 

@@ -118,7 +118,7 @@ class MatrixReader {
     matrix_.entries.push_back({{row, 0}, {column, 0}, value});
   }
 
-  MatrixRow label(std::string_view node, std::string_view direction) const {
+  DofRow label(std::string_view node, std::string_view direction) const {
     return {file_.integer(node, "node label"), file_.integer(direction, "direction")};
   }
 
@@ -144,7 +144,7 @@ class MatrixReader {
   TextFile file_;
   const std::vector<int>& node_ids_;
   LabelledMatrix matrix_;
-  std::vector<MatrixRow> rows_;  // named by comments
+  std::vector<DofRow> rows_;  // named by comments
   size_t columns_ = 0;           // 3 or 5, by the first entry
   int size_ = 0;
 };
@@ -155,7 +155,7 @@ FiniteElementModel read_abaqus(const AbaqusFiles& files) {
   FiniteElementModel model = mesh_of(files.deck);
   const LabelledMatrix K = MatrixReader(files.stiffness, model.node_ids).read();
   const LabelledMatrix M = MatrixReader(files.mass, model.node_ids).read();
-  const std::vector<MatrixRow> rows = rows_of(K, M);
+  const std::vector<DofRow> rows = rows_of(K, M);
   place_matrices(rows, assembled(K, rows), assembled(M, rows), files.stiffness, model);
   return model;
 }

@@ -34,8 +34,8 @@ int direction_of(const TextFile& file, std::string_view label) {
       "known are UX, UY, UZ, ROTX, ROTY, ROTZ, PRES and HDSP: export a structural model of solids, shells, beams.");
 }
 
-std::vector<MatrixRow> read_row_list(TextFile& file) {
-  std::vector<MatrixRow> rows;
+std::vector<DofRow> read_row_list(TextFile& file) {
+  std::vector<DofRow> rows;
   do {
     const auto& words = file.words();
     if (words.empty() || (rows.empty() && !whole_number(words[0]))) continue;  // headings
@@ -49,7 +49,7 @@ std::vector<MatrixRow> read_row_list(TextFile& file) {
 }
 
 /// A dense Matrix Market array of integers: node, or node and direction, column by column.
-std::vector<MatrixRow> read_row_vectors(TextFile& file, int matrix_rows) {
+std::vector<DofRow> read_row_vectors(TextFile& file, int matrix_rows) {
   const std::string header = lower_case(file.line());
   if (header.find("array") == std::string::npos)
     file.fail("the mapping is no array.", "export the vector by *VEC,name,EXPORT,MMF,file.");
@@ -77,18 +77,18 @@ std::vector<MatrixRow> read_row_vectors(TextFile& file, int matrix_rows) {
     file.fail(std::to_string(values.size()) + " entries for an array of " + std::to_string(length) + " x " +
                   std::to_string(columns) + ".",
               "the file is cut; export it again.");
-  std::vector<MatrixRow> rows;
+  std::vector<DofRow> rows;
   for (int k = 0; k < length; ++k)
     for (int d = 1; d <= directions; ++d)
       rows.push_back({values[size_t(k)], columns == 2 ? values[size_t(length + k)] : d});
   return rows;
 }
 
-std::vector<MatrixRow> read_rows(const std::string& path, int matrix_rows) {
+std::vector<DofRow> read_rows(const std::string& path, int matrix_rows) {
   TextFile file(path, kMapping);
   if (!file.next()) file.fail("the file is empty.", kMapping);
   const bool vectors = file.line().rfind("%%", 0) == 0;
-  std::vector<MatrixRow> rows = vectors ? read_row_vectors(file, matrix_rows) : read_row_list(file);
+  std::vector<DofRow> rows = vectors ? read_row_vectors(file, matrix_rows) : read_row_list(file);
   if (file.ended_in_mid_line()) file.fail("the last line has no end: the file is cut.", kMapping);
   if (static_cast<int>(rows.size()) != matrix_rows)
     file.fail(std::to_string(rows.size()) + " rows are named, the matrix has " + std::to_string(matrix_rows) + ".",

@@ -21,7 +21,7 @@ std::string named(int node, int direction) {
   return "node " + std::to_string(node) + ", direction " + std::to_string(direction);
 }
 
-bool of_a_node(const MatrixRow& row) { return row.node > 0 && row.direction != 0; }
+bool of_a_node(const DofRow& row) { return row.node > 0 && row.direction != 0; }
 
 std::vector<char> rows_in_use(const SparseMatrix& A) {
   std::vector<char> used(static_cast<size_t>(A.cols()), 0);
@@ -32,7 +32,7 @@ std::vector<char> rows_in_use(const SparseMatrix& A) {
 }
 
 /// Row of each direction of each node, 6 * index + direction - 1; kNone where there is none.
-std::vector<int> row_slots(const std::vector<MatrixRow>& rows, const std::string& where,
+std::vector<int> row_slots(const std::vector<DofRow>& rows, const std::string& where,
                            const std::vector<int>& node_ids) {
   std::unordered_map<int, size_t> index;
   for (size_t i = 0; i < node_ids.size(); ++i) index.emplace(node_ids[i], i);
@@ -110,8 +110,8 @@ void require_diagonals(const FiniteElementModel& model, const std::string& where
 
 }  // namespace
 
-std::vector<MatrixRow> rows_of(const LabelledMatrix& stiffness, const LabelledMatrix& mass) {
-  std::vector<MatrixRow> rows;
+std::vector<DofRow> rows_of(const LabelledMatrix& stiffness, const LabelledMatrix& mass) {
+  std::vector<DofRow> rows;
   for (const LabelledMatrix* matrix : {&stiffness, &mass})
     for (const auto& e : matrix->entries) {
       rows.push_back(e.row);
@@ -122,8 +122,8 @@ std::vector<MatrixRow> rows_of(const LabelledMatrix& stiffness, const LabelledMa
   return rows;
 }
 
-SparseMatrix assembled(const LabelledMatrix& matrix, const std::vector<MatrixRow>& rows) {
-  const auto number = [&](const MatrixRow& row) {
+SparseMatrix assembled(const LabelledMatrix& matrix, const std::vector<DofRow>& rows) {
+  const auto number = [&](const DofRow& row) {
     return static_cast<int>(std::lower_bound(rows.begin(), rows.end(), row) - rows.begin());
   };
   MatrixEntries entries(static_cast<int>(rows.size()));
@@ -131,15 +131,15 @@ SparseMatrix assembled(const LabelledMatrix& matrix, const std::vector<MatrixRow
   return matrix.general ? entries.general(matrix.path) : entries.one_triangle_or_both(matrix.path);
 }
 
-std::vector<MatrixRow> rows_by_label(std::vector<int> node_ids, int directions) {
+std::vector<DofRow> rows_by_label(std::vector<int> node_ids, int directions) {
   std::sort(node_ids.begin(), node_ids.end());
-  std::vector<MatrixRow> rows;
+  std::vector<DofRow> rows;
   for (int id : node_ids)
     for (int direction = 1; direction <= directions; ++direction) rows.push_back({id, direction});
   return rows;
 }
 
-void place_matrices(const std::vector<MatrixRow>& rows, const SparseMatrix& stiffness, const SparseMatrix& mass,
+void place_matrices(const std::vector<DofRow>& rows, const SparseMatrix& stiffness, const SparseMatrix& mass,
                     const std::string& where, FiniteElementModel& model) {
   for (const SparseMatrix* A : {&stiffness, &mass})
     if (A->rows() != static_cast<Eigen::Index>(rows.size()))
@@ -191,7 +191,7 @@ void place_matrices(const std::vector<MatrixRow>& rows, const SparseMatrix& stif
   require_diagonals(model, where);
 }
 
-SparseMatrix in_model_order(const std::vector<MatrixRow>& rows, const SparseMatrix& matrix, const std::string& where,
+SparseMatrix in_model_order(const std::vector<DofRow>& rows, const SparseMatrix& matrix, const std::string& where,
                             const FiniteElementModel& model) {
   if (matrix.rows() != static_cast<Eigen::Index>(rows.size()))
     throw FileError("a matrix of " + std::to_string(matrix.rows()) + " rows, of which " + std::to_string(rows.size()) +

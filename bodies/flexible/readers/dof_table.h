@@ -10,16 +10,16 @@ namespace lithe {
 
 /// What a row of a matrix stands for, as an FE code names it: a node's translation (1, 2, 3) or rotation (4, 5, 6).
 /// Scalar points, hybrid pressures, internal degrees of freedom belong to no node: direction 0, or a label below 1.
-struct MatrixRow {
+struct DofRow {
   int node = 0;
   int direction = 0;
-  auto operator<=>(const MatrixRow&) const = default;
+  auto operator<=>(const DofRow&) const = default;
 };
 
 /// A matrix listed by name of row and column (DMIG, Abaqus matrix input).
 struct LabelledMatrix {
   struct Entry {
-    MatrixRow row, column;
+    DofRow row, column;
     double value;
   };
   std::string path;
@@ -28,11 +28,11 @@ struct LabelledMatrix {
 };
 
 /// All rows that the two matrices mention, ascending.
-std::vector<MatrixRow> rows_of(const LabelledMatrix& stiffness, const LabelledMatrix& mass);
+std::vector<DofRow> rows_of(const LabelledMatrix& stiffness, const LabelledMatrix& mass);
 /// The matrix by these rows, both triangles. FileError for entries given twice or a matrix that is not symmetric.
-SparseMatrix assembled(const LabelledMatrix& matrix, const std::vector<MatrixRow>& rows);
+SparseMatrix assembled(const LabelledMatrix& matrix, const std::vector<DofRow>& rows);
 /// Rows of the nodes in ascending order of labels, `directions` (3 or 6) each.
-std::vector<MatrixRow> rows_by_label(std::vector<int> node_ids, int directions);
+std::vector<DofRow> rows_by_label(std::vector<int> node_ids, int directions);
 
 /// Gives a model of nodes (and perhaps sets and elements) its matrices, whose rows are named; `where` is the file that
 /// named them.
@@ -41,12 +41,12 @@ std::vector<MatrixRow> rows_by_label(std::vector<int> node_ids, int directions);
 /// Rows of no node are condensed out of K, exactly, if they carry no mass.
 /// FileError if a node lacks translations (it is supported), has stiffness but no mass, or is not in the model, if a
 /// row is named twice, or a row of no node has mass.
-void place_matrices(const std::vector<MatrixRow>& rows, const SparseMatrix& stiffness, const SparseMatrix& mass,
+void place_matrices(const std::vector<DofRow>& rows, const SparseMatrix& stiffness, const SparseMatrix& mass,
                     const std::string& where, FiniteElementModel& model);
 
 /// One more matrix in the order of a model that is complete. FileError if it lacks a degree of freedom of the model, or
 /// has more.
-SparseMatrix in_model_order(const std::vector<MatrixRow>& rows, const SparseMatrix& matrix, const std::string& where,
+SparseMatrix in_model_order(const std::vector<DofRow>& rows, const SparseMatrix& matrix, const std::string& where,
                             const FiniteElementModel& model);
 
 /// K_nn - K_na K_aa⁻¹ K_an: the rows from `kept` on are condensed out. K_aa should fall into small blocks (one an

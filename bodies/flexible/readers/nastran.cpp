@@ -56,10 +56,10 @@ const Found& chosen(const std::vector<Found>& all, const std::string& asked, con
                   known.empty() ? "give DMIG entries or a file of OUTPUT4." : "found are " + known + "; name one.");
 }
 
-std::vector<MatrixRow> read_row_list(const std::string& path) {
+std::vector<DofRow> read_row_list(const std::string& path) {
   constexpr const char* kFix = "write one line a row: node and direction (1-6; 0 for scalar points).";
   TextFile file(path, kFix);
-  std::vector<MatrixRow> rows;
+  std::vector<DofRow> rows;
   while (file.next()) {
     if (file.blank()) continue;
     const auto& words = file.words();
@@ -74,7 +74,7 @@ std::vector<MatrixRow> read_row_list(const std::string& path) {
   return rows;
 }
 
-std::vector<MatrixRow> rows_of_output4(const NastranFiles& files, const Found& K, const FiniteElementModel& model) {
+std::vector<DofRow> rows_of_output4(const NastranFiles& files, const Found& K, const FiniteElementModel& model) {
   if (!files.rows.empty()) return read_row_list(files.rows);
   const auto rows = static_cast<int>(K.plain->rows());
   const int nodes = model.node_count();
@@ -115,7 +115,7 @@ FiniteElementModel read_nastran(const NastranFiles& files) {
                     "write both as DMIG, or both by OUTPUT4.");
   FiniteElementModel model = mesh_of(deck, files.deck);
   if (K.labelled != nullptr) {
-    const std::vector<MatrixRow> rows = rows_of(*K.labelled, *M.labelled);
+    const std::vector<DofRow> rows = rows_of(*K.labelled, *M.labelled);
     place_matrices(rows, assembled(*K.labelled, rows), assembled(*M.labelled, rows), K.path, model);
   } else {
     place_matrices(rows_of_output4(files, K, model), *K.plain, *M.plain, K.path, model);

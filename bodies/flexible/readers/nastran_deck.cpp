@@ -207,18 +207,18 @@ class NastranDeckReader {
     if (skipped) return;
     if (matrix == deck_.matrices.end())
       fail(entry, "a column of " + name + " before its header.", "write DMIG," + name + ",0,6,2 before it.");
-    const MatrixRow column = row_at(entry, 1);
+    const DofRow column = row_at(entry, 1);
     for (size_t k = 4; k < entry.fields.size(); k += 4) {
       if (field(entry, k).empty() && field(entry, k + 1).empty() && field(entry, k + 2).empty()) continue;
-      const MatrixRow row = row_at(entry, k);
+      const DofRow row = row_at(entry, k);
       if (!field(entry, k + 3).empty() && number(entry, k + 3, "imaginary part") != 0)
         fail(entry, "an imaginary part in the real matrix " + name + ".", kDeck);
       matrix->matrix.entries.push_back({row, column, number(entry, k + 2, "matrix entry")});
     }
   }
 
-  MatrixRow row_at(const Entry& entry, size_t k) const {
-    const MatrixRow row{integer(entry, k, "node label"),
+  DofRow row_at(const Entry& entry, size_t k) const {
+    const DofRow row{integer(entry, k, "node label"),
                         field(entry, k + 1).empty() ? 0 : integer(entry, k + 1, "direction")};
     if (row.node < 1 || row.direction < 0 || row.direction > 6)
       fail(entry, "node " + std::to_string(row.node) + ", direction " + std::to_string(row.direction) + ".",
