@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/model/drawing.h"
+#include "engine/model/appearance.h"
 #include "engine/model/joint_coordinate.h"
 #include "engine/plugin/plugin_body.h"
 #include "engine/plugin/plugin_integrator.h"

@@ -423,7 +423,8 @@ void ContactImpulses::history(Archive& archive) {
 
 void ContactImpulses::remember(EquationsOfMotion& equations, const VectorX& v, double h, ContactMemory& memory) const {
   if (acted_)
-    equations.parts().rigid_contacts->remember(total_, v, h, friction_.slip_at_start(), friction_.slip_at_end(), memory);
+    equations.parts().rigid_contacts->remember(total_, v, h, friction_.slip_at_start(), friction_.slip_at_end(),
+                                               memory);
   else
     memory.clear();
 }

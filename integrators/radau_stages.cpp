@@ -65,7 +65,8 @@ void RadauStages::prepare(EquationsOfMotion& equations, const State& state) {
   allowance_ = 1e-3;
   equations.evaluate(state.time, state.q, state.v, Level::velocity);
   equations.residual(state.v_dot, state.lambda, x_);
-  equations.parts().complex_factor->factorize_complex({1.0, alpha_, alpha_ * alpha_}, state.v_dot, state.lambda, nullptr);
+  equations.parts().complex_factor->factorize_complex({1.0, alpha_, alpha_ * alpha_}, state.v_dot, state.lambda,
+                                                      nullptr);
 }
 
 void RadauStages::predict(const Layout& layout, const State& start, double h) {

@@ -9,8 +9,8 @@
 #include "bodies/flexible/flexible_inertia.h"
 #include "bodies/flexible/reduction.h"
 #include "engine/assembly/batch.h"
+#include "engine/model/appearance.h"
 #include "engine/model/deformable_body.h"
-#include "engine/model/drawing.h"
 
 namespace lithe {
 

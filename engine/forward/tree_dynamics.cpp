@@ -54,7 +54,7 @@ inline void TreeDynamics::clear(Articulated& a) {
   a.b.setZero(), a.t.setZero();
 }
 
-TreeDynamics::TreeDynamics(const RigidScene& scene) : gravity_(scene.gravity), motions_(1), crew_(scene.threads) {
+TreeDynamics::TreeDynamics(const RigidScene& scene) : gravity_(scene.gravity), motions_(1), threads_(scene.threads) {
   Motion& ground = motions_[0];
   ground.A.setIdentity();
   for (Vector3* x : {&ground.w, &ground.a, &ground.alpha}) x->setZero();
@@ -352,7 +352,7 @@ void TreeDynamics::accelerations(const double* q, const double* v, const double*
     for (int i = b.first; i < b.last; ++i) place(i, q, v);
     for (int i = b.last; i-- > b.first;) eliminate(i, q, v, load);
   };
-  crew_.run(branches, inwards);
+  threads_.run(branches, inwards);
   for (std::size_t k = 0; k < handed_.size(); ++k) {
     Articulated& to = motions_[handed_to_[k] + 1].subtree;
     const Articulated& from = handed_[k];
@@ -364,7 +364,7 @@ void TreeDynamics::accelerations(const double* q, const double* v, const double*
   const auto outwards = [&](int k) {
     for (int i = branches_[k].first; i < branches_[k].last; ++i) find(i, v_dot);
   };
-  crew_.run(branches, outwards);
+  threads_.run(branches, outwards);
 }
 
 bool TreeDynamics::project(double* q, double* v, double) {

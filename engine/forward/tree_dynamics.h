@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "engine/base/crew.h"
+#include "engine/base/thread_team.h"
 #include "engine/forward/rigid_scene.h"
 
 namespace lithe {
@@ -85,7 +85,7 @@ class TreeDynamics final : public ForwardKernel {
   std::vector<int> trunk_;           // the links of no branch
   std::vector<Articulated> handed_;  // what branches add to links of the trunk
   std::vector<int> handed_to_;       // those links
-  Crew crew_;
+  ThreadTeam threads_;
   double ground_[3] = {0, 0, 0};  // its place and velocity
 };
 

@@ -48,8 +48,8 @@ class ComplexFactor {
 class StepMemory {
  public:
   virtual ~StepMemory() = default;
-  /// The whole turns of the angles that joints measure (State::quadrants): taken over from a state that evaluations will
-  /// be near, and brought up to the state evaluated last.
+  /// The whole turns of the angles that joints measure (State::quadrants): taken over from a state that evaluations
+  /// will be near, and brought up to the state evaluated last.
   virtual void recall(const VectorX& quadrants) = 0;
   virtual void track(VectorX& quadrants) const = 0;
   /// Rows that are left out (State::left_out): the choice has a memory.
@@ -65,9 +65,9 @@ class StepMemory {
 class HeldCoordinates {
  public:
   virtual ~HeldCoordinates() = default;
-  /// The rows of these velocities become v_dot = 0, and no other row and no joint knows their acceleration. Their v must
-  /// be zero. Replaces those held before; none: lets all go, from the next evaluate() on. A factor needs an acceleration
-  /// part. False, and nothing is changed, for other velocities.
+  /// The rows of these velocities become v_dot = 0, and no other row and no joint knows their acceleration. Their v
+  /// must be zero. Replaces those held before; none: lets all go, from the next evaluate() on. A factor needs an
+  /// acceleration part. False, and nothing is changed, for other velocities.
   virtual bool hold(const std::vector<int>& velocities) = 0;
 };
 
@@ -79,9 +79,9 @@ class EquationsOfMotion {
 
   struct Facts {
     const Layout* layout = nullptr;
-    /// Rows that repeat others, sorted: handled by solve(), to be left out by codes that factorise for themselves. Their
-    /// number is that of the scene; which they are depends on the pose: factorize() leaves out a row that comes to
-    /// depend on the others instead of one that no longer does.
+    /// Rows that repeat others, sorted: handled by solve(), to be left out by codes that factorise for themselves.
+    /// Their number is that of the scene; which they are depends on the pose: factorize() leaves out a row that comes
+    /// to depend on the others instead of one that no longer does.
     std::vector<int> redundant_rows;
     std::vector<int> velocity_rows;  // on velocities alone (rolling), sorted: their g is zero always
     bool reacts = false;             // f depends on lambda (friction by reactions)
@@ -98,7 +98,7 @@ class EquationsOfMotion {
     StepMemory* memory = nullptr;  // never null
     ComplexFactor* complex_factor = nullptr;
     ForwardDynamics* forward_dynamics = nullptr;
-    RigidContacts* rigid_contacts = nullptr;  // contacts of rigid surfaces: who does not know them must refuse the scene
+    RigidContacts* rigid_contacts = nullptr;  // of rigid surfaces: who does not know them must refuse the scene
     HeldCoordinates* held = nullptr;
   };
   virtual Parts parts() = 0;

@@ -41,7 +41,8 @@ void KeptFactor::make_complex(EquationsOfMotion& equations, const TangentWeights
 void KeptFactor::factorize(EquationsOfMotion& equations) const {
   const VectorX* increment = increment_.size() > 0 ? &increment_ : nullptr;
   equations.factorize(weights_, at_.v_dot, at_.lambda, increment);
-  if (kind_ == Kind::complex) equations.parts().complex_factor->factorize_complex(complex_, at_.v_dot, at_.lambda, increment);
+  if (kind_ == Kind::complex)
+    equations.parts().complex_factor->factorize_complex(complex_, at_.v_dot, at_.lambda, increment);
 }
 
 void KeptFactor::history(Archive& archive, EquationsOfMotion& equations) {

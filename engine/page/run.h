@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/model/drawing.h"
+#include "engine/model/appearance.h"
 #include "engine/observe/event.h"
 #include "engine/observe/observer.h"
 #include "engine/observe/sensors.h"

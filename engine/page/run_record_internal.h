@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/base/math.h"
-#include "engine/model/drawing.h"
+#include "engine/model/appearance.h"
 #include "engine/observe/event.h"
 #include "engine/page/run.h"
 

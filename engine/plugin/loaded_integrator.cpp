@@ -83,15 +83,16 @@ LoadedIntegrator::LoadedIntegrator(const IntegratorType& type, const ParameterLi
     return Border::cross(host, [&](Border& self, int, int nv, int rows) {
       if (increment) self.increment = read(increment, nv);
       const auto complex = [](const double* x) { return std::complex<double>(x[0], x[1]); };
-      self.equations->parts().complex_factor->factorize_complex({complex(w->position), complex(w->velocity), complex(w->acceleration)},
-                                        read(v_dot, nv), read(lambda, rows), increment ? &self.increment : nullptr);
+      self.equations->parts().complex_factor->factorize_complex(
+          {complex(w->position), complex(w->velocity), complex(w->acceleration)}, read(v_dot, nv), read(lambda, rows),
+          increment ? &self.increment : nullptr);
     });
   };
   t.solve_complex = [](void* host, double* rv, double* rl) {
     return Border::cross(host, [&](Border& self, int, int nv, int rows) {
       using Map = Eigen::Map<ComplexVectorX>;
       self.equations->parts().complex_factor->solve_complex(Map(reinterpret_cast<std::complex<double>*>(rv), nv),
-                                    Map(reinterpret_cast<std::complex<double>*>(rl), rows));
+                                                            Map(reinterpret_cast<std::complex<double>*>(rl), rows));
     });
   };
   t.energy = [](void* host, double* joules) {

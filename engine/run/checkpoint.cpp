@@ -6,7 +6,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/version.h"
-#include "engine/observe/watches.h"
+#include "engine/observe/observer_schedules.h"
 #include "engine/output/hdf5_file.h"
 
 namespace lithe {

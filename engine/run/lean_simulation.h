@@ -97,7 +97,7 @@ class LeanSimulation {
   bool reacts_;                      // observers need multipliers: joints rub
   std::vector<EventRecord> events_;  // of all islands, where there are several
 
-  Watches watches_;
+  ObserverSchedules watches_;
   State last_;                // the last good state of all
   bool begun_ = false;        // a run has started there
   State refined_, expanded_;  // scratch

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "engine/assembly/culprit.h"
+#include "engine/assembly/failing_element.h"
 #include "engine/base/error.h"
 #include "engine/base/interrupt.h"
 #include "engine/base/number_text.h"
@@ -143,19 +143,20 @@ void Simulation::advance(State& state, double stop) {
     throw;
   }
   const auto step = [&] { return "the step from " + time_text(last_.time); };
-  const auto culprit = [&](double until) {
-    const std::string found = find_culprit(equations_, last_, until > last_.time && until < stop ? until : stop);
+  const auto failing_element = [&](double until) {
+    const bool inside = until > last_.time && until < stop;
+    const std::string found = find_failing_element(equations_, last_, inside ? until : stop);
     return found.empty() ? "" : "; " + found;
   };
   if (!result.ok())
-    fail(state, step() + " failed: " + result.why + culprit(stop),
+    fail(state, step() + " failed: " + result.why + failing_element(stop),
          "give a smaller step or another tolerance; if neither helps, look for what happens there: a locked mechanism, "
          "an impact, a force that grows without bound");
   if (const std::string name = find_not_finite(state, system_.layout()); !name.empty())
-    fail(state, step() + " left a value that is not finite: " + name + culprit(state.time),
+    fail(state, step() + " left a value that is not finite: " + name + failing_element(state.time),
          "look for a force that divides by zero or overflows near there, or give a smaller step");
   if (!(state.time > last_.time && state.time <= stop))
-    fail(state, step() + " to " + time_text(stop) + " ended at " + time_text(state.time) + culprit(stop),
+    fail(state, step() + " to " + time_text(stop) + " ended at " + time_text(state.time) + failing_element(stop),
          "give a looser tolerance if steps became smaller than time can tell; else fix the integrator: a step moves "
          "time, never past its stop");
   if (finder_) {

@@ -11,7 +11,7 @@
 #include "engine/motion/projection.h"
 #include "engine/observe/event.h"
 #include "engine/observe/observer.h"
-#include "engine/observe/watches.h"
+#include "engine/observe/observer_schedules.h"
 #include "engine/run/checkpoint.h"
 #include "engine/run/event_finder.h"
 
@@ -98,7 +98,7 @@ class Simulation {
   Integrator& integrator_;
   Assembler equations_;
   Snapshot snapshot_;
-  Watches watches_;
+  ObserverSchedules watches_;
   State last_;              // the last good state
   bool evaluated_ = false;  // snapshot_ holds last_
   bool started_ = false;    // the integrator's history belongs to last_

@@ -209,16 +209,16 @@ SweepResult sweep(const SweepScene& scene, const Table& parameters, const SweepO
     ++finished;
     outcomes.at(outcome.row) = std::move(outcome);
   };
-  SweepCrew crew(std::min(threads, count), [&](int row) {
+  SweepThreads team(std::min(threads, count), [&](int row) {
     within_point = true;
     return compute(scene, parameters, row);
   });
   if (ranks) {
-    ranks->share(crew, count, fingerprint(parameters), keep);
+    ranks->share(team, count, fingerprint(parameters), keep);
   } else {
-    for (int row = 0; row < count; ++row) crew.add(row);
+    for (int row = 0; row < count; ++row) team.add(row);
     while (finished < count)
-      for (SweepOutcome& outcome : crew.take(std::chrono::seconds(1))) keep(std::move(outcome), crew.size());
+      for (SweepOutcome& outcome : team.take(std::chrono::seconds(1))) keep(std::move(outcome), team.size());
   }
   SweepResult result = gather(parameters, outcomes);
   result.rank = rank;

@@ -24,13 +24,13 @@ struct SweepOutcome {
 };
 
 /// Threads that compute the points they are given.
-class SweepCrew {
+class SweepThreads {
  public:
   using Compute = std::function<SweepOutcome(int row)>;  // throws nothing
-  SweepCrew(int threads, Compute compute);
-  ~SweepCrew();  // waits for points under way; those not begun are dropped
-  SweepCrew(const SweepCrew&) = delete;
-  SweepCrew& operator=(const SweepCrew&) = delete;
+  SweepThreads(int threads, Compute compute);
+  ~SweepThreads();  // waits for points under way; those not begun are dropped
+  SweepThreads(const SweepThreads&) = delete;
+  SweepThreads& operator=(const SweepThreads&) = delete;
 
   int size() const { return static_cast<int>(threads_.size()); }
   void add(int row);
@@ -68,7 +68,7 @@ class SweepRanks {
   virtual int ranks_on_this_machine() const = 0;
   /// Computes the points 0 … count - 1 together. On every rank `listener` is told of all points, on rank 0 as they are
   /// finished. `fingerprint`: of the parameters; ranks that sweep different ones end the program.
-  virtual void share(SweepCrew& crew, int count, std::uint64_t fingerprint, const SweepListener& listener) = 0;
+  virtual void share(SweepThreads& team, int count, std::uint64_t fingerprint, const SweepListener& listener) = 0;
 };
 
 }  // namespace lithe

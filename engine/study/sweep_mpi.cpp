@@ -140,22 +140,22 @@ class MpiRanks final : public SweepRanks {
   int size() const { return size_; }
   int ranks_on_this_machine() const override { return on_this_machine_; }
 
-  void share(SweepCrew& crew, int count, std::uint64_t fingerprint, const SweepListener& listener) override {
+  void share(SweepThreads& team, int count, std::uint64_t fingerprint, const SweepListener& listener) override {
     if (rank_ == 0)
-      deal(crew, count, fingerprint, listener);
+      deal(team, count, fingerprint, listener);
     else
-      serve(crew, fingerprint, listener);
+      serve(team, fingerprint, listener);
   }
 
  private:
   /// Hands every thread of every rank a point at a time.
-  void deal(SweepCrew& crew, int count, std::uint64_t fingerprint, const SweepListener& listener) {
+  void deal(SweepThreads& team, int count, std::uint64_t fingerprint, const SweepListener& listener) {
     std::vector<Bytes> told(count);
-    int next = 0, finished = 0, here = 1, threads = crew.size();
+    int next = 0, finished = 0, here = 1, threads = team.size();
     const auto hand_out = [&](int to) {
       if (next == count) return;
       if (to == 0)
-        crew.add(next++);
+        team.add(next++);
       else
         send(to, Say::point, Writer().add(next++).bytes());
     };
@@ -164,9 +164,9 @@ class MpiRanks final : public SweepRanks {
       ++finished;
       listener(std::move(outcome), threads);
     };
-    for (int i = 0; i < crew.size(); ++i) hand_out(0);
+    for (int i = 0; i < team.size(); ++i) hand_out(0);
     while (finished < count || here < size_) {
-      for (SweepOutcome& outcome : crew.take(kBetweenLooks)) {
+      for (SweepOutcome& outcome : team.take(kBetweenLooks)) {
         Bytes bytes = encoded(outcome);
         keep(std::move(outcome), std::move(bytes));
         hand_out(0);
@@ -196,16 +196,16 @@ class MpiRanks final : public SweepRanks {
   }
 
   /// Computes what rank 0 hands out, until it tells of all points.
-  void serve(SweepCrew& crew, std::uint64_t fingerprint, const SweepListener& listener) {
-    send(0, Say::hello, Writer().add(crew.size()).add(fingerprint).bytes());
+  void serve(SweepThreads& team, std::uint64_t fingerprint, const SweepListener& listener) {
+    send(0, Say::hello, Writer().add(team.size()).add(fingerprint).bytes());
     while (true) {
-      for (const SweepOutcome& outcome : crew.take(kBetweenLooks)) send(0, Say::outcome, encoded(outcome));
+      for (const SweepOutcome& outcome : team.take(kBetweenLooks)) send(0, Say::outcome, encoded(outcome));
       while (const std::optional<Message> message = find_message()) {
         if (message->say == Say::over) return;
         if (message->say == Say::point)
-          crew.add(Reader(message->bytes).number<int>());
+          team.add(Reader(message->bytes).number<int>());
         else
-          listener(decoded(message->bytes), crew.size());
+          listener(decoded(message->bytes), team.size());
       }
     }
   }

@@ -4,8 +4,8 @@
 #include <variant>
 #include <vector>
 
+#include "engine/model/appearance.h"
 #include "engine/model/contact_element.h"
-#include "engine/model/drawing.h"
 #include "joints/contact/laws.h"
 #include "joints/contact/shapes.h"
 

@@ -17,7 +17,7 @@ int free_processors(int ranks_on_this_machine) {
   return std::max(1, all / ranks_on_this_machine);
 }
 
-SweepCrew::SweepCrew(int threads, Compute compute) : compute_(std::move(compute)) {
+SweepThreads::SweepThreads(int threads, Compute compute) : compute_(std::move(compute)) {
   try {
     for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { work(); });
   } catch (const std::system_error&) {  // the system gives no more: fewer do the same work
@@ -28,9 +28,9 @@ SweepCrew::SweepCrew(int threads, Compute compute) : compute_(std::move(compute)
   }
 }
 
-SweepCrew::~SweepCrew() { close(); }
+SweepThreads::~SweepThreads() { close(); }
 
-void SweepCrew::close() {
+void SweepThreads::close() {
   {
     const std::lock_guard lock(mutex_);
     closing_ = true;
@@ -39,7 +39,7 @@ void SweepCrew::close() {
   for (std::thread& thread : threads_) thread.join();
 }
 
-void SweepCrew::add(int row) {
+void SweepThreads::add(int row) {
   {
     const std::lock_guard lock(mutex_);
     rows_.push_back(row);
@@ -47,13 +47,13 @@ void SweepCrew::add(int row) {
   given_.notify_one();
 }
 
-std::vector<SweepOutcome> SweepCrew::take(std::chrono::microseconds patience) {
+std::vector<SweepOutcome> SweepThreads::take(std::chrono::microseconds patience) {
   std::unique_lock lock(mutex_);
   finished_.wait_for(lock, patience, [this] { return !outcomes_.empty(); });
   return std::exchange(outcomes_, {});
 }
 
-void SweepCrew::work() {
+void SweepThreads::work() {
   std::unique_lock lock(mutex_);
   while (true) {
     given_.wait(lock, [this] { return closing_ || !rows_.empty(); });

@@ -7,12 +7,12 @@
 namespace lithe {
 
 /// Threads that share short pieces of work many times over: they wait awake for a moment, then asleep.
-class Crew {
+class ThreadTeam {
  public:
   /// So many threads in all, the caller's among them.
-  explicit Crew(int threads);
-  ~Crew();
-  Crew(const Crew&) = delete;
+  explicit ThreadTeam(int threads);
+  ~ThreadTeam();
+  ThreadTeam(const ThreadTeam&) = delete;
 
   /// Calls job(i) for 0 <= i < count, in no order, and returns when all are done. Jobs must not throw.
   template <class Job>

@@ -1,4 +1,4 @@
-#include "engine/observe/watches.h"
+#include "engine/observe/observer_schedules.h"
 
 #include <cxxabi.h>
 
@@ -16,7 +16,7 @@ namespace lithe {
 
 double time_round_off(double time) { return 8 * std::numeric_limits<double>::epsilon() * std::abs(time); }
 
-void Watches::begin(double time, bool all) {
+void ObserverSchedules::begin(double time, bool all) {
   for (Watch& watch : watches_) {
     if (!all && watch.begun) continue;
     watch.origin = time;
@@ -25,7 +25,7 @@ void Watches::begin(double time, bool all) {
   }
 }
 
-double Watches::next_stop(double time, double end) const {
+double ObserverSchedules::next_stop(double time, double end) const {
   double stop = end;
   for (const Watch& watch : watches_) {
     const double next = watch.next_time();
@@ -35,16 +35,16 @@ double Watches::next_stop(double time, double end) const {
   return stop;
 }
 
-void Watches::rethrow_of(const Observer& observer, double time) {
+void ObserverSchedules::rethrow_of(const Observer& observer, double time) {
   const char* mangled = typeid(observer).name();
   const std::unique_ptr<char, void (*)(void*)> type(abi::__cxa_demangle(mangled, nullptr, nullptr, nullptr), std::free);
   rethrow_as_error(std::string("the observer ") + (type ? type.get() : mangled), time_text(time),
                    "see what it does there; the state is kept, and so is what others observed");
 }
 
-double Watches::Watch::next_time() const { return origin + static_cast<double>(told) * schedule.interval; }
+double ObserverSchedules::Watch::next_time() const { return origin + static_cast<double>(told) * schedule.interval; }
 
-void Watches::history(Archive& archive) {
+void ObserverSchedules::history(Archive& archive) {
   int count = static_cast<int>(watches_.size());
   archive("count", count);
   if (count < 0 || static_cast<std::size_t>(count) > watches_.size())
@@ -64,9 +64,9 @@ void Watches::history(Archive& archive) {
 }
 
 /// Schedules meet, and meet the end, where times differ by round-off alone: 3 · 0.1 and 0.3.
-double Watches::Watch::slack(double time) const { return 1e-9 * schedule.interval + time_round_off(time); }
+double ObserverSchedules::Watch::slack(double time) const { return 1e-9 * schedule.interval + time_round_off(time); }
 
-bool Watches::Watch::is_due(double time) const {
+bool ObserverSchedules::Watch::is_due(double time) const {
   if (told > 0 && told_time == time) return false;
   return schedule.interval == 0 || next_time() <= time + slack(time);
 }

@@ -1,4 +1,4 @@
-#include "engine/base/crew.h"
+#include "engine/base/thread_team.h"
 
 #include <system_error>
 
@@ -9,7 +9,7 @@ constexpr int kAwake = 4000;  // looks before a thread sleeps: some 20 microseco
 
 }  // namespace
 
-Crew::Crew(int threads) {
+ThreadTeam::ThreadTeam(int threads) {
   try {
     for (int i = 1; i < threads; ++i) threads_.emplace_back([this] { wait_for_work(); });
   } catch (const std::system_error&) {  // the system gives no more: fewer do the same work
@@ -19,16 +19,16 @@ Crew::Crew(int threads) {
   }
 }
 
-Crew::~Crew() { close(); }
+ThreadTeam::~ThreadTeam() { close(); }
 
-void Crew::close() {
+void ThreadTeam::close() {
   over_ = true;
   ++round_;
   round_.notify_all();
   for (std::thread& thread : threads_) thread.join();
 }
 
-void Crew::run(int count, Call call, const void* data) {
+void ThreadTeam::run(int count, Call call, const void* data) {
   if (threads_.empty() || count < 2) {
     for (int i = 0; i < count; ++i) call(data, i);
     return;
@@ -42,11 +42,11 @@ void Crew::run(int count, Call call, const void* data) {
   while (at_work_.load(std::memory_order_acquire) > 0) std::this_thread::yield();
 }
 
-void Crew::work() {
+void ThreadTeam::work() {
   for (int i = next_++; i < count_; i = next_++) call_(data_, i);
 }
 
-void Crew::wait_for_work() {
+void ThreadTeam::wait_for_work() {
   for (unsigned seen = 0;; ++seen) {
     for (int looks = 0; round_.load(std::memory_order_acquire) == seen && looks < kAwake; ++looks) {
     }

@@ -14,7 +14,7 @@ double time_round_off(double time);
 
 /// Observers and when each is to be told: the one diary of whoever moves time. `look()` gives the snapshot to show, and
 /// is asked for it only where somebody is told.
-class Watches {
+class ObserverSchedules {
  public:
   void add(Observer& observer, Schedule schedule) { watches_.push_back({&observer, schedule}); }
   /// Schedules begin at `time`: of observers that are new, or of all.

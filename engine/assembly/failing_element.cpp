@@ -1,4 +1,4 @@
-#include "engine/assembly/culprit.h"
+#include "engine/assembly/failing_element.h"
 
 #include <algorithm>
 #include <cmath>
@@ -93,7 +93,7 @@ std::string look_at(Assembler& assembler, const State& state) {
 
 }  // namespace
 
-std::string find_culprit(Assembler& assembler, const State& from, double until) {
+std::string find_failing_element(Assembler& assembler, const State& from, double until) {
   constexpr int kEven = 16, kHalvings = 40;
   const double h = until - from.time;
   State there = from;

@@ -1,4 +1,4 @@
-#include "engine/model/drawing.h"
+#include "engine/model/appearance.h"
 
 #include "engine/base/checks.h"
 

@@ -11,6 +11,6 @@ namespace lithe {
 /// on the way to the time `until`, in words ("'wind' (scene.cpp:12) gives ..."); empty if none is found. Looks at
 /// samples of the motion that the state's velocities and accelerations tell, ever nearer to where it began, since the
 /// true one is not known. What an element throws there is told likewise. Leaves the assembler at another state.
-std::string find_culprit(Assembler& assembler, const State& from, double until);
+std::string find_failing_element(Assembler& assembler, const State& from, double until);
 
 }  // namespace lithe
