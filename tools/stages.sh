@@ -37,9 +37,20 @@ stage_shown() {
   echo "[$stage_number/$stage_count] $what: done in $((SECONDS - started)) s"
 }
 
-# Ninja keeps one moving line on a terminal; elsewhere its hundreds of lines matter only if the build fails.
+# A build with the share done: Ninja's one moving line on a terminal, elsewhere a line every ten per cent.
 build() {
   local what=$1
   shift
-  if [[ -t 1 ]]; then stage_shown "$what" "$@"; else stage "$what" "$@"; fi
+  export NINJA_STATUS="[%p, %f of %t] "
+  if [[ -t 1 ]]; then stage_shown "$what" "$@"; else stage_shown "$what" show_share "$@"; fi
+}
+show_share() {
+  local log result=0
+  log=$(mktemp)
+  "$@" 2>&1 | tee "$log" | awk '
+    /^\[ *[0-9]+%/ { share = substr($0, 2) + 0; if (share >= next_one) { print "  " share " %"; fflush() }
+                     while (share >= next_one) next_one += 10 }' || result=$?
+  [[ $result -eq 0 ]] || cat "$log" >&2
+  rm -f "$log"
+  return "$result"
 }
