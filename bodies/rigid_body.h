@@ -1,9 +1,7 @@
 #pragma once
 
-#include <vector>
-
 #include "engine/assembly/batch.h"
-#include "engine/model/body.h"
+#include "engine/model/rigid_frame_body.h"
 
 namespace lithe {
 
@@ -16,8 +14,8 @@ struct Inertia {
 };
 
 /// Rigid body; its frame sits at the centre of mass.
-///   m (p̈ - g) = f,   J ω̇ + ω × (J ω) = t   (J, ω, t in body axes)
-class RigidBody final : public Body {
+///   m (p̈ - g) = f,   J ω̇ + ω × (J ω) = t   (J, ω, t in body axes; engine/model/rigid_frame_body.h)
+class RigidBody final : public RigidFrameBody {
  public:
   struct Parameters {
     double mass = 1;                            // kg
@@ -27,11 +25,6 @@ class RigidBody final : public Body {
     Vector3 velocity{0, 0, 0};                  // of the centre of mass, world axes, m/s
     Vector3 angular_velocity{0, 0, 0};          // body axes, rad/s
   };
-  struct Cache : BodyCache {
-    Vector3 omega_world = Vector3::Zero();
-    explicit Cache(const RigidBody&) {}
-  };
-
   /// Throws SceneError for mass <= 0, an inertia of no real body, a matrix that is no rotation, NaN.
   explicit RigidBody(Parameters parameters);
 
@@ -41,28 +34,8 @@ class RigidBody final : public Body {
   /// A frame at `point` of the world where the body is drawn (m), with axes `orientation` (marker axes to world axes).
   Marker marker_at_world(const Point& point, const Matrix3& orientation = Matrix3::Identity());
 
-  Coordinates coordinates() const override { return {.frame = true, .linear = 0}; }
-  std::unique_ptr<BodyCache> make_cache() const override { return std::make_unique<Cache>(*this); }
-  void initial_state(VectorRef q, VectorRef v) const override;
-  void evaluate(const BodyState&, Level) const override;
-  void add_residual(const BodyState&, const double* v_dot, const Vector3& gravity, double* r) const override;
-  void add_tangent(const BodyState&, const double* v_dot, const Vector3& gravity, const TangentWeights&,
-                   BodyTangent&) const override;
-  void marker_kinematics(const BodyState&, int marker, Level, MarkerKinematics&) const override;
-  BodyEnergy energy(const BodyState&, const Vector3& gravity) const override;
-  int marker_count() const override { return static_cast<int>(markers_.size()); }
-  std::optional<RigidInertia> rigid_inertia() const override {
-    return RigidInertia{parameters_.mass, parameters_.inertia.matrix};
-  }
-
  private:
-  struct Pose {
-    Vector3 position;
-    bool turned;  // orientation is not the identity
-    Matrix3 orientation;
-  };
   const Parameters parameters_;
-  std::vector<Pose> markers_;
 };
 
 extern template std::unique_ptr<BodyBatch> make_body_batch<RigidBody>();

@@ -72,7 +72,8 @@ void Simplifier::draw_bodies() {
         Vector3(initial().v.segment<3>(s.v)) + w_world.cross(item.start.position - frame(first, initial().q).position);
     if (item.plane < 0) {
       item.body = &made_.graph_->add<RigidStandIn>(
-          name(item), {.inertia = item.inertia, .pose = item.drawn, .velocity = v, .angular_velocity = w});
+          name(item),
+          {.inertia = item.inertia, .start = {.pose = item.drawn, .velocity = v, .angular_velocity = w}});
       continue;
     }
     const Matrix3& plane = planes_[item.plane];

@@ -4,69 +4,6 @@
 
 namespace lithe {
 
-// ---- one body of several ----
-
-Marker RigidStandIn::marker(const FramePose& pose) {
-  markers_.push_back(pose);
-  return {this, marker_count() - 1};
-}
-
-void RigidStandIn::initial_state(VectorRef q, VectorRef v) const {
-  q << parameters_.pose.position, quaternion_of(parameters_.pose.axes);
-  v << parameters_.velocity, parameters_.angular_velocity;
-}
-
-void RigidStandIn::evaluate(const BodyState& state, Level level) const {
-  auto& cache = static_cast<Cache&>(*state.cache);
-  cache.A = rotation_matrix(Eigen::Map<const Vector4>(state.q + 3));
-  if (level != Level::position) cache.omega_world = cache.A * Eigen::Map<const Vector3>(state.v + 3);
-}
-
-void RigidStandIn::add_residual(const BodyState& state, const double* v_dot, const Vector3& gravity, double* r) const {
-  const Eigen::Map<const Vector3> w(state.v + 3), a(v_dot), w_dot(v_dot + 3);
-  const auto& [mass, J] = parameters_.inertia;
-  Eigen::Map<Vector3>(r) += mass * (a - gravity);
-  Eigen::Map<Vector3>(r + 3) += J * w_dot + w.cross(Vector3(J * w));
-}
-
-void RigidStandIn::add_tangent(const BodyState& state, const double*, const Vector3&, const TangentWeights& weights,
-                               BodyTangent& S) const {
-  const auto& [mass, J] = parameters_.inertia;
-  for (int i = 0; i < 3; ++i) S.frame(i, i) += weights.acceleration * mass;
-  S.frame.bottomRightCorner<3, 3>() += weights.acceleration * J;
-  if (weights.velocity == 0) return;
-  // ∂(ω × J ω)/∂ω = ω~ J - (J ω)~
-  const Eigen::Map<const Vector3> w(state.v + 3);
-  S.frame.bottomRightCorner<3, 3>() += weights.velocity * (skew(w) * J - skew(J * w));
-}
-
-void RigidStandIn::marker_kinematics(const BodyState& state, int marker, Level level, MarkerKinematics& k) const {
-  const auto& cache = static_cast<const Cache&>(*state.cache);
-  const FramePose& m = markers_[marker];
-  const Vector3 arm = cache.A * m.position;
-  k.p = Eigen::Map<const Vector3>(state.q) + arm;
-  k.R = cache.A * m.axes;
-  k.r = m.position;
-  k.A = &cache.A;
-  k.elastic = nullptr;
-  if (level == Level::position) return;
-  k.w = cache.omega_world;
-  const Vector3 swing = k.w.cross(arm);
-  k.v = Eigen::Map<const Vector3>(state.v) + swing;
-  if (level == Level::velocity) return;
-  k.bias_v = k.w.cross(swing);
-  k.bias_w.setZero();
-}
-
-BodyEnergy RigidStandIn::energy(const BodyState& state, const Vector3& gravity) const {
-  const Eigen::Map<const Vector3> p(state.q), v(state.v), w(state.v + 3);
-  const auto& [mass, J] = parameters_.inertia;
-  BodyEnergy e;
-  e.kinetic = 0.5 * mass * v.squaredNorm() + 0.5 * w.dot(J * w);
-  e.gravity = -mass * gravity.dot(p);
-  return e;
-}
-
 // ---- a body in its plane ----
 
 PlanarStandIn::Arm::Arm(const Matrix3& plane) : normal(plane.col(2)), at(Vector3::Zero()) {

@@ -5,50 +5,22 @@
 #include "engine/assembly/batch.h"
 #include "engine/model/joint_coordinate.h"
 #include "engine/model/planar_body.h"
+#include "engine/model/rigid_frame_body.h"
 
 /// What takes the place of a user's elements in a scene made smaller (engine/simplify/simplification.h).
 namespace lithe {
 
-/// Position and axes (to world axes) of a frame that moves with a body, at the reference of that body.
-struct FramePose {
-  Vector3 position = Vector3::Zero();
-  Matrix3 axes = Matrix3::Identity();
-};
-
 /// Rigid bodies welded together: one rigid body, its frame at the common centre of mass.
-///   m (p̈ - g) = f,   J ω̇ + ω × (J ω) = t   (J, ω, t in body axes)
-class RigidStandIn final : public Body {
+class RigidStandIn final : public RigidFrameBody {
  public:
   struct Parameters {
     RigidInertia inertia{1, Matrix3::Identity()};
-    FramePose pose{};                   // as drawn
-    Vector3 velocity{0, 0, 0};          // of the centre of mass, world axes
-    Vector3 angular_velocity{0, 0, 0};  // body axes
-  };
-  struct Cache : BodyCache {
-    Vector3 omega_world = Vector3::Zero();
-    explicit Cache(const RigidStandIn&) {}
+    Start start{};
   };
 
-  explicit RigidStandIn(Parameters parameters) : parameters_(std::move(parameters)) {}
+  explicit RigidStandIn(Parameters parameters) : RigidFrameBody(parameters.inertia, parameters.start) {}
   /// `pose` in body axes, from the centre of mass.
-  Marker marker(const FramePose& pose);
-
-  Coordinates coordinates() const override { return {.frame = true, .linear = 0}; }
-  std::unique_ptr<BodyCache> make_cache() const override { return std::make_unique<Cache>(*this); }
-  void initial_state(VectorRef q, VectorRef v) const override;
-  void evaluate(const BodyState&, Level) const override;
-  void add_residual(const BodyState&, const double* v_dot, const Vector3& gravity, double* r) const override;
-  void add_tangent(const BodyState&, const double* v_dot, const Vector3& gravity, const TangentWeights&,
-                   BodyTangent&) const override;
-  void marker_kinematics(const BodyState&, int marker, Level, MarkerKinematics&) const override;
-  BodyEnergy energy(const BodyState&, const Vector3& gravity) const override;
-  int marker_count() const override { return static_cast<int>(markers_.size()); }
-  std::optional<RigidInertia> rigid_inertia() const override { return parameters_.inertia; }
-
- private:
-  const Parameters parameters_;
-  std::vector<FramePose> markers_;
+  Marker marker(const FramePose& pose) { return add_marker(pose.position, pose.axes); }
 };
 
 /// A rigid body that its joints hold in a plane: q = (x, y, θ), its centre of mass along two axes of the plane, counted
