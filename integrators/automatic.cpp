@@ -117,9 +117,10 @@ void Automatic::change(Method method, EquationsOfMotion& equations, State& state
 StepResult Automatic::advance(EquationsOfMotion& equations, State& state, double t_stop) {
   if (!(t_stop > state.time)) return {};
   std::string why;
+  StepResult result;
   for (int failed = 0;; ++failed) {
     fresh_ = false;
-    const StepResult result = at_work().step(equations, state, t_stop, multipliers());
+    result = at_work().step(equations, state, t_stop, multipliers());
     statistics_ = sum(before_, at_work().statistics());
     if (result.ok()) break;
     why += (failed > 0 ? "; " : "") + at_work().name() + ": " + result.why;
@@ -131,7 +132,7 @@ StepResult Automatic::advance(EquationsOfMotion& equations, State& state, double
     change(incumbent_, equations, state);
   }
   watch(equations, state);
-  return {};
+  return result;
 }
 
 /// Whether the explicit step has for a while been as large as stability allows.

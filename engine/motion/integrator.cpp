@@ -7,7 +7,6 @@
 
 #include "engine/archive/archive.h"
 #include "engine/base/error.h"
-#include "engine/base/log.h"
 #include "engine/motion/singular_pose.h"
 
 namespace lithe {
@@ -89,19 +88,23 @@ StepResult Integrator::step(EquationsOfMotion& equations, State& state, double t
   equations.memory().recall(state.contacts);
   quadrants_ = state.quadrants;
   const double begin = state.time;
-  bool passed = shrunk_ && pass_singular_pose(equations, state, t_stop);
-  if (!passed) {
-    StepResult result = advance(equations, state, std::min(t_stop, begin + longest_));
-    if (!result.ok()) passed = !delegates() && pass_singular_pose(equations, state, t_stop);
-    if (!result.ok() && !passed) return result;
+  std::string passed = shrunk_ ? pass_singular_pose(equations, state, t_stop) : "";
+  StepResult result;
+  if (passed.empty()) {
+    result = advance(equations, state, std::min(t_stop, begin + longest_));
+    if (!result.ok() && !delegates()) passed = pass_singular_pose(equations, state, t_stop);
+    if (!result.ok() && passed.empty()) return result;
   }
-  if (!passed) watch_steps(state.time - begin, state.time == t_stop);
+  if (passed.empty())
+    watch_steps(state.time - begin, state.time == t_stop);
+  else
+    result = {StepResult::Outcome::reached, passed};
   equations.memory().track(state.quadrants);
   equations.memory().track_rows(state.left_out);
   equations.memory().track_contacts(state);
   if (turn_rates_.size() > 0 && turn_rates_.size() == state.quadrants.size())
     limit_turn(state.quadrants, state.time - begin);
-  return {};
+  return result;
 }
 
 /// Whether steps have become so short that it is worth looking for a singular pose ahead. A step that t_stop cut tells
@@ -119,30 +122,28 @@ void Integrator::watch_steps(double length, bool cut) {
   }
 }
 
-/// A step through a singular pose, if one is near.
-bool Integrator::pass_singular_pose(EquationsOfMotion& equations, State& state, double t_stop) {
+/// A step through a singular pose, if one is near: what the log is to say of it. Empty: none was made.
+std::string Integrator::pass_singular_pose(EquationsOfMotion& equations, State& state, double t_stop) {
   shrunk_ = false;
-  if (!equations.facts().has_loops) return false;
+  if (!equations.facts().has_loops) return "";
   constexpr double kFarthest = 20, kShortest = 1.0 / 16, kTurn = 0.01;  // of the step; of the usual one; rad
   if (!singular_pose_) singular_pose_ = std::make_unique<SingularPose>(equations);
   double turning = 0;
   for (const auto& b : equations.layout().bodies())
     if (b.frame) turning = std::max(turning, state.v.segment<3>(b.v + 3).norm());
   const double step = std::max({looked_at_, kShortest * usual_, turning > 0 ? kTurn / turning : 0});
-  if (!(step > 0)) return false;
+  if (!(step > 0)) return "";
   const auto ahead = singular_pose_->find(state, step, kFarthest * step);
   const double at = ahead ? state.time + *ahead : 0;
   if (!ahead || !singular_pose_->pass(state, *ahead, step, t_stop)) {
     lose_factor();
-    return false;
+    return "";
   }
-  log::info("passed a pose where constraints lose rank at t = " + std::to_string(at) +
-            " s, on the branch that the velocity tells");
   resumes_ = true;
   prepare(equations, state);
   resumes_ = false;
   usual_ = looked_at_ = 0;
-  return true;
+  return "passed a pose where constraints lose rank at t = " + std::to_string(at) + " s, on the branch that the velocity tells";
 }
 
 bool Integrator::history(Archive& archive, EquationsOfMotion& equations, const State& state) {

@@ -32,7 +32,8 @@ struct IntegratorStatistics {
   void keep(Archive& archive, std::string_view name);
 };
 
-/// How a step ended. On failure the state holds the last good time and `why` says what stopped it.
+/// How a step ended. On failure the state holds the last good time and `why` says what stopped it; else it is empty, or
+/// what the log is to say of the step.
 struct StepResult {
   enum class Outcome { reached, failed } outcome = Outcome::reached;
   std::string why;
@@ -96,7 +97,7 @@ class Integrator {
 
  private:
   void limit_turn(const VectorX& quadrants, double length);
-  bool pass_singular_pose(EquationsOfMotion& equations, State& state, double t_stop);
+  std::string pass_singular_pose(EquationsOfMotion& equations, State& state, double t_stop);
   void watch_steps(double length, bool cut);
 
   Multipliers multipliers_ = Multipliers::found;

@@ -123,12 +123,13 @@ StepResult ModeFreezing::advance(EquationsOfMotion& equations, State& state, dou
     if (quiet.empty()) start_method(equations, state);  // its factor is gone
   }
   // 2. The step, again with fewer modes frozen where they would have lacked too much.
+  StepResult result;
   do {
     begun_ = state;
     const bool holds = !held_.empty();
     const double left = t_stop - state.time, cuts = holds ? std::ceil(left / parameters_.interval - 1e-6) : 1;
-    const StepResult result = method_->step(equations, state, cuts > 1 ? state.time + left / cuts : t_stop,
-                                            holds ? Multipliers::found : multipliers());
+    result = method_->step(equations, state, cuts > 1 ? state.time + left / cuts : t_stop,
+                           holds ? Multipliers::found : multipliers());
     statistics_ = earlier_;
     statistics_ += method_->statistics();
     if (!result.ok()) return result;
@@ -139,7 +140,7 @@ StepResult ModeFreezing::advance(EquationsOfMotion& equations, State& state, dou
   for (Mode& m : modes_)
     if (m.frozen) m.frozen_time += length;
   watch(state);
-  return {};
+  return result;
 }
 
 /// How far the modes that move have moved since they became quiet.

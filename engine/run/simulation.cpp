@@ -7,6 +7,7 @@
 #include "engine/assembly/failing_element.h"
 #include "engine/base/error.h"
 #include "engine/base/interrupt.h"
+#include "engine/base/log.h"
 #include "engine/base/number_text.h"
 
 namespace lithe {
@@ -152,6 +153,7 @@ void Simulation::advance(State& state, double stop) {
     fail(state, step() + " failed: " + result.why + failing_element(stop),
          "give a smaller step or another tolerance; if neither helps, look for what happens there: a locked mechanism, "
          "an impact, a force that grows without bound");
+  if (!result.why.empty()) log::info(result.why);
   if (const std::string name = find_not_finite(state, system_.layout()); !name.empty())
     fail(state, step() + " left a value that is not finite: " + name + failing_element(state.time),
          "look for a force that divides by zero or overflows near there, or give a smaller step");
