@@ -143,7 +143,8 @@ std::string Integrator::pass_singular_pose(EquationsOfMotion& equations, State& 
   prepare(equations, state);
   resumes_ = false;
   usual_ = looked_at_ = 0;
-  return "passed a pose where constraints lose rank at t = " + std::to_string(at) + " s, on the branch that the velocity tells";
+  return "passed a pose where constraints lose rank at t = " + std::to_string(at) +
+         " s, on the branch that the velocity tells";
 }
 
 bool Integrator::history(Archive& archive, EquationsOfMotion& equations, const State& state) {
