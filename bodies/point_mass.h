@@ -40,7 +40,6 @@ class PointMass final : public PointBody {
                    BodyTangent&) const override;
   void marker_kinematics(const BodyState&, int marker, Level, MarkerKinematics&) const override;
   BodyEnergy energy(const BodyState&, const Vector3& gravity) const override;
-  int marker_count() const override { return static_cast<int>(axes_.size()); }
 
  private:
   const Parameters parameters_;

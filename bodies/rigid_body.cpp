@@ -22,7 +22,7 @@ Marker RigidBody::marker(const Point& position, const Matrix3& orientation) {
     require::finite(position.at, "marker position");
     require::rotation(orientation, "marker orientation");
   });
-  return add_marker(position.at, orientation);
+  return place_marker(position.at, orientation);
 }
 
 Marker RigidBody::marker_at_world(const Point& point, const Matrix3& orientation) {

@@ -134,7 +134,9 @@ class FlexibleBody final : public DeformableBody, public DrawableBody {
     return body_frame_;
   }
 
-  Coordinates coordinates() const override { return {.frame = true, .linear = modes_}; }
+  Coordinates coordinates() const override {
+    return {.frame = true, .linear = modes_, .pattern = diagonal_ ? nullptr : &pattern_};
+  }
   std::unique_ptr<BodyCache> make_cache() const override { return std::make_unique<Cache>(*this); }
   void initial_state(VectorRef q, VectorRef v) const override;
   void evaluate(const BodyState&, Level) const override;
@@ -143,8 +145,6 @@ class FlexibleBody final : public DeformableBody, public DrawableBody {
                    BodyTangent&) const override;
   void marker_kinematics(const BodyState&, int marker, Level, MarkerKinematics&) const override;
   BodyEnergy energy(const BodyState&, const Vector3& gravity) const override;
-  int marker_count() const override { return static_cast<int>(markers_.size()); }
-  const LinearPattern* linear_pattern() const override { return diagonal_ ? nullptr : &pattern_; }
 
   /// Of the modes in use; with full nodal coordinates of the points alone. Empty without elements.
   DrawnMesh drawn_mesh(bool with_stress) const override;

@@ -204,7 +204,7 @@ class SystemBuilder {
       }
       if (s.linear > 0) {
         record.linear = static_cast<int>(b.linears.size());
-        const LinearPattern* pattern = s.body->linear_pattern();
+        const LinearPattern* pattern = s.body->coordinates().pattern;
         const int n = s.linear, coupled = s.frame ? 6 * n : 0;
         BlockStructure::Linear linear{s.v + (s.frame ? 6 : 0), n, record.frame, 0, 0, 0, pattern};
         linear.frame_linear = b.reserve(coupled);

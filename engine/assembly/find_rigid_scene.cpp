@@ -7,6 +7,7 @@
 #include "engine/forward/planar_dynamics.h"
 #include "engine/forward/tree_dynamics.h"
 #include "engine/model/planar_body.h"
+#include "engine/model/rigid_frame_body.h"
 
 namespace lithe {
 namespace {
@@ -45,7 +46,7 @@ std::optional<RigidScene> find_rigid_scene(const System& system) {
       scene.bodies.push_back({slice.q, slice.v, body.mass, body.inertia * Matrix3::Identity(), true, normal});
       continue;
     }
-    const auto inertia = slice.body->rigid_inertia();
+    const auto* inertia = rigid_inertia_of(*slice.body);
     if (!inertia || !slice.frame || slice.linear > 0) return std::nullopt;
     index[slice.body] = static_cast<int>(scene.bodies.size());
     scene.bodies.push_back({slice.q, slice.v, inertia->mass, inertia->inertia});

@@ -70,7 +70,7 @@ void RigidContacts::group_bodies() {
   }
   for (Component& c : components_) {
     const auto& body = bodies[c.bodies.front()];
-    const auto inertia = body.body->rigid_inertia();
+    const auto* inertia = rigid_inertia_of(*body.body);
     c.alone = c.bodies.size() == 1 && !tied[c.bodies.front()] && body.frame && body.linear == 0 && inertia;
     if (!c.alone) continue;
     const auto frame =

@@ -6,6 +6,7 @@
 #include "engine/contact/contact_event.h"
 #include "engine/contact/contact_forces.h"
 #include "engine/factor/block_structure.h"
+#include "engine/model/rigid_frame_body.h"
 
 namespace lithe {
 

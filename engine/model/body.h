@@ -1,7 +1,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 
 #include "engine/base/math.h"
 #include "engine/factor/linear_pattern.h"
@@ -14,7 +13,8 @@ namespace lithe {
 /// without: q = eta, v = eta_dot.
 struct Coordinates {
   bool frame = true;
-  int linear = 0;  // n, length of eta
+  int linear = 0;                          // n, length of eta
+  const LinearPattern* pattern = nullptr;  // of the linear-linear block, the body's own; null: it is diagonal
   int q_count() const { return (frame ? 7 : 0) + linear; }
   int v_count() const { return (frame ? 6 : 0) + linear; }
 };
@@ -38,7 +38,7 @@ struct TangentWeights {
 };
 
 /// Where a body adds its block of the iteration matrix: frame-frame (6 x 6), frame-linear (6 x n), linear-frame (n x
-/// 6), column-major, and linear-linear: n diagonal entries, or one value for each entry of Body::linear_pattern().
+/// 6), column-major, and linear-linear: n diagonal entries, or one value for each entry of Coordinates::pattern.
 struct BodyTangent {
   Eigen::Map<Matrix6> frame;
   Eigen::Map<Matrix6X> frame_linear;
@@ -50,12 +50,6 @@ struct BodyTangent {
 struct BodyEnergy {
   double kinetic = 0, elastic = 0, gravity = 0;
   double total() const { return kinetic + elastic + gravity; }
-};
-
-/// What is to be known of a body that is rigid: enough to move it without asking it (engine/forward_dynamics.h).
-struct RigidInertia {
-  double mass;      // kg
-  Matrix3 inertia;  // kg m², about the origin of the body's frame, which is its centre of mass; body axes
 };
 
 /// What has mass. A body answers for its share of  M v_dot - f = 0  (f: quadratic velocity force, internal forces,
@@ -75,12 +69,16 @@ class Body : public Element {
   virtual void marker_kinematics(const BodyState&, int marker, Level, MarkerKinematics&) const = 0;
   virtual BodyEnergy energy(const BodyState&, const Vector3& gravity) const = 0;
 
-  virtual int marker_count() const = 0;
-  /// Null if the linear-linear block is diagonal. The one thing beyond eight: a body with full nodal coordinates needs
-  /// it.
-  virtual const LinearPattern* linear_pattern() const { return nullptr; }
-  /// Set by a rigid body: one with a frame at its centre of mass alone, no force of its own, and markers fixed in it.
-  virtual std::optional<RigidInertia> rigid_inertia() const { return std::nullopt; }
+  int marker_count() const { return marker_count_; }
+
+ protected:
+  /// The handle of a new marker, numbered from 0.
+  Marker add_marker() { return {this, marker_count_++}; }
+  /// Of a body whose markers are made with it.
+  void set_marker_count(int count) { marker_count_ = count; }
+
+ private:
+  int marker_count_ = 0;
 };
 
 }  // namespace lithe

@@ -29,7 +29,6 @@ class Ground final : public Body {
                    BodyTangent&) const override {}
   void marker_kinematics(const BodyState&, int marker, Level, MarkerKinematics&) const override;
   BodyEnergy energy(const BodyState&, const Vector3&) const override { return {}; }
-  int marker_count() const override { return static_cast<int>(markers_.size()); }
 
  private:
   struct Pose {

@@ -30,7 +30,7 @@ class DeflectedMarker {
  public:
   virtual ~DeflectedMarker() = default;
   /// linear += ∂(elasticᵀ w)/∂eta for a constant wrench in body axes: entries of the body's linear-linear block, as
-  /// Body::linear_pattern() orders them.
+  /// Coordinates::pattern orders them.
   virtual void add_load_stiffness(const Vector3& force, const Vector3& torque, double* linear) const = 0;
 };
 

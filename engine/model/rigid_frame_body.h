@@ -12,6 +12,12 @@ struct FramePose {
   Matrix3 axes = Matrix3::Identity();
 };
 
+/// Enough to move a rigid body without asking it (engine/forward/).
+struct RigidInertia {
+  double mass;      // kg
+  Matrix3 inertia;  // kg m², about the origin of the body's frame, which is its centre of mass; body axes
+};
+
 /// The motion of a rigid body whose frame sits at the centre of mass; who derives from it says how it is drawn.
 ///   m (p̈ - g) = f,   J ω̇ + ω × (J ω) = t   (J, ω, t in body axes)
 /// Here in full, so that batches inline it.
@@ -33,8 +39,7 @@ class RigidFrameBody : public Body {
     q << start_.pose.position, quaternion_of(start_.pose.axes);
     v << start_.velocity, start_.angular_velocity;
   }
-  int marker_count() const override { return static_cast<int>(markers_.size()); }
-  std::optional<RigidInertia> rigid_inertia() const override { return inertia_; }
+  const RigidInertia& rigid_inertia() const { return inertia_; }
 
   void evaluate(const BodyState& state, Level level) const override {
     auto& cache = static_cast<Cache&>(*state.cache);
@@ -93,9 +98,9 @@ class RigidFrameBody : public Body {
  protected:
   RigidFrameBody(const RigidInertia& inertia, const Start& start) : inertia_(inertia), start_(start) {}
   /// In body axes, from the centre of mass.
-  Marker add_marker(const Vector3& position, const Matrix3& axes) {
+  Marker place_marker(const Vector3& position, const Matrix3& axes) {
     markers_.push_back({position, axes != Matrix3::Identity(), axes});
-    return {this, marker_count() - 1};
+    return add_marker();
   }
 
  private:
@@ -108,5 +113,12 @@ class RigidFrameBody : public Body {
   const Start start_;
   std::vector<PlacedMarker> markers_;
 };
+
+/// Null unless the body is a rigid one: with a frame at its centre of mass alone, no force of its own, and markers
+/// fixed in it.
+inline const RigidInertia* rigid_inertia_of(const Body& body) {
+  const auto* rigid = dynamic_cast<const RigidFrameBody*>(&body);
+  return rigid ? &rigid->rigid_inertia() : nullptr;
+}
 
 }  // namespace lithe

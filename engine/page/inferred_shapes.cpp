@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/model/rigid_frame_body.h"
 #include "engine/page/run_record_internal.h"
 
 namespace lithe {
@@ -36,7 +37,7 @@ std::vector<DrawnShape> inferred_shapes(const Body& body, const std::vector<Vect
     return shapes;
   }
   // An inertia of no matter (1, 1, 1) may be larger than the scene: then its likeness.
-  if (const auto rigid = body.rigid_inertia(); rigid && rigid->mass > 0) {
+  if (const auto* rigid = rigid_inertia_of(body); rigid && rigid->mass > 0) {
     DrawnShape box = inertia_box(*rigid);
     const double largest = *std::max_element(box.size.begin(), box.size.end());
     const double allowed = extent > 0 ? std::min(largest, 0.3 * extent) : largest;

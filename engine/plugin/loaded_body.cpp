@@ -40,15 +40,17 @@ LoadedBody::LoadedBody(Parameters parameters)
     throw SceneError(object_.description() + " has " + std::to_string(linear) + " linear coordinates", "",
                      "its author is to fix coordinates()");
   coordinates_ = {.frame = frame != 0, .linear = linear};
+  set_marker_count(table_.marker_count(object_.get()));
   const int32_t *rows = nullptr, *columns = nullptr;
   const int32_t count = table_.linear_pattern(object_.get(), &rows, &columns);
   if (count == 0) return;
   if (!is_pattern(rows, columns, count, linear))
     throw SceneError(object_.description() + " has a pattern of " + std::to_string(count) +
                          " entries that is no lower triangle of " + std::to_string(linear) + " columns",
-                     "", "its author is to fix linear_pattern(): by column, each with its diagonal first");
+                     "", "its author is to fix Coordinates::pattern (linear_pattern in C): by column, each with its diagonal first");
   using Indices = Eigen::Map<const Eigen::VectorXi>;
   pattern_ = {Indices(rows, count), Indices(columns, count)};
+  coordinates_.pattern = &pattern_;
 }
 
 /// Calls a function of the table with the state as C sees it; false if it asks for a smaller step.
@@ -66,7 +68,7 @@ bool LoadedBody::call(const BodyState& state, Call&& function) const {
 }
 
 template <class Function, class... Place>
-Marker LoadedBody::made_marker(Function function, const char* where_at, const Place&... place) const {
+Marker LoadedBody::made_marker(Function function, const char* where_at, const Place&... place) {
   const std::string type = "'" + name() + "': " + object_.description();
   if (!function) {
     std::string known;
@@ -81,6 +83,7 @@ Marker LoadedBody::made_marker(Function function, const char* where_at, const Pl
   if (index < 0)
     throw SceneError(type + " refuses a marker: " + why.problem(), where(),
                      why.fix().empty() ? "see what its author says of its markers" : why.fix());
+  set_marker_count(table_.marker_count(object_.get()));
   return {this, index};
 }
 
@@ -105,8 +108,6 @@ Marker LoadedBody::average(const std::vector<int>& nodes, const Matrix3& orienta
   return made_marker(table_.average_marker, "means of nodes", nodes.data(), static_cast<int32_t>(nodes.size()),
                      orientation.data());
 }
-
-int LoadedBody::marker_count() const { return table_.marker_count(object_.get()); }
 
 void LoadedBody::initial_state(VectorRef q, VectorRef v) const {
   ErrorText why;

@@ -43,19 +43,17 @@ class LoadedBody final : public Body {
                    BodyTangent&) const override;
   void marker_kinematics(const BodyState&, int marker, Level, MarkerKinematics&) const override;
   BodyEnergy energy(const BodyState&, const Vector3& gravity) const override;
-  int marker_count() const override;
-  const LinearPattern* linear_pattern() const override { return pattern_ ? &*pattern_ : nullptr; }
 
  private:
   template <class Call>
   bool call(const BodyState& state, Call&& function) const;
   template <class Function, class... Place>
-  Marker made_marker(Function function, const char* where_at, const Place&... place) const;
+  Marker made_marker(Function function, const char* where_at, const Place&... place);
 
   const lithe_body_type table_;
   const PluginObject object_;
   Coordinates coordinates_;
-  std::optional<LinearPattern> pattern_;
+  LinearPattern pattern_;
 };
 
 extern template std::unique_ptr<BodyBatch> make_body_batch<LoadedBody>();

@@ -24,7 +24,7 @@ void coordinates(const void* body, int32_t* frame, int32_t* linear) noexcept {
 
 template <class T>
 int32_t linear_pattern(const void* body, const int32_t** rows, const int32_t** columns) noexcept {
-  const LinearPattern* pattern = body_of<T>(body).linear_pattern();
+  const LinearPattern* pattern = body_of<T>(body).coordinates().pattern;
   if (!pattern) return 0;
   *rows = pattern->rows.data();
   *columns = pattern->columns.data();

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "engine/model/constraint.h"
+#include "engine/model/rigid_frame_body.h"
 #include "engine/simplify/stand_in.h"
 
 namespace lithe {

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "engine/base/log.h"
+#include "engine/model/rigid_frame_body.h"
 #include "engine/simplify/simplification_internal.h"
 
 namespace lithe {
@@ -13,7 +14,7 @@ Simplifier::Simplifier(SystemGraph& whole, const SimplificationOptions& options,
     const Coordinates c = s.body->coordinates();
     number_.emplace(s.body, static_cast<int>(number_.size()));
     s.body->initial_state(drawn_q_.segment(s.q, c.q_count()), v.segment(s.v, c.v_count()));
-    rigid_.push_back(s.body->rigid_inertia() && s.frame && s.linear == 0);
+    rigid_.push_back(rigid_inertia_of(*s.body) && s.frame && s.linear == 0);
   }
   for (const auto& entry : whole.bodies())
     if (entry.body != &whole.ground()) entries_.push_back(&entry);

@@ -7,6 +7,7 @@
 
 #include "engine/assembly/assembler.h"
 #include "engine/factor/graph_topology.h"
+#include "engine/model/rigid_frame_body.h"
 #include "engine/simplify/simplification.h"
 
 namespace lithe {

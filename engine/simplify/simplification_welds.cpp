@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "engine/model/rigid_frame_body.h"
 #include "engine/simplify/simplification_internal.h"
 
 namespace lithe {
@@ -112,7 +113,7 @@ void Simplifier::make_items() {
 /// Mass, centre of mass, inertia of rigid bodies taken together; axes are those of the first.
 void Simplifier::compose(Item& item) const {
   const FramePose first = frame(item.bodies[0], initial().q), first_drawn = frame(item.bodies[0], drawn_q_);
-  item.inertia = *slice(item.bodies[0]).body->rigid_inertia();
+  item.inertia = *rigid_inertia_of(*slice(item.bodies[0]).body);
   item.start = first, item.drawn = first_drawn;
   if (item.bodies.size() == 1) return;
   double mass = 0;
@@ -123,13 +124,13 @@ void Simplifier::compose(Item& item) const {
     return {first.axes.transpose() * (here.position - first.position), first.axes.transpose() * here.axes};
   };
   for (int b : item.bodies) {
-    const double m = slice(b).body->rigid_inertia()->mass;
+    const double m = rigid_inertia_of(*slice(b).body)->mass;
     mass += m;
     center += m * place(b).position;
   }
   center /= mass;
   for (int b : item.bodies) {
-    const RigidInertia part = *slice(b).body->rigid_inertia();
+    const RigidInertia part = *rigid_inertia_of(*slice(b).body);
     const FramePose at = place(b);
     const Matrix3 arm = skew(at.position - center);
     J += at.axes * part.inertia * at.axes.transpose() - part.mass * arm * arm;

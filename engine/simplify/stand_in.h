@@ -20,7 +20,7 @@ class RigidStandIn final : public RigidFrameBody {
 
   explicit RigidStandIn(Parameters parameters) : RigidFrameBody(parameters.inertia, parameters.start) {}
   /// `pose` in body axes, from the centre of mass.
-  Marker marker(const FramePose& pose) { return add_marker(pose.position, pose.axes); }
+  Marker marker(const FramePose& pose) { return place_marker(pose.position, pose.axes); }
 };
 
 /// A rigid body that its joints hold in a plane: q = (x, y, θ), its centre of mass along two axes of the plane, counted
@@ -67,7 +67,6 @@ class PlanarStandIn final : public PlanarBody {
                    BodyTangent&) const override;
   void marker_kinematics(const BodyState&, int marker, Level, MarkerKinematics&) const override;
   BodyEnergy energy(const BodyState&, const Vector3& gravity) const override;
-  int marker_count() const override { return static_cast<int>(markers_.size()); }
 
  private:
   Matrix3 turn(double angle) const;

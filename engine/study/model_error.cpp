@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "engine/model/rigid_frame_body.h"
 #include "engine/observe/snapshot.h"
 #include "engine/study/driven_oscillators.h"
 
@@ -236,7 +237,7 @@ class Estimate {
     const SystemGraph& graph = system_.graph();
     const auto add = [&](const std::vector<Marker>& markers) {
       for (const Marker& m : markers)
-        if (m.body->rigid_inertia() &&
+        if (rigid_inertia_of(*m.body) &&
             std::none_of(loaded_.begin(), loaded_.end(), [&](const Marker& known) { return known.body == m.body; }))
           loaded_.push_back(m);
     };

@@ -13,6 +13,7 @@
 
 #include "engine/base/checks.h"
 #include "engine/base/error.h"
+#include "engine/model/rigid_frame_body.h"
 #include "engine/motion/projection.h"
 #include "joints/contact/contact.h"
 #include "joints/contact/shape_internal.h"
@@ -210,7 +211,7 @@ class BulletStepper::World {
   void add_bodies(const System& system) {
     index_[system.graph().bodies().front().body] = -1;
     for (const auto& slice : system.layout().bodies()) {
-      const auto inertia = slice.body->rigid_inertia();
+      const auto* inertia = rigid_inertia_of(*slice.body);
       if (!inertia || !slice.frame || slice.linear > 0)
         bullet_stepper::refuse(*slice.body, "is not rigid", "Bullet's stepper knows rigid bodies: use MoreauJean");
       index_[slice.body] = static_cast<int>(movers_.size());

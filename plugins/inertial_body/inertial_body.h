@@ -77,7 +77,9 @@ class InertialBody final : public Body, public DrawableBody {
   Vector3 linear_momentum(const BodyState&) const;
   Vector3 angular_momentum(const BodyState&) const;
 
-  Coordinates coordinates() const override { return {.frame = false, .linear = 3 * node_count()}; }
+  Coordinates coordinates() const override {
+    return {.frame = false, .linear = 3 * node_count(), .pattern = &bricks_.pattern()};
+  }
   std::unique_ptr<BodyCache> make_cache() const override { return std::make_unique<Cache>(*this); }
   void initial_state(VectorRef q, VectorRef v) const override;
   /// Where an element is too distorted for its modes to be found, forces become NaN: integrators take a smaller step.
@@ -88,8 +90,6 @@ class InertialBody final : public Body, public DrawableBody {
                    BodyTangent&) const override;
   void marker_kinematics(const BodyState&, int marker, Level, MarkerKinematics&) const override;
   BodyEnergy energy(const BodyState&, const Vector3& gravity) const override;
-  int marker_count() const override { return static_cast<int>(markers_.size()); }
-  const LinearPattern* linear_pattern() const override { return &bricks_.pattern(); }
 
   DrawnMesh drawn_mesh(bool with_stress) const override;
   void drawn_points(const BodyState&, const DrawnMesh& mesh, Matrix3X& points) const override;

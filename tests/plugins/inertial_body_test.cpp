@@ -78,7 +78,7 @@ struct Alone {
   double energy(const VectorX& position) { return body.energy(at(position), Vector3::Zero()).elastic; }
   SparseMatrix tangent(const VectorX& position, const TangentWeights& weights) {
     const BodyState state = at(position);
-    const LinearPattern& pattern = *body.linear_pattern();
+    const LinearPattern& pattern = *body.coordinates().pattern;
     VectorX values = VectorX::Zero(pattern.rows.size());
     BodyTangent S{Eigen::Map<Matrix6>(nullptr), Eigen::Map<Matrix6X>(nullptr, 6, 0), Eigen::Map<MatrixX>(nullptr, 0, 6),
                   Eigen::Map<VectorX>(values.data(), values.size())};

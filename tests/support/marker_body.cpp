@@ -14,6 +14,7 @@ MarkerBody::Cache::Cache(const MarkerBody& body)
 
 MarkerBody::MarkerBody(Parameters parameters) : parameters_(std::move(parameters)) {
   require::rotation(parameters_.orientation, "orientation");
+  set_marker_count(static_cast<int>(parameters_.markers.size()));
   for (const ModalMarker& m : parameters_.markers) require::rotation(m.R0, "R0");
 }
 

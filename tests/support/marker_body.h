@@ -47,7 +47,6 @@ class MarkerBody final : public Body {
                    BodyTangent& S) const override;
   void marker_kinematics(const BodyState& state, int marker, Level level, MarkerKinematics& k) const override;
   BodyEnergy energy(const BodyState& state, const Vector3& gravity) const override;
-  int marker_count() const override { return static_cast<int>(parameters_.markers.size()); }
 
  private:
   int modes() const { return static_cast<int>(parameters_.eta.size()); }

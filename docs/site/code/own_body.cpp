@@ -19,13 +19,12 @@ class Particle final : public Body {
   /// Throws SceneError for a mass that is not above zero.
   explicit Particle(Parameters parameters) : parameters_(parameters) { require::positive(parameters_.mass, "mass"); }
 
-  Marker marker() { return {this, 0}; }
+  Marker marker() { return add_marker(); }
 
   // What it has: no frame, three linear coordinates.
   Coordinates coordinates() const override { return {.frame = false, .linear = 3}; }
   std::unique_ptr<BodyCache> make_cache() const override { return std::make_unique<Cache>(*this); }
   void initial_state(VectorRef q, VectorRef v) const override { q = parameters_.position, v = parameters_.velocity; }
-  int marker_count() const override { return 1; }
 
   // Its equations: r = M v̇ − f, and the derivative of r.
   void evaluate(const BodyState&, Level) const override {}

@@ -69,7 +69,7 @@ class Slider final : public Body {
     Matrix6X elastic;
     explicit Cache(const Slider&) : elastic(6, 1) { elastic << b(), turn(); }
   };
-  explicit Slider(Parameters) {}
+  explicit Slider(Parameters) { set_marker_count(1); }
   static Vector3 b() { return {0.3, -0.2, 0.9}; }
   static Vector3 turn() { return {0.5, 1.5, -1}; }
   Marker bead() const { return {this, 0}; }
@@ -104,7 +104,6 @@ class Slider final : public Body {
     k.bias_w = A * (eta_dot * w.cross(turn()));
   }
   BodyEnergy energy(const BodyState&, const Vector3&) const override { return {}; }
-  int marker_count() const override { return 1; }
 };
 
 }  // namespace

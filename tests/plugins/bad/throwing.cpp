@@ -73,7 +73,6 @@ class ThrowingBody final : public Body {
   }
   void marker_kinematics(const BodyState&, int, Level, MarkerKinematics&) const override {}
   BodyEnergy energy(const BodyState&, const Vector3&) const override { return {}; }
-  int marker_count() const override { return 0; }
 
  private:
   const When when_;

@@ -33,12 +33,12 @@ class RattleBox final : public Body {
 
   Marker marker(const Point& position = {}, const Matrix3& orientation = Matrix3::Identity()) {
     markers_.push_back({position.at, orientation, false});
-    return {this, marker_count() - 1};
+    return add_marker();
   }
   Marker node(int number, const Matrix3& orientation = Matrix3::Identity()) {
     if (number != 1) throw SceneError("there is no node " + std::to_string(number), "", "the bead is node 1");
     markers_.push_back({{0, 0, 0}, orientation, true});
-    return {this, marker_count() - 1};
+    return add_marker();
   }
 
   Coordinates coordinates() const override { return {.frame = true, .linear = 1}; }
@@ -112,7 +112,6 @@ class RattleBox final : public Body {
             .elastic = 0.5 * p.stiffness * s.q[7] * s.q[7],
             .gravity = -gravity.dot(p.mass * at + p.bead_mass * (at + s.cache->A * bead(s)))};
   }
-  int marker_count() const override { return static_cast<int>(markers_.size()); }
 
  private:
   struct Pose {

@@ -16,6 +16,7 @@ constexpr double kGravity = 9.81;  // m/s²
 
 NaturalRods::NaturalRods(Parameters parameters) : parameters_(parameters), count_(2 * (parameters.windows + 1)) {
   const int joints = parameters.windows + 1;
+  set_marker_count(joints);
   const double m = parameters.mass;
   mass_ = m / 3 * MatrixX::Identity(count_, count_);  // uprights
   weight_ = VectorX::Constant(joints, m / 2);

@@ -25,7 +25,7 @@ class NaturalRods final : public Body {
 
   Marker joint(int i) { return {this, i}; }
 
-  Coordinates coordinates() const override { return {.frame = false, .linear = count_}; }
+  Coordinates coordinates() const override { return {.frame = false, .linear = count_, .pattern = &pattern_}; }
   std::unique_ptr<BodyCache> make_cache() const override { return std::make_unique<Cache>(*this); }
   void initial_state(VectorRef q, VectorRef v) const override;
   void evaluate(const BodyState&, Level) const override {}
@@ -34,8 +34,6 @@ class NaturalRods final : public Body {
                    BodyTangent& tangent) const override;
   void marker_kinematics(const BodyState&, int marker, Level, MarkerKinematics&) const override;
   BodyEnergy energy(const BodyState&, const Vector3& gravity) const override;
-  int marker_count() const override { return count_ / 2; }
-  const LinearPattern* linear_pattern() const override { return &pattern_; }
 
  private:
   Parameters parameters_;
