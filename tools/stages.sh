@@ -45,11 +45,16 @@ build() {
   if [[ -t 1 ]]; then stage_shown "$what" "$@"; else stage_shown "$what" show_share "$@"; fi
 }
 show_share() {
-  local log result=0
+  local log line share next=0 result=0
   log=$(mktemp)
-  "$@" 2>&1 | tee "$log" | awk '
-    /^\[ *[0-9]+%/ { share = substr($0, 2) + 0; if (share >= next_one) { print "  " share " %"; fflush() }
-                     while (share >= next_one) next_one += 10 }' || result=$?
+  "$@" 2>&1 | tee "$log" | while read -r line; do
+    [[ $line =~ ^\[\ *([0-9]+)% ]] || continue
+    share=${BASH_REMATCH[1]}
+    if ((share >= next)); then
+      echo "  $share %"
+      next=$((share / 10 * 10 + 10))
+    fi
+  done || result=$?
   [[ $result -eq 0 ]] || cat "$log" >&2
   rm -f "$log"
   return "$result"

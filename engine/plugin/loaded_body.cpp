@@ -47,7 +47,7 @@ LoadedBody::LoadedBody(Parameters parameters)
   if (!is_pattern(rows, columns, count, linear))
     throw SceneError(object_.description() + " has a pattern of " + std::to_string(count) +
                          " entries that is no lower triangle of " + std::to_string(linear) + " columns",
-                     "", "its author is to fix Coordinates::pattern (linear_pattern in C): by column, each with its diagonal first");
+                     "", "its author is to fix Coordinates::pattern (linear_pattern in C): by column, diagonals first");
   using Indices = Eigen::Map<const Eigen::VectorXi>;
   pattern_ = {Indices(rows, count), Indices(columns, count)};
   coordinates_.pattern = &pattern_;
