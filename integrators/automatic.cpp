@@ -196,7 +196,7 @@ bool Automatic::keep(Archive& archive, EquationsOfMotion& equations, const State
   archive("method", method);
   archive("begun_with", begun_with);
   if (place(method) < 0 || place(method) >= kMethods)
-    throw FileError("the checkpoint's method is none", archive.source(), "resume from an older one");
+    throw FileError("the checkpoint's method is unknown", archive.source(), "resume from an older one");
   if (archive.loads()) {
     State begun = state;
     step_[place(method)] = begun_with;

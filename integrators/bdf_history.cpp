@@ -51,7 +51,7 @@ void BdfHistory::history(Archive& archive) {
   const bool sound = size_ >= 0 && size_ <= kCapacity &&
                      std::all_of(columns_.begin(), columns_.end(), [](int c) { return c >= 0 && c < kCapacity; });
   if (!sound)
-    throw FileError("the checkpoint's past of a multistep method is none", archive.source(),
+    throw FileError("the checkpoint's multistep history is damaged", archive.source(),
                     "resume from an older one");
 }
 

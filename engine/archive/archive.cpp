@@ -35,7 +35,7 @@ struct Bytes {
   std::size_t left;
   const std::string& source;
 
-  [[noreturn]] void fail() const { throw FileError("the bytes are no archive, or cut short", source, kFix); }
+  [[noreturn]] void fail() const { throw FileError("the bytes are not an archive, or are cut short", source, kFix); }
   template <class Value>
   std::vector<Value> take() {
     std::uint64_t count = 0;
@@ -99,7 +99,7 @@ void Archive::add(std::string_view name, Kind kind, std::int64_t rows, std::int6
   const std::size_t places[] = {content_.numbers.size(), content_.integers.size() / 2, content_.texts.size()};
   if (rows > kMost || columns > kMost ||
       !entries_.try_emplace(path(name), Entry{kind, rows, columns, places[kind]}).second)
-    throw SceneError("'" + path(name) + "' cannot be saved: it is too large, or told of twice", "Archive",
+    throw SceneError("'" + path(name) + "' cannot be saved: it is too large, or given twice", "Archive",
                      "give each member a name of its own");
   content_.names.push_back(path(name));
   content_.shapes.insert(content_.shapes.end(), {kind, static_cast<int>(rows), static_cast<int>(columns)});
@@ -237,7 +237,7 @@ void Archive::same(std::string_view name, double value) {
   if (saved != value)
     throw SceneError("'" + path(name) + "' was " + text_of(saved) + " where the checkpoint was written, and is " +
                          text_of(value) + " now",
-                     source_, "give it as it was, or start a run of its own");
+                     source_, "use the same value, or start a new run");
 }
 
 void Archive::same(std::string_view name, const std::string& value) {
@@ -246,7 +246,7 @@ void Archive::same(std::string_view name, const std::string& value) {
   if (saved != value)
     throw SceneError(
         "'" + path(name) + "' was '" + saved + "' where the checkpoint was written, and is '" + value + "' now",
-        source_, "give it as it was, or start a run of its own");
+        source_, "use the same value, or start a new run");
 }
 
 std::vector<unsigned char> Archive::bytes() const {

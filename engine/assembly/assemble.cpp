@@ -333,7 +333,7 @@ class SystemBuilder {
     const auto at =
         std::find_if(joints.begin(), joints.end(), [&](const auto& c) { return c.constraint == reaction.joint; });
     if (at == joints.end())
-      throw SceneError("'" + force.name() + "' wants the reaction of a joint that is not in this scene", force.where(),
+      throw SceneError("'" + force.name() + "' needs the reaction of a joint that is not in this scene", force.where(),
                        "give a joint of the same graph");
     BlockStructure& b = system_.blocks_;
     reaction.record = constraint_records_[at - joints.begin()];
@@ -461,7 +461,7 @@ class SystemBuilder {
       const std::vector<int> nearby = dependent_nearby(kDependent);
       if (nearby.size() < dependent.size()) {
         log::warn("the start is a singular position: " + std::to_string(dependent.size() - nearby.size()) +
-                  " of its rows lose rank there alone\n  fix: none needed where velocities tell the branch to follow; "
+                  " of its rows lose rank only there\n  fix: none if the velocities select the branch; "
                   "accelerations at t = 0 are not unique.");
         dependent = nearby;
         assembler.factor_->drop_rows(dependent);

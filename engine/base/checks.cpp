@@ -31,7 +31,7 @@ void rotation(const Matrix3& value, const std::string& parameter) {
   if (!value.allFinite()) fail(parameter + " holds NaN or infinity", "give a rotation matrix");
   const double off = (value.transpose() * value - Matrix3::Identity()).cwiseAbs().maxCoeff();
   if (off > 1e-9 || value.determinant() < 0)
-    fail(parameter + " is no rotation matrix (|RᵀR - E| = " + std::to_string(off) + ", det " +
+    fail(parameter + " is not a rotation matrix (|RᵀR - E| = " + std::to_string(off) + ", det " +
              std::to_string(value.determinant()) + ")",
          "build it with rotation_about(axis, angle), or orthonormalise its columns, right-handed");
 }

@@ -22,7 +22,7 @@ void rethrow_as_error(const std::string& who, const std::string& where, const st
   } catch (const std::exception& error) {
     std::throw_with_nested(SimulationError(who + " threw: " + error.what(), where, fix));
   } catch (...) {
-    std::throw_with_nested(SimulationError(who + " threw something that is no std::exception", where, fix));
+    std::throw_with_nested(SimulationError(who + " threw something that is not a std::exception", where, fix));
   }
 }
 

@@ -21,7 +21,7 @@ Matrix3 nearest_rotation(const Matrix3& printed) {
   const double off = (printed.transpose() * printed - Matrix3::Identity()).cwiseAbs().maxCoeff();
   if (off > kPrinted)
     throw SceneError(
-        "a matrix is no rotation: its columns depart from unit length and right angles by " + std::to_string(off),
+        "a matrix is not a rotation: its columns depart from unit length and right angles by " + std::to_string(off),
         "nearest_rotation", "print it with five digits or more; columns are the rotated axes, without scale");
   if (printed.determinant() < 0)
     throw SceneError("a matrix is left-handed: it mirrors", "nearest_rotation",

@@ -67,7 +67,7 @@ void SystemGraph::check_name(const Located& name) const {
                      to_string(name.where), "give another name; the fixed body is graph.ground()");
   if (other)
     throw SceneError("the name '" + name.text + "' is in use since " + other->where(), to_string(name.where),
-                     "give every body, joint and force a name of its own");
+                     "give every body, joint and force its own name");
 }
 
 void SystemGraph::adopt(std::unique_ptr<Element> element, const Located& name) {

@@ -62,7 +62,7 @@ Integrator::~Integrator() = default;
 
 void Integrator::start(EquationsOfMotion& equations, State& state) {
   if (equations.parts().rigid_contacts && !handles_rigid_contacts())
-    throw SceneError(name() + " knows no contact between rigid surfaces", "Integrator::start",
+    throw SceneError(name() + " does not support contact between rigid surfaces", "Integrator::start",
                      "take MoreauJean or NonsmoothGeneralizedAlpha, or give the contact a compliant law: "
                      "{.law = Compliance{...}}");
   equations.memory().recall(state.quadrants);

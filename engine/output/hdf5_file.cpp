@@ -207,7 +207,7 @@ Hdf5Reader::Hdf5Reader(std::string path) : path_(std::move(path)), handles_(std:
     H5Pset_metadata_read_attempts(access, kReadAttempts);
     handles_->file = Handle(H5Fopen(path_.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, access), H5Fclose);
   }
-  if (!handles_->file.valid()) throw FileError("this is no HDF5 file, or it is cut short.", path_, kFixRead);
+  if (!handles_->file.valid()) throw FileError("this is not an HDF5 file, or it is cut short.", path_, kFixRead);
 }
 
 Hdf5Reader::~Hdf5Reader() = default;
@@ -316,7 +316,7 @@ std::string Hdf5Reader::text_attribute(const std::string& of, const std::string&
   if (!place.valid()) refuse(of, "lacks the attribute " + name);
   const Handle type(H5Aget_type(place), H5Tclose);
   if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) > 0 || H5Tget_size(type) > 100000)
-    refuse(of, "has an attribute " + name + " that is no text");
+    refuse(of, "has an attribute " + name + " that is not text");
   std::vector<char> bytes(H5Tget_size(type) + 1, '\0');
   if (H5Aread(place, type, bytes.data()) < 0) refuse(of, "has an attribute " + name + " that cannot be read");
   return bytes.data();

@@ -215,7 +215,8 @@ class PageRun {
 /// Numbers that are none would become null.
 void require_numbers(const Json& json, const std::string& path) {
   if (json.is_number_float() && !std::isfinite(json.get<double>()))
-    throw SceneError("a number in the description of the scene is none", path, "see which shape or marker has it");
+    throw SceneError("a number in the description of the scene is not finite", path,
+                     "see which shape or marker has it");
   if (json.is_structured())
     for (const Json& inner : json) require_numbers(inner, path);
 }

@@ -59,7 +59,7 @@ void Run::observe(Snapshot& now) {
   Parts& p = *parts_;
   if (!p.recorder) {
     if (&now.system() != p.system)
-      throw SceneError("the run '" + p.options.name + "' is shown the state of another system", "Run::observe",
+      throw SceneError("the run '" + p.options.name + "' receives the state of another system", "Run::observe",
                        "make it of the system that is simulated");
     p.recorder = std::make_unique<SceneRecorder>(now, p.sensors, p.options, p.drawn, *p.record);
     if (!p.path.empty()) p.file = std::make_unique<RunFile>(p.path, *p.record);

@@ -123,7 +123,7 @@ SceneRecorder::~SceneRecorder() = default;
 void SceneRecorder::fill(Snapshot& now, int number, VectorX& row, std::vector<double>& contacts) {
   ScenePlan& plan = *plan_;
   if (&now.system() != plan.system)
-    throw SceneError("the run '" + plan.run + "' is shown the state of another system", "Run::observe",
+    throw SceneError("the run '" + plan.run + "' receives the state of another system", "Run::observe",
                      "record each system into a run of its own");
   plan.look(now);
   row.setZero(plan.width);

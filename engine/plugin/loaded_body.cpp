@@ -46,7 +46,7 @@ LoadedBody::LoadedBody(Parameters parameters)
   if (count == 0) return;
   if (!is_pattern(rows, columns, count, linear))
     throw SceneError(object_.description() + " has a pattern of " + std::to_string(count) +
-                         " entries that is no lower triangle of " + std::to_string(linear) + " columns",
+                         " entries that is not a lower triangle of " + std::to_string(linear) + " columns",
                      "", "its author is to fix Coordinates::pattern (linear_pattern in C): by column, diagonals first");
   using Indices = Eigen::Map<const Eigen::VectorXi>;
   pattern_ = {Indices(rows, count), Indices(columns, count)};

@@ -24,7 +24,7 @@ std::string entry_name(int version) { return "lithe_plugin_v" + std::to_string(v
              "the plug-in is built for version " + std::to_string(version) +
                  " of the plug-in interface; this Lithe has " + "version " + ours,
              "build the plug-in anew against this Lithe");
-  refuse(path, "the library is no plug-in of Lithe: it has no symbol " + entry_name(LITHE_PLUGIN_VERSION),
+  refuse(path, "the library is not a Lithe plug-in: it has no symbol " + entry_name(LITHE_PLUGIN_VERSION),
          "build it with lithe_add_plugin(), and export its types with LITHE_EXPORT_JOINT or its like");
 }
 
@@ -32,7 +32,7 @@ std::string entry_name(int version) { return "lithe_plugin_v" + std::to_string(v
 
 PluginLibrary::PluginLibrary(const std::filesystem::path& path) : path_(path) {
   if (!std::filesystem::is_regular_file(path))
-    refuse(path, std::filesystem::exists(path) ? "the plug-in is no file" : "there is no such plug-in",
+    refuse(path, std::filesystem::exists(path) ? "the plug-in is not a file" : "there is no such plug-in",
            "give the path of the library that lithe_add_plugin() built, with its .so");
   // An absolute path: a bare name would be looked for elsewhere. All its symbols now: better here than within a step.
   library_ = dlopen(std::filesystem::absolute(path).c_str(), RTLD_NOW | RTLD_LOCAL);

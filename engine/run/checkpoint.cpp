@@ -77,7 +77,7 @@ Archive read_checkpoint(const std::string& path) {
     throw FileError(problem, path, fix);
   };
   if (file.text_attribute("/", "kind") != kKind)
-    refuse("the file is no checkpoint but a '" + file.text_attribute("/", "kind") + "'",
+    refuse("the file is not a checkpoint but a '" + file.text_attribute("/", "kind") + "'",
            "give a file that Simulation::checkpoint() or save() wrote");
   if (const auto format = file.number_attribute("/", "format"); format != kFormat)
     refuse("the checkpoint has format " + std::to_string(format) + ", known is " + std::to_string(kFormat),

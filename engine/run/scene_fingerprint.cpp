@@ -23,7 +23,7 @@ VectorX mixture(Eigen::Index size, unsigned seed) {
 
 [[noreturn]] void differ(const Archive& archive, const std::string& what) {
   throw SceneError("the checkpoint is of another scene: " + what, archive.source(),
-                   "resume in the scene that wrote it, or start a run of its own in this one");
+                   "resume in the scene that wrote it, or start a new run in this one");
 }
 
 /// Names, types and markers, an element a text.

@@ -134,7 +134,7 @@ void Simulation::check_loaded(const Archive& archive, const State& state) const 
     sound = sound && trace.element >= 0 && trace.element < static_cast<int>(system_.contacts().size());
   if (!sound)
     throw FileError("the checkpoint's state does not fit the scene, or is not finite", archive.source(),
-                    "resume from an older one, or start a run of its own");
+                    "resume from an older one, or start a new run");
 }
 
 }  // namespace lithe

@@ -64,7 +64,7 @@ std::string to_string(StabilityOutcome outcome) {
 StabilityOutcome stability_outcome(std::string_view word) {
   for (const StabilityOutcome outcome : kOutcomes)
     if (to_string(outcome) == word) return outcome;
-  throw SceneError("'" + std::string(word) + "' is no outcome of a stability study", "stability_outcome",
+  throw SceneError("'" + std::string(word) + "' is not an outcome of a stability study", "stability_outcome",
                    "known are converged, inaccurate, unstable, refused");
 }
 

@@ -21,7 +21,7 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
 void check(const SweepScene& scene, const Table& parameters, const SweepOptions& options) {
   const auto refuse = [](const std::string& what, const std::string& fix) { throw SceneError(what, "sweep", fix); };
   if (!scene) refuse("there is no scene", "give a function of a SweepPoint");
-  if (options.threads < 0) refuse("a sweep takes no negative number of threads", "0 means all processors");
+  if (options.threads < 0) refuse("the number of threads is negative", "0 means all processors");
   if (parameters.row_count() == 0) refuse("there are no points", "give a table with a row a point, such as grid()");
   for (std::size_t i = 0; i < parameters.columns.size(); ++i) {
     const std::string& name = parameters.columns[i];
@@ -39,7 +39,7 @@ void check_names(const SweepValues& values, const std::vector<std::string>& para
   for (const SweepValue& value : values) {
     if (value.name.empty()) throw SceneError("a result has no name", "the scene of the sweep", "name it");
     if (contains(names, value.name) || contains(parameters, value.name))
-      throw SceneError("the result '" + value.name + "' bears the name of another result or of a parameter",
+      throw SceneError("the result '" + value.name + "' has the name of another result or of a parameter",
                        "the scene of the sweep", "give it a name of its own");
     names.push_back(value.name);
   }
@@ -59,7 +59,7 @@ SweepOutcome compute(const SweepScene& scene, const Table& parameters, int row) 
     outcome.failure = SweepFailure{row, point.text(), what, where, fix};
   };
   const auto foreign = [&](const std::string& what) {
-    fail(what, "the scene of the sweep", "this is no error of Lithe's: see what the scene calls at this point");
+    fail(what, "the scene of the sweep", "this error does not come from Lithe: see what the scene calls at this point");
   };
   const auto begun = std::chrono::steady_clock::now();
   try {

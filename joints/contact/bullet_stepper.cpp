@@ -241,8 +241,8 @@ class BulletStepper::World {
     for (const auto& f : system.graph().forces()) {
       const auto* contact = dynamic_cast<const Contact*>(f.force);
       if (!contact)
-        bullet_stepper::refuse(*f.force, "is a force that Bullet's stepper does not know",
-                               "it knows gravity, contact and some joints: use MoreauJean");
+        bullet_stepper::refuse(*f.force, "is a force that Bullet's stepper does not support",
+                               "it supports gravity, contact and some joints: use MoreauJean");
       if (contact->law() == ContactElement::Law::sensing) continue;
       if (contact->law() == ContactElement::Law::compliant)
         bullet_stepper::refuse(*contact, "is compliant", "Bullet's stepper knows RigidSurfaces");
@@ -276,7 +276,7 @@ class BulletStepper::World {
       bullet_stepper::refuse(body, "has colliders of several groups", "Bullet's stepper knows one group a body");
     if (std::any_of(pieces.begin(), pieces.end(), [](const auto& piece) { return !piece.convex; }))
       bullet_stepper::refuse(body, "moves with a half space or triangles",
-                             "with Bullet only ground bears those: give convex shapes, or use MoreauJean");
+                             "in Bullet only the ground can have those: give convex shapes, or use MoreauJean");
     mover.contact = &contact;
     mover.contact_index = contact_index;
     if (!mover.collider) mover.collider = &collider;
@@ -336,8 +336,8 @@ class BulletStepper::World {
       for (btTransform& pose : at) pose.getBasis() *= btMatrix3x3(0, 1, 0, 0, 0, 1, 1, 0, 0);
       made = std::make_unique<btSliderConstraint>(*body[0], *body[1], at[0], at[1], true);
     } else {
-      bullet_stepper::refuse(joint, "is a joint that Bullet's stepper does not know",
-                             "it knows spherical, revolute, fixed and prismatic ones: use MoreauJean");
+      bullet_stepper::refuse(joint, "is a joint that Bullet's stepper does not support",
+                             "it supports spherical, revolute, fixed and prismatic ones: use MoreauJean");
     }
     joints_.push_back(std::move(made));
     world_->addConstraint(joints_.back().get());

@@ -36,7 +36,7 @@ class BulletStepper final : public Integrator {
     double restitution_threshold = 0.2;  // m/s: closing more slowly bodies do not bounce
   };
 
-  /// Borrows the system. Throws SceneError naming the first element that Bullet's stepper does not know, or a
+  /// Borrows the system. Throws SceneError naming the first element that Bullet's stepper does not support, or a
   /// parameter.
   BulletStepper(const System& system, Parameters parameters);
   BulletStepper(const System&& system, Parameters parameters) = delete;

@@ -81,7 +81,8 @@ TEST(LoadingErrors, a_text_file_is_no_library_and_a_folder_is_no_file) {
   const auto path = std::filesystem::path(LITHE_BINARY_DIR) / "tests" / "no_library.so";
   std::ofstream(path) << "This is a text.\n";
   EXPECT_TRUE(holds(message<FileError>([&] { registry.load_plugin(path); }), "cannot be loaded"));
-  EXPECT_TRUE(holds(message<FileError>([&] { registry.load_plugin(path.parent_path()); }), "the plug-in is no file"));
+  EXPECT_TRUE(
+      holds(message<FileError>([&] { registry.load_plugin(path.parent_path()); }), "the plug-in is not a file"));
   std::filesystem::remove(path);
   expect_working(registry);
 }

@@ -210,7 +210,7 @@ TEST(View, MakesOnePageOfRunFilesAndRefusesWhatIsNone) {
 
   folder.write("notes.txt", "no run");
   const Outcome none = folder.shell("lithe view notes.txt");
-  EXPECT_TRUE(says(none, "this is no HDF5 file, or it is cut short."));
+  EXPECT_TRUE(says(none, "this is not an HDF5 file, or it is cut short."));
   EXPECT_TRUE(says(none, "notes.txt"));
   EXPECT_EQ(none.exit_code, 1);
   EXPECT_TRUE(says(folder.shell("lithe view nothing.h5"), "there is no such file."));

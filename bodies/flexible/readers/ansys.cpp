@@ -52,10 +52,10 @@ std::vector<DofRow> read_row_list(TextFile& file) {
 std::vector<DofRow> read_row_vectors(TextFile& file, int matrix_rows) {
   const std::string header = lower_case(file.line());
   if (header.find("array") == std::string::npos)
-    file.fail("the mapping is no array.", "export the vector by *VEC,name,EXPORT,MMF,file.");
+    file.fail("the mapping is not an array.", "export the vector by *VEC,name,EXPORT,MMF,file.");
   while (file.next() && (file.blank() || file.line()[0] == '%')) continue;
   const auto& sizes = file.words();
-  if (sizes.size() != 2) file.fail("the line of sizes has not two numbers.", kMapping);
+  if (sizes.size() != 2) file.fail("the line of sizes does not have two numbers.", kMapping);
   const int length = file.integer(sizes[0], "number of rows"), columns = file.integer(sizes[1], "number of columns");
   if (length < 1 || (columns != 1 && columns != 2) ||
       (columns == 2 ? length != matrix_rows : matrix_rows % length != 0))
@@ -105,7 +105,7 @@ SparseMatrix read_dense_matrix(TextFile& file) {
     file.fail("the header is '" + header.substr(0, 80) + "'.", "export a real matrix, symmetric or general.");
   while (file.next() && (file.blank() || file.line()[0] == '%')) continue;
   const auto& sizes = file.words();
-  if (sizes.size() != 2) file.fail("the line of sizes has not two numbers.", "export the matrix again.");
+  if (sizes.size() != 2) file.fail("the line of sizes does not have two numbers.", "export the matrix again.");
   const int rows = file.integer(sizes[0], "number of rows");
   if (rows < 1 || rows != file.integer(sizes[1], "number of columns"))
     file.fail("the matrix is not square.", "K and M are square.");

@@ -31,7 +31,7 @@ void require_writable(const FiniteElementModel& model) {
     throw SceneError("it has no elements to write.", where, "read it with its mesh, or make it with brick_mesh().");
   for (const ElementBlock& block : model.elements) {
     if (!is_solid_type(block.type))
-      throw SceneError("no deck is written of elements '" + block.type + "'.", where,
+      throw SceneError("no deck can be written for elements '" + block.type + "'.", where,
                        "known are C3D4, C3D8, C3D8I, C3D10, C3D20, C3D20R.");
     if (!(block.material.young > 0))
       throw SceneError("elements '" + block.type + "' have no material.", where,

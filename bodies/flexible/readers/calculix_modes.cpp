@@ -21,7 +21,7 @@ class ModeReader {
     bool first = true, mode = false, ended = false;
     while (file_.next() && !ended) {
       const std::string_view line = file_.line();
-      if (first && trimmed(line.substr(0, 6)) != "1C") file_.fail("this is no .frd file of CalculiX.", kWriteModes);
+      if (first && trimmed(line.substr(0, 6)) != "1C") file_.fail("this is not a .frd file of CalculiX.", kWriteModes);
       first = false;
       if (const std::string_view key = column(0, 11); key.find("1PMODE") != std::string_view::npos)
         mode = true;

@@ -214,7 +214,7 @@ SparseMatrix in_model_order(const std::vector<DofRow>& rows, const SparseMatrix&
   for (size_t k = 0; k < rows.size(); ++k)
     if (place[k] == kNone && used[k])
       throw FileError("row " + std::to_string(k + 1) + " (" + named(rows[k].node, rows[k].direction) +
-                          ") is no degree of freedom of the model.",
+                          ") is not a degree of freedom of the model.",
                       where, "export this matrix for the same mesh and elements as stiffness and mass.");
   return placed(matrix, place, model.dof_count());
 }

@@ -35,13 +35,15 @@ SparseMatrix read_harwell_boeing(const std::string& path) {
   next_line(file, "title");
   next_line(file, "line of line counts");
   const auto counts = file.words();
-  if (counts.size() < 4) file.fail("the second line has not the four or five numbers of lines.", kHarwellBoeingExport);
+  if (counts.size() < 4)
+    file.fail("the second line does not have the four or five numbers of lines.", kHarwellBoeingExport);
   for (const auto& count : counts) file.integer(count, "number of lines");
   const bool right_hand_sides = counts.size() > 4 && file.integer(counts[4], "number of lines") > 0;
 
   next_line(file, "line of type and sizes");
   const auto& sizes = file.words();
-  if (sizes.size() < 4) file.fail("the third line has not type, rows, columns and entries.", kHarwellBoeingExport);
+  if (sizes.size() < 4)
+    file.fail("the third line does not have type, rows, columns and entries.", kHarwellBoeingExport);
   const std::string type = lower_case(sizes[0]);
   if (type != "rsa" && type != "rua")
     file.fail("the matrix is of type '" + std::string(sizes[0].substr(0, 20)) + "'.",
@@ -56,7 +58,7 @@ SparseMatrix read_harwell_boeing(const std::string& path) {
   next_line(file, "line of formats");
   const auto formats = formats_of(file.line());
   if (formats.size() < 3)
-    file.fail("the fourth line has not the formats of pointers, rows and values.", kHarwellBoeingExport);
+    file.fail("the fourth line does not have the formats of pointers, rows and values.", kHarwellBoeingExport);
   const ColumnFormat pointer_format = column_format(file, formats[0]), row_format = column_format(file, formats[1]);
   const ColumnFormat value_format = column_format(file, formats[2]);
   if (right_hand_sides) next_line(file, "line of right-hand sides");

@@ -126,7 +126,7 @@ SparseMatrix read_matrix_market_file(const std::string& path) {
   while (!found && file.next()) found = !file.blank() && file.line()[0] != '%';
   if (!found) file.fail("the line of sizes is missing.", "export the matrix again; the file is cut.");
   const auto& sizes = file.words();
-  if (sizes.size() != 3) file.fail("the line of sizes has not three numbers.", "write rows, columns, entries.");
+  if (sizes.size() != 3) file.fail("the line of sizes does not have three numbers.", "write rows, columns, entries.");
   const int rows = file.integer(sizes[0], "number of rows"), columns = file.integer(sizes[1], "number of columns");
   const int count = file.integer(sizes[2], "number of entries");
   if (rows != columns || rows < 1 || count < 0)

@@ -594,7 +594,7 @@ TEST(RunFile, IsRefusedWhereItIsNone) {
   const ScratchFolder folder;
   std::ofstream(folder.path("table.csv")) << "t,x\n0,1\n";
   EXPECT_EQ(told([&] { lithe::Run::read(folder.path("absent.h5")); }), "there is no such file.");
-  EXPECT_EQ(told([&] { lithe::Run::read(folder.path("table.csv")); }), "this is no HDF5 file, or it is cut short.");
+  EXPECT_EQ(told([&] { lithe::Run::read(folder.path("table.csv")); }), "this is not an HDF5 file, or it is cut short.");
   {
     Hdf5Writer other(folder.path("other.h5"));
     other.write("/rows", std::vector<double>{1, 2});
