@@ -5,7 +5,10 @@
 
 namespace lithe {
 
-IntegralState::IntegralState(Parameters parameters) : start_(parameters.start) { require::finite(start_, "start"); }
+IntegralState::IntegralState(Parameters parameters) : start_(parameters.start) {
+  require::finite(start_, "start");
+  set_marker_count(2);
+}
 
 void IntegralState::marker_kinematics(const BodyState& state, int marker, Level, MarkerKinematics& k) const {
   static constexpr double kAlongX[6] = {1, 0, 0, 0, 0, 0};

@@ -34,7 +34,6 @@ class IntegralState final : public Body {
   /// Marker 0 stays at the origin, marker 1 moves along x by the coordinate.
   void marker_kinematics(const BodyState&, int marker, Level, MarkerKinematics&) const override;
   BodyEnergy energy(const BodyState&, const Vector3&) const override { return {}; }
-  int marker_count() const override { return 2; }
 
  private:
   const double start_;
