@@ -20,7 +20,7 @@ PointMass::PointMass(Parameters parameters) : parameters_(std::move(parameters))
 Marker PointMass::marker(const Matrix3& orientation) {
   require::at("'" + name() + "' of " + where(), [&] { require::rotation(orientation, "marker orientation"); });
   axes_.push_back(orientation);
-  return add_marker();
+  return new_marker();
 }
 
 Marker PointMass::marker_at_world(const Point& point, const Matrix3& orientation) {

@@ -31,7 +31,7 @@ FlexibleBody::Cache::~Cache() = default;
 Marker FlexibleBody::add_marker(MarkerRecipe recipe) {
   markers_.push_back(recipe());
   recipes_.push_back(std::move(recipe));
-  return add_marker();
+  return new_marker();
 }
 
 FlexibleBody::MarkerShape FlexibleBody::shape(const Vector3& c, const Matrix3X& Bm, const Matrix3X& Theta,

@@ -73,7 +73,7 @@ class Body : public Element {
 
  protected:
   /// The handle of a new marker, numbered from 0.
-  Marker add_marker() { return {this, marker_count_++}; }
+  Marker new_marker() { return {this, marker_count_++}; }
   /// Of a body whose markers are made with it.
   void set_marker_count(int count) { marker_count_ = count; }
 

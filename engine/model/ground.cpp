@@ -10,7 +10,7 @@ Marker Ground::marker(const Point& position, const Matrix3& orientation) {
     require::rotation(orientation, "marker orientation");
   });
   markers_.push_back({position.at, orientation});
-  return add_marker();
+  return new_marker();
 }
 
 void Ground::marker_kinematics(const BodyState& state, int marker, Level, MarkerKinematics& k) const {

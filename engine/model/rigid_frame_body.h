@@ -100,7 +100,7 @@ class RigidFrameBody : public Body {
   /// In body axes, from the centre of mass.
   Marker place_marker(const Vector3& position, const Matrix3& axes) {
     markers_.push_back({position, axes != Matrix3::Identity(), axes});
-    return add_marker();
+    return new_marker();
   }
 
  private:

@@ -18,7 +18,7 @@ void PlanarStandIn::Arm::add_load_stiffness(const Vector3& force, const Vector3&
 
 Marker PlanarStandIn::marker(const FramePose& pose) {
   markers_.push_back({pose.position - parameters_.reference.position, pose.axes});
-  return add_marker();
+  return new_marker();
 }
 
 Matrix3 PlanarStandIn::turn(double angle) const {

@@ -55,7 +55,7 @@ Marker InertialBody::add_marker(std::vector<int> points, const std::vector<std::
   for (const auto& [node, weight] : fitted)
     shape.arms.push_back({node, weight / total, mesh().nodes.col(node) - center});
   markers_.push_back(std::move(shape));
-  return add_marker();
+  return new_marker();
 }
 
 Marker InertialBody::node(int id, const Matrix3& orientation) {

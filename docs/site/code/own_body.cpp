@@ -19,7 +19,7 @@ class Particle final : public Body {
   /// Throws SceneError for a mass that is not above zero.
   explicit Particle(Parameters parameters) : parameters_(parameters) { require::positive(parameters_.mass, "mass"); }
 
-  Marker marker() { return add_marker(); }
+  Marker marker() { return new_marker(); }
 
   // What it has: no frame, three linear coordinates.
   Coordinates coordinates() const override { return {.frame = false, .linear = 3}; }

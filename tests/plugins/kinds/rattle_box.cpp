@@ -33,12 +33,12 @@ class RattleBox final : public Body {
 
   Marker marker(const Point& position = {}, const Matrix3& orientation = Matrix3::Identity()) {
     markers_.push_back({position.at, orientation, false});
-    return add_marker();
+    return new_marker();
   }
   Marker node(int number, const Matrix3& orientation = Matrix3::Identity()) {
     if (number != 1) throw SceneError("there is no node " + std::to_string(number), "", "the bead is node 1");
     markers_.push_back({{0, 0, 0}, orientation, true});
-    return add_marker();
+    return new_marker();
   }
 
   Coordinates coordinates() const override { return {.frame = true, .linear = 1}; }
