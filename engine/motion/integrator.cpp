@@ -75,7 +75,6 @@ void Integrator::start(EquationsOfMotion& equations, State& state) {
   last_length_ = 0;
   longest_ = std::numeric_limits<double>::infinity();
   usual_ = looked_at_ = 0;
-  shrunk_ = false;
   singular_pose_.reset();
   prepare(equations, state);
   equations.memory().track_rows(state.left_out);
@@ -88,17 +87,24 @@ StepResult Integrator::step(EquationsOfMotion& equations, State& state, double t
   equations.memory().recall(state.contacts);
   quadrants_ = state.quadrants;
   const double begin = state.time;
-  std::string passed = shrunk_ ? pass_singular_pose(equations, state, t_stop) : "";
-  StepResult result;
-  if (passed.empty()) {
-    result = advance(equations, state, std::min(t_stop, begin + longest_));
-    if (!result.ok() && !delegates()) passed = pass_singular_pose(equations, state, t_stop);
-    if (!result.ok() && passed.empty()) return result;
+  const bool watches = !delegates() && equations.facts().has_loops;
+  if (watches) before_ = state;
+  StepResult result = advance(equations, state, std::min(t_stop, begin + longest_));
+  // What a step has reached that shrank near a singular pose is mostly noise: the way across begins before it.
+  if (watches && (!result.ok() || has_shrunk(state.time - begin, state.time == t_stop))) {
+    std::vector<int> left_out;
+    equations.memory().track_rows(left_out);
+    equations.memory().recall_rows(before_.left_out);
+    std::swap(state, before_);
+    if (const std::string passed = pass_singular_pose(equations, state, t_stop); !passed.empty()) {
+      result = {StepResult::Outcome::reached, passed};
+    } else {
+      std::swap(state, before_);
+      equations.memory().recall_rows(left_out);
+      if (result.ok()) equations.evaluate(state.time, state.q, state.v, Level::velocity);
+    }
   }
-  if (passed.empty())
-    watch_steps(state.time - begin, state.time == t_stop);
-  else
-    result = {StepResult::Outcome::reached, passed};
+  if (!result.ok()) return result;
   equations.memory().track(state.quadrants);
   equations.memory().track_rows(state.left_out);
   equations.memory().track_contacts(state);
@@ -109,23 +115,21 @@ StepResult Integrator::step(EquationsOfMotion& equations, State& state, double t
 
 /// Whether steps have become so short that it is worth looking for a singular pose ahead. A step that t_stop cut tells
 /// nothing.
-void Integrator::watch_steps(double length, bool cut) {
+bool Integrator::has_shrunk(double length, bool cut) {
   constexpr double kShort = 1.0 / 16, kAgain = 1.0 / 4, kForget = 0.95;
-  shrunk_ = false;
-  if (delegates() || (cut && length < usual_)) return;
+  if (cut && length < usual_) return false;
   usual_ = std::max(length, kForget * usual_);
   if (length > kShort * usual_) {
     looked_at_ = 0;
-  } else if (looked_at_ == 0 || length < kAgain * looked_at_) {
-    shrunk_ = true;
-    looked_at_ = length;
+    return false;
   }
+  if (looked_at_ > 0 && length >= kAgain * looked_at_) return false;
+  looked_at_ = length;
+  return true;
 }
 
 /// A step through a singular pose, if one is near: what the log is to say of it. Empty: none was made.
 std::string Integrator::pass_singular_pose(EquationsOfMotion& equations, State& state, double t_stop) {
-  shrunk_ = false;
-  if (!equations.facts().has_loops) return "";
   constexpr double kFarthest = 20, kShortest = 1.0 / 16, kTurn = 0.01;  // of the step; of the usual one; rad
   if (!singular_pose_) singular_pose_ = std::make_unique<SingularPose>(equations);
   double turning = 0;
@@ -153,7 +157,6 @@ bool Integrator::history(Archive& archive, EquationsOfMotion& equations, const S
   archive("longest", longest_);
   archive("usual", usual_);
   archive("looked_at", looked_at_);
-  archive("shrunk", shrunk_);
   return keep(archive, equations, state);
 }
 

@@ -98,7 +98,7 @@ class Integrator {
  private:
   void limit_turn(const VectorX& quadrants, double length);
   std::string pass_singular_pose(EquationsOfMotion& equations, State& state, double t_stop);
-  void watch_steps(double length, bool cut);
+  bool has_shrunk(double length, bool cut);
 
   Multipliers multipliers_ = Multipliers::found;
   VectorX quadrants_, turn_rates_;                            // before the step; over the last one, quadrants a second
@@ -106,7 +106,8 @@ class Integrator {
   double longest_ = std::numeric_limits<double>::infinity();  // next step, s
   // Steps that shrink may lead to a singular pose.
   double usual_ = 0, looked_at_ = 0;  // s: the longest of late; where a look has found none (0: not looked)
-  bool shrunk_ = false, resumes_ = false;
+  State before_;                      // the step
+  bool resumes_ = false;
   std::unique_ptr<SingularPose> singular_pose_;  // once looked for
 };
 

@@ -113,19 +113,23 @@ std::optional<double> SingularPose::search(const State& state, double step, doub
   for (int k = 0; k < kSecants && std::abs(value) > kSmall * std::abs(now); ++k) {
     const double next = ahead - value * (ahead - before) / (value - value_before);
     if (!(next > -step) || !(next < reach)) return {};  // or not finite
+    const bool between = (next - before) * (next - ahead) < 0;
+    const double least = std::min(std::abs(value), std::abs(value_before));
     before = ahead, value_before = value;
     ahead = next;
-    if (std::abs(ahead - before) < kNear * step) break;  // at the pose itself rows give way, and the sum means nothing
+    // At the pose itself rows give way, and the sum means nothing: no use to go on from there.
+    if (std::abs(ahead - before) < kNear * step) break;
     value = nearness(state, next);
+    if (between && !(std::abs(value) < least)) break;
   }
   if (!(ahead > -step) || !(ahead < reach)) return {};
-  // Neither a pole nor a near miss: the signs before and behind it differ, the sizes hardly, and nearer they are
-  // smaller.
-  const double length = 0.05 * step, behind = nearness(state, ahead + length), ago = nearness(state, ahead - length);
+  // Neither a pole nor a near miss: the signs before and behind it differ, the sizes hardly, and nearer they are smaller.
+  // Not looked at too near: the way leaves the constraints a little, which splits the zero there.
+  const double length = 0.1 * step, behind = nearness(state, ahead + length), ago = nearness(state, ahead - length);
   const double change = std::abs(behind - ago);
   if (!(std::abs(behind + ago) < kEven * change)) return {};
-  const double inner = std::abs(nearness(state, ahead + length / 4) - nearness(state, ahead - length / 4));
-  if (!(inner < 0.5 * change)) return {};
+  const double inner = std::abs(nearness(state, ahead + length / 2) - nearness(state, ahead - length / 2));
+  if (!(inner < 0.75 * change)) return {};
   return ahead;
 }
 
