@@ -123,8 +123,8 @@ std::optional<double> SingularPose::search(const State& state, double step, doub
     if (between && !(std::abs(value) < least)) break;
   }
   if (!(ahead > -step) || !(ahead < reach)) return {};
-  // Neither a pole nor a near miss: the signs before and behind it differ, the sizes hardly, and nearer they are smaller.
-  // Not looked at too near: the way leaves the constraints a little, which splits the zero there.
+  // Neither a pole nor a near miss: the signs before and behind it differ, the sizes hardly, and nearer they are
+  // smaller. Not looked at too near: the way leaves the constraints a little, which splits the zero there.
   const double length = 0.1 * step, behind = nearness(state, ahead + length), ago = nearness(state, ahead - length);
   const double change = std::abs(behind - ago);
   if (!(std::abs(behind + ago) < kEven * change)) return {};

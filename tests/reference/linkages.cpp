@@ -93,6 +93,49 @@ Linkage scissor() {
           0.15};
 }
 
+/// Four bars in space, opposite ones alike: lengths and twists with sin α / a = sin β / b (Bennett 1903). Consecutive
+/// common normals meet on the hinges; tan(θ1/2) tan(θ2/2) = sin((β + α)/2) / sin((β - α)/2).
+Linkage bennett() {
+  const double a = 0.3, b = 0.4, alpha = 0.6, beta = std::asin(b * std::sin(alpha) / a), theta = 2, speed = 9;
+  const double other = 2 * std::atan(std::sin((beta + alpha) / 2) / std::sin((beta - alpha) / 2) / std::tan(theta / 2));
+  const double turns[] = {theta, other, -theta, -other};
+  const double lengths[] = {a, b, a, b}, twists[] = {alpha, beta, alpha, beta};
+  Matrix3 axes = rotation_about({1, 0, 0}, 0.5);
+  std::vector<Vector3> P{Vector3::Zero()}, z;
+  for (int i = 0; i < 4; ++i) {
+    z.push_back(axes.col(2));
+    axes = axes * about_z(turns[i]);
+    P.push_back(P[i] + lengths[i] * axes.col(0));
+    axes = axes * rotation_about({1, 0, 0}, twists[i]);
+  }
+  const Vector3 v = speed * z[0].cross(P[1] - P[0]);
+  return {"bennett",
+          {{"crank", P[0], P[1], 1, kStill, v},
+           {"coupler", P[1], P[2], 1, v, kStill},
+           {"rocker", P[2], P[3], 1, kStill, kStill}},
+          {{-1, 0, P[0], z[0]}, {0, 1, P[1], z[1]}, {1, 2, P[2], z[2]}, {2, -1, P[3], z[3]}},
+          {},
+          1.6};
+}
+
+/// Six hinges on the edges of a cube, each across the next (R04); it falls.
+Linkage bricard() {
+  const Vector3 P[] = {{0, 0, 0}, {1, 0, 0}, {1, -1, 0}, {1, -1, 1}, {0, -1, 1}, {0, 0, 1}};
+  const Vector3 axes[] = {Vector3::UnitY(), Vector3::UnitZ(), Vector3::UnitX()};
+  Linkage linkage{"bricard", {}, {}, {}, 2};
+  for (int i = 0; i < 5; ++i)
+    linkage.links.push_back({"rod " + std::to_string(i + 1), P[i], P[i + 1], 1, kStill, kStill});
+  for (int i = 0; i < 6; ++i) linkage.hinges.push_back({i - 1, i < 5 ? i : -1, P[i], axes[i % 3]});
+  return linkage;
+}
+
+int freedoms_added(const Drawing& drawing) {
+  int count = 0;
+  for (HingeAs h : drawing.hinges) count += h == HingeAs::revolute ? 0 : h == HingeAs::spherical ? 2 : 1;
+  for (SlideAs s : drawing.slides) count += s == SlideAs::prismatic ? 0 : s == SlideAs::cylindrical ? 1 : 3;
+  return count;
+}
+
 std::vector<Drawing> all_drawings(const Linkage& linkage) {
   std::vector<Drawing> out{{}};
   for (std::size_t i = 0; i < linkage.hinges.size(); ++i) {
@@ -130,9 +173,10 @@ Scene draw(const Linkage& linkage, const Drawing& drawing, const Matrix3& turn,
       Matrix3 R = Matrix3::Identity();
       Vector3 inertia = Vector3::Constant(link.mass * 1e-3);
       if (d.norm() > 0) {
-        R.col(0) = d.normalized(), R.col(1) = Vector3(-d.y(), d.x(), 0).normalized();
-        const double along = link.mass * d.squaredNorm() / 300, across = link.mass * d.squaredNorm() / 12;
-        inertia = {along, across, across};
+        const Vector3 across = std::hypot(d.x(), d.y()) > 0 ? Vector3(-d.y(), d.x(), 0) : Vector3(0, 1, 0);
+        R.col(0) = d.normalized(), R.col(1) = across.normalized(), R.col(2) = R.col(0).cross(R.col(1));
+        const double spin = link.mass * d.squaredNorm() / 300, swing = link.mass * d.squaredNorm() / 12;
+        inertia = {spin, swing, swing};
       }
       const Vector6 V = velocities.empty() ? Vector6::Zero().eval() : velocities[i];
       Vector3 v = V.head<3>(), w = V.tail<3>();
@@ -149,8 +193,9 @@ Scene draw(const Linkage& linkage, const Drawing& drawing, const Matrix3& turn,
       const auto& h = linkage.hinges[i];
       const std::string name = "hinge " + std::to_string(i + 1);
       // A universal joint turns about x_A and y_B: x_A lies along the hinge, y_B across, not alike in any two.
-      const Vector3 shaft = about_z(0.4 + static_cast<double>(i)) * Vector3(1, 0, 0);
-      const Matrix3 axes = drawing.hinges[i] == HingeAs::universal ? axes_with_z(shaft, {0, 0, 1}) : about_z(0);
+      const Matrix3 frame = h.axis == Vector3::UnitZ() ? about_z(0) : axes_with_z(h.axis);
+      const Vector3 shaft = frame * (about_z(0.4 + static_cast<double>(i)) * Vector3(1, 0, 0));
+      const Matrix3 axes = drawing.hinges[i] == HingeAs::universal ? axes_with_z(shaft, h.axis) : frame;
       const Marker A = marker(h.A, h.at, axes), B = marker(h.B, h.at, axes);
       switch (drawing.hinges[i]) {
         case HingeAs::revolute:

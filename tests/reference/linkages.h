@@ -6,10 +6,10 @@
 #include "tests/reference/mechanism.h"
 #include "tests/support/scenes.h"
 
-/// Linkages that move in one plane, drawn with any joints that admit that motion.
+/// Linkages with one freedom, in a plane or over-constrained in space, drawn with any joints that admit their motion.
 namespace lithe::test {
 
-/// A linkage in the plane z = 0, before joints are chosen.
+/// A linkage before joints are chosen; most lie in the plane z = 0.
 struct Linkage {
   struct Link {
     std::string name;
@@ -20,6 +20,7 @@ struct Linkage {
   struct Hinge {
     int A, B;  // links; -1: ground
     Vector3 at;
+    Vector3 axis = Vector3::UnitZ();
   };
   struct Slide {
     int link;
@@ -47,6 +48,11 @@ Linkage four_bar();
 Linkage scott_russell();
 Linkage parallelogram();
 Linkage scissor();
+Linkage bennett();
+Linkage bricard();
+
+/// What a choice of joints leaves free besides what the plainest one does.
+int freedoms_added(const Drawing& drawing);
 
 /// Every choice of joints for a linkage, the plainest (revolute, prismatic) first.
 std::vector<Drawing> all_drawings(const Linkage& linkage);
