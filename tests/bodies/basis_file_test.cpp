@@ -168,7 +168,7 @@ TEST(BasisFile, ADamagedByteIsRefusedOrChangesNothing) {
 TEST(BasisFile, WhatIsNoBasisIsRefusedByName) {
   expect_error<FileError>([] { read_modal_basis(path_of("nowhere.h5")); }, {"no such file"});
   std::ofstream(path_of("text.h5")) << "modes, modes, modes\n";
-  expect_error<FileError>([] { read_modal_basis(path_of("text.h5")); }, {"no HDF5 file"});
+  expect_error<FileError>([] { read_modal_basis(path_of("text.h5")); }, {"not an HDF5 file"});
   {
     Hdf5Writer file(path_of("other.h5"));
     file.write("/results/time", std::vector<double>{0, 1});

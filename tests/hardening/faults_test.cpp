@@ -122,7 +122,7 @@ class UsersCode : public testing::TestWithParam<Case> {
   std::string cause() const {
     return GetParam().trouble == Trouble::throws         ? "threw: no such entry in the table"
            : GetParam().trouble == Trouble::not_a_number ? "not finite"
-                                                         : "no std::exception";
+                                                         : "not a std::exception";
   }
   testing::Matcher<std::string> tells(const std::string& name) const {
     return AllOf(HasSubstr("'" + name + "'"), HasSubstr(cause()), HasSubstr("faults_test.cpp:"), HasSubstr("t = 0."),

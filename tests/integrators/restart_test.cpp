@@ -577,7 +577,7 @@ TEST(CheckpointFile, is_refused_in_another_scene_or_by_another_integrator) {
   EXPECT_NE(with("lithe", std::string("0.0.9")).find("of Lithe 0.0.9"), std::string::npos);
   EXPECT_NE(with("bytes of a number", std::int64_t{4}).find("have 4 bytes"), std::string::npos);
   EXPECT_NE(with("byte order", std::string("big")).find("big end first"), std::string::npos);
-  EXPECT_NE(with("kind", std::string("lithe table")).find("no checkpoint but a 'lithe table'"), std::string::npos);
+  EXPECT_NE(with("kind", std::string("lithe table")).find("not a checkpoint but a 'lithe table'"), std::string::npos);
 }
 
 TEST(CheckpointFile, is_refused_wherever_it_is_damaged_or_cut) {

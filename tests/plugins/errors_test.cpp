@@ -66,7 +66,7 @@ TEST_P(LoadingErrors, name_the_file_and_the_fix_and_leave_the_host_well) {
 INSTANTIATE_TEST_SUITE_P(
     Plugins, LoadingErrors,
     testing::Values(Refused{"missing", {"there is no such plug-in", "lithe_add_plugin()"}},
-                    Refused{"no_entry", {"no plug-in of Lithe", "no symbol lithe_plugin_v1", "LITHE_EXPORT_JOINT"}},
+                    Refused{"no_entry", {"not a Lithe plug-in", "no symbol lithe_plugin_v1", "LITHE_EXPORT_JOINT"}},
                     Refused{"version_0", {"version 0 of the plug-in interface; this Lithe has version 1", "build"}},
                     Refused{"version_99", {"version 99 of the plug-in interface; this Lithe has version 1", "build"}},
                     Refused{"unresolved", {"cannot be loaded", "undefined symbol: nobody_has_this"}},

@@ -88,7 +88,7 @@ std::string problem_of(const std::function<void()>& call) {
 
 TEST(Rotations, WhatIsNoRotationIsRefused) {
   const Matrix3 R = rotation_about({1, 2, 3}, 0.7);
-  EXPECT_NE(problem_of([&] { nearest_rotation(printed(R, 1e-2)); }).find("no rotation"), std::string::npos);
+  EXPECT_NE(problem_of([&] { nearest_rotation(printed(R, 1e-2)); }).find("not a rotation"), std::string::npos);
   EXPECT_NE(problem_of([&] { nearest_rotation(1.001 * R); }).find("0.002"), std::string::npos);
   EXPECT_NE(problem_of([&] { nearest_rotation(-R); }).find("left-handed"), std::string::npos);
   Matrix3 hole = R;

@@ -56,8 +56,8 @@ TEST(SceneErrors, APoseIsARotationAndFiniteNumbers) {
   Matrix3 sheared = Matrix3::Identity(), mirrored = Matrix3::Identity();
   sheared(0, 1) = 1e-3;
   mirrored(2, 2) = -1;
-  expect_error([&] { body({.orientation = sheared}); }, {"'body'", "orientation", "no rotation"});
-  expect_error([&] { body({.orientation = mirrored}); }, {"'body'", "orientation", "no rotation"});
+  expect_error([&] { body({.orientation = sheared}); }, {"'body'", "orientation", "not a rotation"});
+  expect_error([&] { body({.orientation = mirrored}); }, {"'body'", "orientation", "not a rotation"});
   expect_error([&] { body({.orientation = Matrix3::Constant(kNaN)}); }, {"'body'", "orientation"});
   expect_error([&] { body({.position = {0, kNaN, 0}}); }, {"'body'", "position"});
   expect_error([&] { body({.velocity = {0, kInfinity, 0}}); }, {"'body'", "velocity"});
