@@ -9,7 +9,6 @@ set(CPACK_PACKAGE_CONTACT "Lithe")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
-set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 # `lithe run` compiles scenes against the shared library and Eigen alone; find_package(lithe) links the static ones.
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "g++ (>= 12), libeigen3-dev (>= 3.4)")
