@@ -51,7 +51,7 @@ Linkage scissor();
 Linkage bennett();
 Linkage bricard();
 
-/// What a choice of joints leaves free besides what the plainest one does.
+/// What a choice of joints leaves free besides what revolute and prismatic ones do.
 int freedoms_added(const Drawing& drawing);
 
 /// Every choice of joints for a linkage, the plainest (revolute, prismatic) first.
