@@ -21,10 +21,7 @@ RigidScene::Side side(const Marker& marker, int body, const double* q) {
   MarkerKinematics k;
   marker.body->marker_kinematics(state, marker.index, Level::position, k);
   if (body < 0) return {-1, k.p, k.R};
-  if (const auto* planar = dynamic_cast<const PlanarBody*>(marker.body)) {
-    const auto plane = planar->plane();
-    return {body, k.p - (plane.height + plane.axes.col(0) * q[0] + plane.axes.col(1) * q[1]), k.R};
-  }
+  if (const auto* planar = dynamic_cast<const PlanarBody*>(marker.body)) return {body, k.p - planar->center(q), k.R};
   return {body, k.r, k.A->transpose() * k.R};
 }
 
@@ -39,7 +36,7 @@ std::optional<RigidScene> find_rigid_scene(const System& system) {
   std::map<const Body*, int> index{{graph.bodies().front().body, -1}};
   for (const auto& slice : system.layout().bodies()) {
     if (const auto* planar = dynamic_cast<const PlanarBody*>(slice.body)) {
-      const auto body = planar->plane();
+      const PlanarBody::Plane& body = planar->plane();
       int normal = 0;
       if (body.axes.col(2).maxCoeff(&normal) != 1) return std::nullopt;
       index[slice.body] = static_cast<int>(scene.bodies.size());

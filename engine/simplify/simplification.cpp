@@ -38,7 +38,7 @@ Simplification::Motion Simplification::motion(const Moved& moved, const State& s
     m.w = R * Eigen::Map<const Vector3>(v + 3), m.alpha = R * Eigen::Map<const Vector3>(a + 3);
     return m;
   }
-  const Matrix3 plane = moved.planar->plane().axes;
+  const Matrix3& plane = moved.planar->plane().axes;
   Vector4 turn;
   turn << std::cos(q[2] / 2), std::sin(q[2] / 2) * plane.col(2);
   m.e = quaternion_product(turn, moved.reference);
@@ -116,7 +116,7 @@ State Simplification::reduce(const State& whole) const {
       small.v_dot.segment<6>(moved.v) << a, whole.v_dot.segment<3>(first.v + 3);
       continue;
     }
-    const Matrix3 plane = moved.planar->plane().axes;
+    const Matrix3& plane = moved.planar->plane().axes;
     const Vector4 turn = quaternion_product(e, inverse(moved.reference));
     const double angle = 2 * std::atan2(plane.col(2).dot(turn.tail<3>()), turn[0]);
     small.q.segment<3>(moved.q) << plane.col(0).dot(p), plane.col(1).dot(p), angle;

@@ -73,20 +73,20 @@ void Simplifier::draw_bodies() {
         Vector3(initial().v.segment<3>(s.v)) + w_world.cross(item.start.position - frame(first, initial().q).position);
     if (item.plane < 0) {
       item.body = &made_.graph_->add<RigidStandIn>(
-          name(item),
-          {.inertia = item.inertia, .start = {.pose = item.drawn, .velocity = v, .angular_velocity = w}});
+          name(item), {.inertia = item.inertia, .start = {.pose = item.drawn, .velocity = v, .angular_velocity = w}});
       continue;
     }
-    const Matrix3& plane = planes_[item.plane];
-    const Vector3 n = plane.col(2), normal = item.start.axes.transpose() * n, e1 = plane.col(0);
+    const Matrix3& axes = planes_[item.plane];
+    const Vector3 n = axes.col(2), normal = item.start.axes.transpose() * n, e1 = axes.col(0);
     const Vector3 turned = item.drawn.axes * (item.start.axes.transpose() * e1);
     item.body = &made_.graph_->add<PlanarStandIn>(
-        name(item), {.mass = item.inertia.mass,
-                     .inertia = normal.dot(item.inertia.inertia * normal),
-                     .plane = plane,
+        name(item), {.plane = {.mass = item.inertia.mass,
+                               .inertia = normal.dot(item.inertia.inertia * normal),
+                               .axes = axes,
+                               .height = n * n.dot(item.start.position)},
                      .reference = item.start,
-                     .start = {e1.dot(item.drawn.position), plane.col(1).dot(item.drawn.position),
-                               std::atan2(turned.dot(plane.col(1)), turned.dot(e1))},
+                     .start = {e1.dot(item.drawn.position), axes.col(1).dot(item.drawn.position),
+                               std::atan2(turned.dot(axes.col(1)), turned.dot(e1))},
                      .rates = {e1.dot(v), plane.col(1).dot(v), n.dot(w_world)}});
   }
 }

@@ -6,9 +6,9 @@ namespace lithe {
 
 // ---- a body in its plane ----
 
-PlanarStandIn::Arm::Arm(const Matrix3& plane) : normal(plane.col(2)), at(Vector3::Zero()) {
+PlanarStandIn::Arm::Arm(const Matrix3& axes) : normal(axes.col(2)), at(Vector3::Zero()) {
   Eigen::Map<Eigen::Matrix<double, 6, 3>> J(columns);
-  J << plane.leftCols<2>(), Vector3::Zero(), Vector3::Zero(), Vector3::Zero(), normal;
+  J << axes.leftCols<2>(), Vector3::Zero(), Vector3::Zero(), Vector3::Zero(), normal;
 }
 
 /// ∂/∂θ of (n × arm) · F + n · T, the arm turning with θ.
@@ -22,7 +22,7 @@ Marker PlanarStandIn::marker(const FramePose& pose) {
 }
 
 Matrix3 PlanarStandIn::turn(double angle) const {
-  const Vector3 n = parameters_.plane.col(2);
+  const Vector3 n = plane().axes.col(2);
   return std::cos(angle) * Matrix3::Identity() + std::sin(angle) * skew(n) + (1 - std::cos(angle)) * n * n.transpose();
 }
 
@@ -31,20 +31,20 @@ void PlanarStandIn::evaluate(const BodyState& state, Level) const {
 }
 
 void PlanarStandIn::add_residual(const BodyState&, const double* v_dot, const Vector3& gravity, double* r) const {
-  for (int i = 0; i < 2; ++i) r[i] += parameters_.mass * (v_dot[i] - gravity.dot(parameters_.plane.col(i)));
-  r[2] += parameters_.inertia * v_dot[2];
+  for (int i = 0; i < 2; ++i) r[i] += plane().mass * (v_dot[i] - gravity.dot(plane().axes.col(i)));
+  r[2] += plane().inertia * v_dot[2];
 }
 
 void PlanarStandIn::add_tangent(const BodyState&, const double*, const Vector3&, const TangentWeights& weights,
                                 BodyTangent& S) const {
-  S.linear[0] += weights.acceleration * parameters_.mass;
-  S.linear[1] += weights.acceleration * parameters_.mass;
-  S.linear[2] += weights.acceleration * parameters_.inertia;
+  S.linear[0] += weights.acceleration * plane().mass;
+  S.linear[1] += weights.acceleration * plane().mass;
+  S.linear[2] += weights.acceleration * plane().inertia;
 }
 
 void PlanarStandIn::marker_kinematics(const BodyState& state, int marker, Level level, MarkerKinematics& k) const {
   auto& cache = static_cast<Cache&>(*state.cache);
-  const auto& plane = parameters_.plane;
+  const Matrix3& axes = plane().axes;
   const FramePose& m = markers_[marker];
   Arm& arm = cache.arms[marker];
   arm.at = cache.turn * m.position;
@@ -58,16 +58,16 @@ void PlanarStandIn::marker_kinematics(const BodyState& state, int marker, Level 
   k.deflected = &arm;
   if (level == Level::position) return;
   k.w = state.v[2] * arm.normal;
-  k.v = plane.col(0) * state.v[0] + plane.col(1) * state.v[1] + state.v[2] * sideways;
+  k.v = axes.col(0) * state.v[0] + axes.col(1) * state.v[1] + state.v[2] * sideways;
   if (level == Level::velocity) return;
   k.bias_v = state.v[2] * state.v[2] * arm.normal.cross(sideways);
   k.bias_w.setZero();
 }
 
 BodyEnergy PlanarStandIn::energy(const BodyState& state, const Vector3& gravity) const {
-  const double mass = parameters_.mass, *v = state.v;
+  const double mass = plane().mass, *v = state.v;
   BodyEnergy e;
-  e.kinetic = 0.5 * (mass * (v[0] * v[0] + v[1] * v[1]) + parameters_.inertia * v[2] * v[2]);
+  e.kinetic = 0.5 * (mass * (v[0] * v[0] + v[1] * v[1]) + plane().inertia * v[2] * v[2]);
   e.gravity = -mass * gravity.dot(center(state.q));
   return e;
 }

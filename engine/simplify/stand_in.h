@@ -29,8 +29,7 @@ class RigidStandIn final : public RigidFrameBody {
 class PlanarStandIn final : public PlanarBody {
  public:
   struct Parameters {
-    double mass = 1, inertia = 1;            // kg; kg m² about the normal
-    Matrix3 plane = Matrix3::Identity();     // columns: two axes of the plane, its normal; world axes
+    Plane plane{};
     FramePose reference{};                   // of the rigid body at θ = 0
     Vector3 start{0, 0, 0}, rates{0, 0, 0};  // x, y, θ and their rates as drawn
   };
@@ -38,25 +37,18 @@ class PlanarStandIn final : public PlanarBody {
   struct Arm final : DeflectedMarker {
     Vector3 normal, at;  // from the centre of mass, world axes
     double columns[18];
-    explicit Arm(const Matrix3& plane);
+    explicit Arm(const Matrix3& axes);
     void add_load_stiffness(const Vector3& force, const Vector3& torque, double* linear) const override;
   };
   struct Cache : BodyCache {
     Matrix3 turn = Matrix3::Identity();
     std::vector<Arm> arms;
-    explicit Cache(const PlanarStandIn& body) : arms(body.markers_.size(), Arm(body.parameters_.plane)) {}
+    explicit Cache(const PlanarStandIn& body) : arms(body.markers_.size(), Arm(body.plane().axes)) {}
   };
 
-  explicit PlanarStandIn(Parameters parameters)
-      : parameters_(std::move(parameters)),
-        height_(parameters_.plane.col(2) * parameters_.plane.col(2).dot(parameters_.reference.position)) {}
+  explicit PlanarStandIn(const Parameters& parameters) : PlanarBody(parameters.plane), parameters_(parameters) {}
   /// `pose` in world axes, at the reference.
   Marker marker(const FramePose& pose);
-  Plane plane() const override { return {parameters_.mass, parameters_.inertia, parameters_.plane, height_}; }
-  /// Centre of mass, world axes.
-  Vector3 center(const double* q) const {
-    return height_ + parameters_.plane.col(0) * q[0] + parameters_.plane.col(1) * q[1];
-  }
 
   Coordinates coordinates() const override { return {.frame = false, .linear = 3}; }
   std::unique_ptr<BodyCache> make_cache() const override { return std::make_unique<Cache>(*this); }
@@ -72,7 +64,6 @@ class PlanarStandIn final : public PlanarBody {
   Matrix3 turn(double angle) const;
 
   const Parameters parameters_;
-  const Vector3 height_;            // of the plane above the origin
   std::vector<FramePose> markers_;  // arm from the centre of mass, and axes, at the reference
 };
 
