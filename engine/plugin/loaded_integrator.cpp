@@ -161,17 +161,23 @@ void LoadedIntegrator::finish(int32_t code, const ErrorText& why) {
   lithe_statistics s{};
   s.struct_size = sizeof s;
   table_.statistics(object_.get(), &s);
-  statistics_ = {static_cast<long>(s.steps), static_cast<long>(s.rejected), static_cast<long>(s.newton_iterations),
-                 static_cast<long>(s.factorizations), static_cast<long>(s.evaluations)};
+  statistics_ = before_;
+  statistics_ += {static_cast<long>(s.steps), static_cast<long>(s.rejected), static_cast<long>(s.newton_iterations),
+                  static_cast<long>(s.factorizations), static_cast<long>(s.evaluations)};
   if (border_.trouble) std::rethrow_exception(std::exchange(border_.trouble, nullptr));
   if (code < 0)
-    throw SimulationError(
-        object_.description() + " failed: " + why.problem(), "integrator",
-        why.fix().empty() ? "see what its author says; the state reached before is kept" : why.fix());
+    throw SimulationError(object_.description() + " failed: " + why.problem(), "integrator",
+                          why.fix().empty() ? "see what its author says; the state reached before is kept" : why.fix());
 }
 
 void LoadedIntegrator::prepare(EquationsOfMotion& equations, State& state) {
   bind(equations);
+  before_ = resumes() ? statistics_ : IntegratorStatistics{};
+  begin(state);
+}
+
+void LoadedIntegrator::begin(State& state) {
+  begins_anew_ = false;
   ErrorText why;
   lithe_state s = as_c(state);
   const int32_t code = table_.start(object_.get(), &border_.table, &s, why.text, sizeof why.text);
@@ -194,6 +200,8 @@ bool LoadedIntegrator::keep(Archive& archive, EquationsOfMotion& equations, cons
   std::vector<int> integers(bytes.begin(), bytes.end());
   archive("bytes", integers);
   archive("statistics", statistics_);
+  archive("before", before_);
+  archive("begins_anew", begins_anew_);
   if (!archive.loads()) return true;
   bind(equations);
   bytes.assign(integers.begin(), integers.end());
@@ -212,6 +220,10 @@ StepResult LoadedIntegrator::advance(EquationsOfMotion& equations, State& state,
   if (&equations != border_.equations)
     throw SimulationError(object_.description() + " was started with other equations", "integrator",
                           "call start() with these equations first");
+  if (begins_anew_) {
+    before_ = statistics_;
+    begin(state);
+  }
   ErrorText why;
   lithe_state s = as_c(state);
   const int32_t code = table_.step(object_.get(), &s, t_stop, why.text, sizeof why.text);

@@ -22,6 +22,8 @@ class LoadedIntegrator final : public Integrator {
   void prepare(EquationsOfMotion& equations, State& state) override;
   StepResult advance(EquationsOfMotion& equations, State& state, double t_stop) override;
   bool keep(Archive& archive, EquationsOfMotion& equations, const State& state) override;
+  /// The C table has no word for it: the plug-in begins anew with its next step.
+  void lose_factor() override { begins_anew_ = true; }
 
  private:
   /// The equations as C sees them; their address is the first argument of its functions.
@@ -38,13 +40,15 @@ class LoadedIntegrator final : public Integrator {
     static int32_t cross(void* border, F&& f) noexcept;
   };
   void bind(EquationsOfMotion& equations);
+  void begin(State& state);
   void finish(int32_t code, const ErrorText& why);
 
   const lithe_integrator_type table_;
   const PluginObject object_;
   const std::string parameters_;  // as given, for checkpoints
   Border border_;
-  IntegratorStatistics statistics_;
+  IntegratorStatistics statistics_, before_;  // all; until the plug-in last began anew
+  bool begins_anew_ = false;
 };
 
 }  // namespace lithe
