@@ -357,6 +357,17 @@ void PlanarDynamics::add_rates(const double* x) {
   }
 }
 
+/// Sum of two motions in the plane, as rates of the body's coordinates.
+inline void PlanarDynamics::write_motion(const Body& body, const double* a, const double* b, double* rates) const {
+  double* to = rates + body.v;
+  if (body.in_plane) {
+    for (int i = 0; i < 3; ++i) to[i] = a[i] + b[i];
+    return;
+  }
+  to[e1_] = a[0] + b[0], to[e2_] = a[1] + b[1], to[e3_] = 0;
+  for (int i = 0; i < 3; ++i) to[3 + i] = body.normal[i] * (a[2] + b[2]);
+}
+
 void PlanarDynamics::accelerations(const double* q, const double* v, const double* load, double* v_dot) {
   place(q, v);
   write_rows();
@@ -381,17 +392,6 @@ void PlanarDynamics::accelerations(const double* q, const double* v, const doubl
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     write_motion(bodies_[b], free_.data() + 3 * b, response_.data() + 3 * b, v_dot);
   }
-}
-
-/// Sum of two motions in the plane, as rates of the body's coordinates.
-void PlanarDynamics::write_motion(const Body& body, const double* a, const double* b, double* rates) const {
-  double* to = rates + body.v;
-  if (body.in_plane) {
-    for (int i = 0; i < 3; ++i) to[i] = a[i] + b[i];
-    return;
-  }
-  to[e1_] = a[0] + b[0], to[e2_] = a[1] + b[1], to[e3_] = 0;
-  for (int i = 0; i < 3; ++i) to[3 + i] = body.normal[i] * (a[2] + b[2]);
 }
 
 bool PlanarDynamics::project(double* q, double* v, double tolerance) {

@@ -5,7 +5,6 @@
 
 #include "engine/forward/rigid_scene.h"
 
-
 namespace lithe {
 
 /// Rigid bodies that their joints hold in planes normal to one world axis, loops included: three velocities a body,
