@@ -180,7 +180,7 @@ void ModeFreezing::hold(EquationsOfMotion& equations) {
   held_.clear();
   for (const Mode& m : modes_)
     if (m.frozen) held_.push_back(m.v);
-  if (!modes_.empty()) equations.parts().held->hold(held_);
+  if (HeldCoordinates* held = equations.parts().held) held->hold(held_);
 }
 
 /// False, and nothing has happened, where joints need these modes: what they do to the rows nothing else can.
