@@ -127,8 +127,8 @@ bool ContactImpulses::apply(EquationsOfMotion& equations, const VectorX& v, doub
     Aim aimed = aim(point, closings_[i], u_[point.first], gaps_[i], free_gaps_[i], h);
     if (parameters_.impacts == Impacts::sequential) {
       if (free_gaps_[i] <= 0)
-        aimed = {0, u_[point.first] < 0 && gaps_[i] >= 0 ? std::clamp(free_gaps_[i] / u_[point.first], 0.0, h / 2)
-                                                         : h / 2};
+        aimed = {
+            0, u_[point.first] < 0 && gaps_[i] >= 0 ? std::clamp(free_gaps_[i] / u_[point.first], 0.0, h / 2) : h / 2};
     } else if (const Closing& met = closings_[i]; free_gaps_[i] <= 0 && met.speed > point.law.rest_speed) {
       const double held = aimed.gap > 0 ? 0 : std::max(0.0, -met.acceleration * (h - met.time));
       impacts_[i] = {met.time, met.speed, met.speed / (met.speed + held)};
@@ -255,7 +255,7 @@ void ContactImpulses::solve(const ConeProblem& problem, VectorX& r) {
   std::ostringstream message;
   message << "contact impulses by " << solver_->name() << " are left with a residual of " << result.residual
           << " N s, the tolerance is " << parameters_.tolerance * scale
-          << " (later steps are not told of)\n  fix: more sweeps, DirectConeSolver, or a looser tolerance.";
+          << " (later steps are not told of)\n  fix:  more sweeps, DirectConeSolver, or a looser tolerance.";
   log::warn(message.str());
 }
 

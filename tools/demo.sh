@@ -11,7 +11,7 @@ for number in "$@"; do
   for source in examples/"$number"_*.cpp; do
     if [[ ! -e $source ]]; then
       echo "error: there is no example $number." >&2
-      echo "  fix: known are $(cd examples && echo [0-9][0-9]_*.cpp)" >&2
+      echo "  fix:  known are $(cd examples && echo [0-9][0-9]_*.cpp)" >&2
       exit 1
     fi
     examples+=("$(basename "$source" .cpp)")

@@ -25,7 +25,7 @@ as_root=()
 if [[ $(id -u) -ne 0 ]]; then
   if ! command -v sudo > /dev/null; then
     echo "error: not root, and there is no sudo." >&2
-    echo "  fix: as root, apt-get install --no-install-recommends ${missing[*]}" >&2
+    echo "  fix:  as root, apt-get install --no-install-recommends ${missing[*]}" >&2
     exit 1
   fi
   as_root=(sudo)
@@ -43,7 +43,7 @@ if ! install; then
   if ! install; then
     tail -n 20 "$log" >&2
     echo "error: could not install ${missing[*]}." >&2
-    echo "  fix: offline? Connect once, or install them from a mirror: apt-get install --no-install-recommends ..." >&2
+    echo "  fix:  offline? Connect once, or install them from a mirror: apt-get install --no-install-recommends ..." >&2
     exit 1
   fi
 fi

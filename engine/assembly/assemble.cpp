@@ -438,7 +438,7 @@ class SystemBuilder {
     assembler.form({0, 0, 1}, still, no_load, nullptr);
     assembler.factor_->drop_rows({});
     return assembler.factor_->factorize_revealing(assembler.work_.values,
-                                                 row_compliances(system_.blocks_, assembler.work_.values), tolerance);
+                                                  row_compliances(system_.blocks_, assembler.work_.values), tolerance);
   }
 
   void find_redundant_rows() {
@@ -461,7 +461,7 @@ class SystemBuilder {
       const std::vector<int> nearby = dependent_nearby(kDependent);
       if (nearby.size() < dependent.size()) {
         log::warn("the start is a singular position: " + std::to_string(dependent.size() - nearby.size()) +
-                  " of its rows lose rank only there\n  fix: none if the velocities select the branch; "
+                  " of its rows lose rank only there\n  fix:  none if the velocities select the branch; "
                   "accelerations at t = 0 are not unique.");
         dependent = nearby;
         assembler.factor_->drop_rows(dependent);
@@ -470,9 +470,10 @@ class SystemBuilder {
     }
     if (dependent.empty()) return;
     for (int row : dependent) system_.redundant_.push_back({row, system_.layout_.row_name(row), ""});
-    system_.row_scales_ = row_compliances(system_.blocks_, assembler.work_.values)
-                              .cwiseSqrt()
-                              .unaryExpr([](double scale) { return scale > 0 ? scale : 1; });
+    system_.row_scales_ =
+        row_compliances(system_.blocks_, assembler.work_.values).cwiseSqrt().unaryExpr([](double scale) {
+          return scale > 0 ? scale : 1;
+        });
     log::warn(dependent_rows_text(graph_, system_.layout_, dependent));
     // Which row each of them repeats: the largest partner in its null vector z, Gᵀ z = 0. A solution each: some only.
     constexpr std::size_t kCompared = 100;

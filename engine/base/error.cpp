@@ -6,7 +6,7 @@
 namespace lithe {
 
 Error::Error(std::string what, std::string where, std::string fix)
-    : std::runtime_error("error: " + what + "\n  at:   " + where + "\n  fix: " + fix),
+    : std::runtime_error("error: " + what + "\n  at:   " + where + "\n  fix:  " + fix),
       problem_(std::move(what)),
       where_(std::move(where)),
       fix_(std::move(fix)) {}

@@ -24,7 +24,7 @@ class Error : public std::runtime_error {
 
   const std::string& problem() const { return problem_; }  // what is wrong, one sentence
   const std::string& where() const { return where_; }      // file:line, body, joint or coordinate
-  const std::string& fix() const { return fix_; }        // what the user can do
+  const std::string& fix() const { return fix_; }          // what the user can do
 
  private:
   std::string problem_, where_, fix_;

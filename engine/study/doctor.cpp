@@ -192,7 +192,7 @@ std::string Diagnosis::text() const {
   if (findings.empty()) text += "nothing is wrong with it\n";
   for (const Finding& f : findings)
     text +=
-        (f.alarm ? to_string(f.cause) : "note, " + to_string(f.cause)) + ": " + f.what + "\n  fix: " + f.fix + "\n";
+        (f.alarm ? to_string(f.cause) : "note, " + to_string(f.cause)) + ": " + f.what + "\n  fix:  " + f.fix + "\n";
   for (const Cure& cure : cures)
     text += "tried " + cure.tried + ": " + (cure.helped ? "helped" : "did not help") + "; " + cure.result + "\n";
   return text;

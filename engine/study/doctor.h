@@ -37,7 +37,7 @@ struct Finding {
   bool alarm = true;     // false: worth knowing, the run bears it
   double certainty = 0;  // 0 … 1, by which alarms are ranked
   std::string what;      // "the spring 'bump' between 'wheel' and ground rings at 3.2e+05 rad/s: …"
-  std::string fix;      // what to change
+  std::string fix;       // what to change
 };
 
 /// A run that was tried again with another setting or method.

@@ -41,8 +41,7 @@ std::vector<Finding> find_no_number(const Case& c) {
         return {{Cause::no_number, true, 0.99, named(*entry.force) + " is not finite at " + time_text(state.time),
                  "look for a division by a zero distance or speed, a root or a logarithm of what is negative"}};
   }
-  if (c.run.why.find("no finite") == std::string::npos && c.run.why.find("not finite") == std::string::npos)
-    return {};
+  if (c.run.why.find("no finite") == std::string::npos && c.run.why.find("not finite") == std::string::npos) return {};
   return {{Cause::no_number, true, 0.5, c.run.why, "look for a law that divides by zero or overflows near there"}};
 }
 

@@ -95,8 +95,7 @@ ModesLeftOut find_modes_left_out(SystemGraph& graph, const System& system, const
   }
   for (const ModesLeftOut::Body& body : answer.bodies)
     if (!body.known())
-      log::warn("what the modes of '" + body.name + "' leave out is not known: all " +
-                std::to_string(body.candidates) +
+      log::warn("what the modes of '" + body.name + "' leave out is not known: all " + std::to_string(body.candidates) +
                 " of its basis are in use\n  fix:  make the basis with more modes, and give .mode_count.");
   if (answer.largest() > fraction)
     log::warn("modes left out matter to this equilibrium:\n" + answer.text() +

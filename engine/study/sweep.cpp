@@ -154,7 +154,7 @@ std::string SweepResult::report() const {
   std::string text = std::to_string(failures.size()) + " of " + std::to_string(table.row_count()) + " points failed\n";
   for (std::size_t i = 0; i < failures.size() && i < kMostReported; ++i)
     text += failures[i].point + ": " + failures[i].what + "\n  at:   " + failures[i].where +
-            "\n  fix: " + failures[i].fix + "\n";
+            "\n  fix:  " + failures[i].fix + "\n";
   if (failures.size() > kMostReported) text += "and " + std::to_string(failures.size() - kMostReported) + " more\n";
   return text;
 }

@@ -126,7 +126,7 @@ class UsersCode : public testing::TestWithParam<Case> {
   }
   testing::Matcher<std::string> tells(const std::string& name) const {
     return AllOf(HasSubstr("'" + name + "'"), HasSubstr(cause()), HasSubstr("faults_test.cpp:"), HasSubstr("t = 0."),
-                 HasSubstr("fix: "));
+                 HasSubstr("fix:  "));
   }
 };
 
@@ -375,7 +375,7 @@ class Disk : public testing::TestWithParam<std::string> {
  protected:
   void expect_refused(const std::string& path) const {
     const std::string text = message<Error>([&] { writers().at(GetParam())(path); });
-    EXPECT_THAT(text, AllOf(HasSubstr(path), HasSubstr("cannot write"), HasSubstr("fix: choose a path")));
+    EXPECT_THAT(text, AllOf(HasSubstr(path), HasSubstr("cannot write"), HasSubstr("fix:  choose a path")));
   }
   /// An older file of that name stays what it was.
   void expect_kept(const std::string& path) const { EXPECT_EQ(file_text(path), "older"); }

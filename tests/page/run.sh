@@ -30,7 +30,7 @@ fi
 
 if ! cmp -s "$work/viewer.html" "$viewer/dist/viewer.html"; then
   echo "FAIL: tools/viewer/dist/viewer.html is not what tools/viewer/src gives." >&2
-  echo "  fix: run tools/viewer/build.sh and commit the result." >&2
+  echo "  fix:  run tools/viewer/build.sh and commit the result." >&2
   exit 1
 fi
 node "$here/fixture.mjs" "$viewer/dist/viewer.html" "$work/known_motion.html"

@@ -58,7 +58,7 @@ class LoadingErrors : public testing::TestWithParam<Refused> {};
 TEST_P(LoadingErrors, name_the_file_and_the_fix_and_leave_the_host_well) {
   Registry registry;
   const std::string text = message<FileError>([&] { registry.load_plugin(library(GetParam().library)); });
-  EXPECT_TRUE(holds(text, "/" + GetParam().library + ".so\n  fix: "));
+  EXPECT_TRUE(holds(text, "/" + GetParam().library + ".so\n  fix:  "));
   for (const std::string& part : GetParam().said) EXPECT_TRUE(holds(text, part));
   expect_working(registry);
 }
@@ -112,7 +112,7 @@ TEST(NameErrors, of_types_name_the_line_and_the_known_ones) {
   const std::string text = message<SceneError>([&] { registry.joint("massles_rod"); });
   EXPECT_TRUE(holds(text, "error: no joint type 'massles_rod' is registered"));
   EXPECT_TRUE(holds(text, "at:   errors_test.cpp:"));
-  EXPECT_TRUE(holds(text, "fix: did you mean 'massless_rod'? known are cam_follower, massless_rod"));
+  EXPECT_TRUE(holds(text, "fix:  did you mean 'massless_rod'? known are cam_follower, massless_rod"));
   EXPECT_TRUE(holds(message<SceneError>([&] { registry.force("massless_rod"); }), "no force type 'massless_rod'"));
   EXPECT_TRUE(holds(message<SceneError>([&] { registry.integrator("rk4"); }), "no integrator type 'rk4'"));
   expect_working(registry);
@@ -196,7 +196,7 @@ TEST_F(Throwing, in_a_joint_ends_the_run_at_the_last_good_state) {
   EXPECT_TRUE(holds(text, "error: 'ball': joint type 'throwing_joint' of throwing.so failed: it has had enough"));
   EXPECT_TRUE(holds(text, "at:   errors_test.cpp:"));
   EXPECT_TRUE(holds(text, ", t = 0.5"));
-  EXPECT_TRUE(holds(text, "fix: stop earlier"));
+  EXPECT_TRUE(holds(text, "fix:  stop earlier"));
   EXPECT_NEAR(reached, 0.49, 1e-9);
 }
 

@@ -53,7 +53,7 @@ TEST(Chart, MistakesAreTold) {
   folder.write("empty.cpp", "int main() {}\n");
   const Outcome empty = folder.shell("lithe chart empty.cpp");
   EXPECT_EQ(empty.exit_code, 2);
-  EXPECT_TRUE(says(empty, "error: the scene has nothing to chart.\n  fix: write  lithe::StudyScene scene() { ... }"));
+  EXPECT_TRUE(says(empty, "error: the scene has nothing to chart.\n  fix:  write  lithe::StudyScene scene() { ... }"));
 
   folder.write("swing.cpp", kScene);
   const Outcome method = folder.shell("lithe chart swing.cpp --methods magic");

@@ -129,7 +129,7 @@ TEST(Mistakes, ThatOnlyTheGraphSeesEndTheSceneWithWhatWhereAndFix) {
                pendulum_scene(R"(graph.add<RevoluteJoint>("elbow", {upper.marker({0.5, 0, 0}, along_y)});)"));
   const Outcome missing = folder.shell("lithe run scene.cpp");
   EXPECT_EQ(missing.exit_code, 1);
-  EXPECT_TRUE(says(missing, "error: 'elbow': needs 2 markers and got 1\n  at:   scene.cpp:20\n  fix: "));
+  EXPECT_TRUE(says(missing, "error: 'elbow': needs 2 markers and got 1\n  at:   scene.cpp:20\n  fix:  "));
   EXPECT_FALSE(says(missing, "terminate"));
 
   folder.write("other.cpp", "#include <stdexcept>\nint main() { throw std::runtime_error(\"of the user\"); }\n");

@@ -82,13 +82,13 @@ def main():
         print(f"wrote {options.baseline}")
         return
     if not options.baseline.exists():
-        raise SystemExit(f"error: there is no {options.baseline}.\n  fix: tools/bench.sh --update-baseline writes it.")
+        raise SystemExit(f"error: there is no {options.baseline}.\n  fix:  tools/bench.sh --update-baseline writes it.")
     baseline = json.loads(options.baseline.read_text())
     changed = show(changes(count(options.counted), baseline["instructions"]))
     if changed:
         if baseline["compiler"] != compiler:
             print(f"note: the baseline is of another compiler, {baseline['compiler']}; here {compiler}", file=sys.stderr)
-        print(f"error: changed by more than {100 * TOLERANCE:.0f} %: {', '.join(changed)}.\n  fix: faster, or meant to "
+        print(f"error: changed by more than {100 * TOLERANCE:.0f} %: {', '.join(changed)}.\n  fix:  faster, or meant to "
               "be so: tools/bench.sh --update-baseline, and commit it; else find what costs more by\n  "
               "tools/bench/instructions.py PROGRAM --profile 25.", file=sys.stderr)
         raise SystemExit(1)

@@ -176,10 +176,10 @@ def check():
     for place, why, text in wrong:
         first = next((line for line in text.splitlines() if line.strip()), "")
         print(f"error: a code block is not kept true: {why}\n  at:   {place}: {first.strip()}\n"
-              "  fix: see tools/docs/code_blocks.py", file=sys.stderr)
+              "  fix:  see tools/docs/code_blocks.py", file=sys.stderr)
     for example in untaught():
         print(f"error: {example.relative_to(ROOT)} has no page in the tutorial\n"
-              f"  fix: write docs/site/tutorial/{example.stem}.md", file=sys.stderr)
+              f"  fix:  write docs/site/tutorial/{example.stem}.md", file=sys.stderr)
     return 1 if wrong or untaught() else 0
 
 

@@ -167,7 +167,7 @@ def note(below, same):
     for name, told in refused[:5]:
         print(f"error: the inputs of {name} have changed, the picture has not: "
               f"{', '.join(changed(book[name], told)) or 'fewer or more of them'}\n"
-              f"  fix: {told.command}; if it came out the same: tools/docs/figures.py note --same {name}",
+              f"  fix:  {told.command}; if it came out the same: tools/docs/figures.py note --same {name}",
               file=sys.stderr)
     if len(refused) > 5:
         print(f"error: and {len(refused) - 5} more", file=sys.stderr)
@@ -181,7 +181,7 @@ def main():
         return note([path for path in paths if path != "--same"], "--same" in paths)
     found = list(errors())
     for what, where, fix in found[:10]:
-        print(f"error: {what}\n  at:   {where}\n  fix: {fix}", file=sys.stderr)
+        print(f"error: {what}\n  at:   {where}\n  fix:  {fix}", file=sys.stderr)
     if len(found) > 10:
         print(f"error: and {len(found) - 10} more", file=sys.stderr)
     return 1 if found else 0

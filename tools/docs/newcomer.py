@@ -15,7 +15,7 @@ expect() {
   grep -qF -- "$1" "$said" && return
   echo "error: the page says that '$step' prints '$1'" >&2
   echo "  at:   docs/site/newcomer.md:$2" >&2
-  echo "  fix: it printed what stands above" >&2
+  echo "  fix:  it printed what stands above" >&2
   exit 1
 }
 trap 'code=$?; [[ $code -eq 0 ]] || echo "error: the page fails at: ${step:-its start} (exit code $code)" >&2' EXIT
@@ -28,7 +28,7 @@ def main():
     script, count = [FUNCTIONS], 0
     blocks = list(re.finditer(r"^<!-- newcomer: (\w+)(?: (\S+))? -->\n```\w+\n(.*?)^```$", text, re.M | re.S))
     if len(blocks) != text.count("```") // 2:
-        sys.exit("error: a block of docs/site/newcomer.md does not say what it is\n  fix: <!-- newcomer: run -->")
+        sys.exit("error: a block of docs/site/newcomer.md does not say what it is\n  fix:  <!-- newcomer: run -->")
     for block in blocks:
         kind, argument, code = block.groups()
         line = text[:block.start()].count("\n") + 3

@@ -77,7 +77,7 @@ def topic_of(header):
         for page, _, _, patterns in TOPICS:
             if any(map(fits, patterns)):
                 return page
-    sys.exit(f"error: no topic has {header}\n  fix: name it in tools/docs/reference.py")
+    sys.exit(f"error: no topic has {header}\n  fix:  name it in tools/docs/reference.py")
 
 
 def plain(element):

@@ -64,15 +64,15 @@ std::vector<Diagnostic> read_errors(const std::string& output, const Installatio
 /// What GCC and the linker say where no line is known.
 std::string linker_message(const std::string& output) {
   if (output.find("undefined reference to `main'") != std::string::npos)
-    return "error: the scene has no main().\n  fix: write  int main() { ... }  in it\n";
+    return "error: the scene has no main().\n  fix:  write  int main() { ... }  in it\n";
   if (output.find("undefined reference to `scene()'") != std::string::npos)
-    return "error: the scene has nothing to chart.\n  fix: write  lithe::StudyScene scene() { ... }  in it\n";
+    return "error: the scene has nothing to chart.\n  fix:  write  lithe::StudyScene scene() { ... }  in it\n";
   static const std::regex undefined(R"(undefined reference to `([^']+)')");
   std::smatch match;
   if (std::regex_search(output, match, undefined))
     return "error: '" + match[1].str() +
            "' is declared but nowhere defined.\n"
-           "  fix: lithe run compiles one file: define it there, or in a header that the scene includes\n";
+           "  fix:  lithe run compiles one file: define it there, or in a header that the scene includes\n";
   return output;
 }
 
@@ -107,7 +107,7 @@ std::string explain(const std::string& compiler_output, const fs::path& scene, c
       const auto indent = std::min(line.find_first_not_of(" \t"), line.size());
       text += "        " + line.substr(indent) + "\n";
     }
-    if (!words.fix.empty()) text += "  fix: " + words.fix + "\n";
+    if (!words.fix.empty()) text += "  fix:  " + words.fix + "\n";
   }
   if (count > kShown) text += "and " + std::to_string(count - kShown) + " more errors.\n";
   return text + "(lithe run --verbose " + shown + " shows all that the compiler says)\n";

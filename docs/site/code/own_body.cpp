@@ -10,7 +10,7 @@ using namespace lithe;
 class Particle final : public Body {
  public:
   struct Parameters {
-    double mass = 1;                                // kg
+    double mass = 1;                               // kg
     Vector3 position{0, 0, 0}, velocity{0, 0, 0};  // m, m/s, world axes
   };
   struct Cache : BodyCache {

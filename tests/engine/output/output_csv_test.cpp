@@ -103,7 +103,7 @@ TEST(output_csv, an_unwritable_path_says_how_to_fix_it) {
   const std::string message =
       message_of<FileError>([&] { write_csv({.columns = {"t"}}, folder.path("file/run.csv")); });
   EXPECT_THAT(message, HasSubstr(folder.path("file/run.csv")));
-  EXPECT_THAT(message, HasSubstr("fix: choose a path"));
+  EXPECT_THAT(message, HasSubstr("fix:  choose a path"));
   std::filesystem::create_directory(folder.path("taken"));
   EXPECT_THROW(write_csv({.columns = {"t"}}, folder.path("taken")), FileError);
   EXPECT_EQ(folder.file_count(), 1) << "a temporary file was left behind";

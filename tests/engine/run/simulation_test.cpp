@@ -184,7 +184,7 @@ TEST(simulation, a_failure_is_named_and_loses_nothing) {
   const std::string message = message_of<SimulationError>([&] { c.simulation.run(c.state, 2.0); });
   EXPECT_THAT(message, HasSubstr("the step from t = 0.5 s failed: it strikes thirteen"));
   EXPECT_THAT(message, HasSubstr("at:   t = 0.5 s, clock"));
-  EXPECT_THAT(message, HasSubstr("fix: give a smaller step"));
+  EXPECT_THAT(message, HasSubstr("fix:  give a smaller step"));
   EXPECT_THAT(recorder.table().column("t"), ElementsAre(0, 0.375, 0.5));  // the last good state too
   EXPECT_EQ(c.state.time, 0.5);
   EXPECT_EQ(c.state.v[0], 0);  // what the failed step spoilt

@@ -24,8 +24,7 @@ inline FiniteElementModel rod_model() {
 /// A flexible rod on a hinge; a hub on another one.
 struct Scene {
   FiniteElementModel rod_of_file = rod_model();
-  std::shared_ptr<const ModalBasis> basis =
-      make_basis(rod_of_file, HingeFrame{rod_of_file.node_set("hinge")}, 6);
+  std::shared_ptr<const ModalBasis> basis = make_basis(rod_of_file, HingeFrame{rod_of_file.node_set("hinge")}, 6);
   const Matrix3 along_y = rotation_about({1, 0, 0}, -M_PI / 2);
 
   SystemGraph graph{{.gravity = {0, 0, -9.81}}};
