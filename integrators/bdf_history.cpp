@@ -51,8 +51,7 @@ void BdfHistory::history(Archive& archive) {
   const bool sound = size_ >= 0 && size_ <= kCapacity &&
                      std::all_of(columns_.begin(), columns_.end(), [](int c) { return c >= 0 && c < kCapacity; });
   if (!sound)
-    throw FileError("the checkpoint's multistep history is damaged", archive.source(),
-                    "resume from an older one");
+    throw FileError("the checkpoint's multistep history is damaged", archive.source(), "resume from an older one");
 }
 
 void BdfHistory::derivative_weights(double t, int order, Weights& w) const {

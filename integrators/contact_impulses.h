@@ -91,8 +91,8 @@ class ContactImpulses {
   std::vector<Closing> closings_;
   std::vector<std::optional<Impact>> impacts_;
   std::vector<Impact> fastest_;  // by group
-  VectorX held_until_;  // time of the impact that ends what holds the point; -1: none
-  ConeProblem some_;    // contacts that hold
+  VectorX held_until_;           // time of the impact that ends what holds the point; -1: none
+  ConeProblem some_;             // contacts that hold
   std::vector<int> some_points_, island_;
   std::vector<int> meeting_;          // pairs with an impact, by group
   std::vector<char> holding_;         // by pair

@@ -13,22 +13,22 @@
 namespace lithe {
 namespace {
 
-constexpr double kFarthest = 0.3;        // rad, or of the size of the scene: what a step may turn and move
-constexpr double kSmooth = 1e-5;         // of the size of the scene, or rad: for differences of the balance
-constexpr double kLeast = 1e-4;          // of the shift σ, 1/s²
-constexpr double kMost = 1e16;           // likewise; where it is reached nothing helps
-constexpr double kContraction = 0.7;     // of a correction beside the one before
-constexpr double kSettled = 1e-4;        // of corrections beside the step: the rest is left to the next one
-constexpr double kGood = 0.05;           // likewise, where they do not contract any more
-constexpr int kMaxTangents = 8;          // a step, besides its own
-constexpr int kMaxCorrections = 15;      // a step
-constexpr double kLeastShare = 0.02;     // of a step; below, the shift grows
-constexpr int kMaxTries = 2;             // shares of a step, each 0.3 of the last
-constexpr double kLonger = 2;            // a share beside the one taken last
-constexpr double kGrowth = 10;           // of the shift where a step is refused without saying by how much
-constexpr double kRowsClosed = 1e-9;     // |g| of an equilibrium
-constexpr double kHardlyMoves = 1e-6;    // m, rad: too small a move to judge the energy by
-constexpr double kPerfect = 1e-15;       // out of balance, of the force scale
+constexpr double kFarthest = 0.3;      // rad, or of the size of the scene: what a step may turn and move
+constexpr double kSmooth = 1e-5;       // of the size of the scene, or rad: for differences of the balance
+constexpr double kLeast = 1e-4;        // of the shift σ, 1/s²
+constexpr double kMost = 1e16;         // likewise; where it is reached nothing helps
+constexpr double kContraction = 0.7;   // of a correction beside the one before
+constexpr double kSettled = 1e-4;      // of corrections beside the step: the rest is left to the next one
+constexpr double kGood = 0.05;         // likewise, where they do not contract any more
+constexpr int kMaxTangents = 8;        // a step, besides its own
+constexpr int kMaxCorrections = 15;    // a step
+constexpr double kLeastShare = 0.02;   // of a step; below, the shift grows
+constexpr int kMaxTries = 2;           // shares of a step, each 0.3 of the last
+constexpr double kLonger = 2;          // a share beside the one taken last
+constexpr double kGrowth = 10;         // of the shift where a step is refused without saying by how much
+constexpr double kRowsClosed = 1e-9;   // |g| of an equilibrium
+constexpr double kHardlyMoves = 1e-6;  // m, rad: too small a move to judge the energy by
+constexpr double kPerfect = 1e-15;     // out of balance, of the force scale
 
 std::string short_number(double x) {
   char text[32];
@@ -185,8 +185,8 @@ class Search {
         if (again && (!factorize() || ++tangents > kMaxTangents)) return false;
         c = (1 - share) * force_ - balance_.force - shift_ * balance_.mass_times(d, state_.lambda);
         c_lambda = (1 - share) * gap_ - balance_.gap;
-        const bool solved = again ? balance_.solve_exactly(c, c_lambda, state_.lambda, kSmooth * size_)
-                                  : balance_.solve(c, c_lambda);
+        const bool solved =
+            again ? balance_.solve_exactly(c, c_lambda, state_.lambda, kSmooth * size_) : balance_.solve(c, c_lambda);
         size = solved ? std::sqrt(std::max(0.0, c.dot(balance_.mass_times(c, state_.lambda)))) : 1e300;
         if (size <= kContraction * (again ? length : last)) break;
         if (again) return false;
@@ -246,9 +246,8 @@ Equilibrium find_equilibrium(const System& system, const State& start, const Equ
   equations.evaluate(state.time, state.q, state.v, Level::velocity);
   equations.residual(state.v, state.lambda, unloaded);
   projector.accelerations(state.time, state.q, state.v, state.v_dot, state.lambda);
-  const double force_scale =
-      std::max({unloaded.lpNorm<Eigen::Infinity>(),
-                state.lambda.size() > 0 ? state.lambda.lpNorm<Eigen::Infinity>() : 0.0, 1e-12});
+  const double force_scale = std::max({unloaded.lpNorm<Eigen::Infinity>(),
+                                       state.lambda.size() > 0 ? state.lambda.lpNorm<Eigen::Infinity>() : 0.0, 1e-12});
   state.lambda.setZero();  // so that what is held back is a share of the loads alone
 
   // 2. Newton, until the balance is as good as round-off lets it be.

@@ -68,7 +68,10 @@ Assembler::Assembler(const System& system) : system_(system), factor_(std::make_
   unknowns_.setZero(layout.v_count() + rows + compliant);
   zero_v_.setZero(layout.v_count());
   zero_rows_.setZero(rows);
-  facts_ = {.layout = &layout, .redundant_rows = {}, .velocity_rows = system.velocity_rows(), .reacts = system.reacts_,
+  facts_ = {.layout = &layout,
+            .redundant_rows = {},
+            .velocity_rows = system.velocity_rows(),
+            .reacts = system.reacts_,
             .has_loops = factor_->guarded()};
   for (const RedundantRow& r : system.redundant_) facts_.redundant_rows.push_back(r.row);
   factor_->drop_rows(facts_.redundant_rows);
@@ -83,9 +86,8 @@ Assembler::Assembler(const System& system) : system_(system), factor_(std::make_
   for (const auto& entry : system.graph().forces())
     for (const Marker& m : entry.markers)
       if (const int b = entry.make_batch ? find_body(*m.body) : -1; b >= 0) loaded.push_back(b);
-  rigid_contacts_ = std::make_unique<RigidContacts>(RigidContacts::Scene{*this, system.blocks_, work_.values,
-                                                                         system.contacts(), *contacts_,
-                                                                         std::move(loaded), system.gravity().norm()});
+  rigid_contacts_ = std::make_unique<RigidContacts>(RigidContacts::Scene{
+      *this, system.blocks_, work_.values, system.contacts(), *contacts_, std::move(loaded), system.gravity().norm()});
 }
 
 void Assembler::recall(const ContactMemory& contacts) {

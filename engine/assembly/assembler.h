@@ -18,10 +18,7 @@ template <class Scalar>
 class ContactCorrection;
 
 /// Evaluates one system: walks the batches and writes the blocks of M, f, g, G in place. One a thread.
-class Assembler final : public EquationsOfMotion,
-                        public StepMemory,
-                        public ComplexFactor,
-                        public HeldCoordinates {
+class Assembler final : public EquationsOfMotion, public StepMemory, public ComplexFactor, public HeldCoordinates {
  public:
   explicit Assembler(const System& system);
   ~Assembler() override;

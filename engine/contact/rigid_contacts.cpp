@@ -18,8 +18,7 @@ constexpr double kNear = 1e-6;  // m: looked at whatever the speed
 RigidContacts::RigidContacts(Scene scene) : scene_(std::move(scene)) {
   for (const ContactRecord& record : scene_.records) {
     reach_.emplace_back(record.markers.size(), 0.0);
-    located_.push_back(record.element->law() == ContactElement::Law::rigid &&
-                       !record.element->located_pairs().empty());
+    located_.push_back(record.element->law() == ContactElement::Law::rigid && !record.element->located_pairs().empty());
   }
   group_bodies();
 }

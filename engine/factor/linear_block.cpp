@@ -7,7 +7,7 @@
 namespace lithe {
 namespace {
 
-constexpr double kRoundings = 8;        // a pivot of as many last bits of what it was made from is round-off alone
+constexpr double kRoundings = 8;         // a pivot of as many last bits of what it was made from is round-off alone
 constexpr double kMostCondition = 1e13;  // of D with rows and columns scaled: a factor of three digits serves Newton
 
 /// y -= A x with A m x n, columns `stride` apart; M: m if the compiler may know it, else 0.

@@ -29,12 +29,12 @@ struct ContactLoad {
 
 /// What rigid surfaces do to each other.
 struct RigidContact {
-  double restitution = 0;  // of Newton: normal speed after over that before, reversed
-  double rest_speed = 0;   // m/s: closing more slowly they do not bounce
-  double friction = 0;     // Coulomb's μ, of surfaces that slide
+  double restitution = 0;      // of Newton: normal speed after over that before, reversed
+  double rest_speed = 0;       // m/s: closing more slowly they do not bounce
+  double friction = 0;         // Coulomb's μ, of surfaces that slide
   double static_friction = 0;  // of those that do not, at least as much
-  double rolling = 0;      // m: largest rolling moment over normal force
-  double spinning = 0;     // m: largest moment about the normal over normal force
+  double rolling = 0;          // m: largest rolling moment over normal force
+  double spinning = 0;         // m: largest moment about the normal over normal force
 };
 
 /// Surfaces that push where they meet: as many markers as colliders. A force element of its own kind: its points are

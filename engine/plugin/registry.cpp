@@ -152,8 +152,7 @@ void Registry::take(const std::shared_ptr<const PluginLibrary>& library, const s
   if (loading.problem.empty() &&
       fresh.joints.size() + fresh.forces.size() + fresh.bodies.size() + fresh.integrators.size() == 0)
     loading.refuse("the plug-in exports no type", "export one with LITHE_EXPORT_JOINT or its like");
-  if (!loading.problem.empty())
-    throw FileError("the plug-in is refused: " + loading.problem, source, loading.fix);
+  if (!loading.problem.empty()) throw FileError("the plug-in is refused: " + loading.problem, source, loading.fix);
   types_.joints.merge(fresh.joints);
   types_.forces.merge(fresh.forces);
   types_.bodies.merge(fresh.bodies);

@@ -73,9 +73,7 @@ void write_checkpoint(const Archive& archive, const std::string& path) {
 
 Archive read_checkpoint(const std::string& path) {
   const Hdf5Reader file(path);
-  const auto refuse = [&](const std::string& problem, const std::string& fix) {
-    throw FileError(problem, path, fix);
-  };
+  const auto refuse = [&](const std::string& problem, const std::string& fix) { throw FileError(problem, path, fix); };
   if (file.text_attribute("/", "kind") != kKind)
     refuse("the file is not a checkpoint but a '" + file.text_attribute("/", "kind") + "'",
            "give a file that Simulation::checkpoint() or save() wrote");

@@ -140,9 +140,8 @@ struct LeanSimulation::Island {
   /// The same of a state that it has passed: what happened up to there has happened.
   void take_back(const State& whole) {
     const auto& all = simulation.events_;
-    events_before.assign(all.begin(), std::find_if(all.begin(), all.end(), [&](const EventRecord& e) {
-                           return e.time > whole.time;
-                         }));
+    events_before.assign(
+        all.begin(), std::find_if(all.begin(), all.end(), [&](const EventRecord& e) { return e.time > whole.time; }));
     take(whole);
   }
 
@@ -160,8 +159,8 @@ struct LeanSimulation::Island {
   std::unique_ptr<Integrator> integrator;
   const SleepingIntegrator* sleeper;
   Simulation simulation;
-  State state;          // its time stands still while it sleeps
-  bool touched = true;  // since it moved last
+  State state;                             // its time stands still while it sleeps
+  bool touched = true;                     // since it moved last
   long earlier_events = 0;                 // that it had when the run of the whole began
   std::vector<EventRecord> events_before;  // of the time that it was taken back to, until it moves
   Shares q, v, rows, angles;

@@ -122,9 +122,9 @@ void Simulation::check(const State& state, double end) const {
                      "Simulation::run", "start from system.initial_state()");
   // Accelerations and multipliers are the integrator's to find.
   if (!std::isfinite(state.time) || !state.q.allFinite() || !state.v.allFinite())
-    throw SceneError("the state to start from is not finite in " +
-                         find_not_finite({state.time, state.q, state.v, {}, {}}, layout),
-                     "Simulation::run", "start from system.initial_state()");
+    throw SceneError(
+        "the state to start from is not finite in " + find_not_finite({state.time, state.q, state.v, {}, {}}, layout),
+        "Simulation::run", "start from system.initial_state()");
   if (!std::isfinite(end) || end < state.time - time_round_off(end))
     throw SceneError("cannot run from " + time_text(state.time) + " to " + time_text(end), "Simulation::run",
                      "give a later end: it is a time, not a duration");

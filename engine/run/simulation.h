@@ -116,8 +116,8 @@ class Simulation {
   Projector projector_;
   State at_event_;
   std::vector<EventFinder::Crossing> met_;  // that happen at one time
-  IntegratorStatistics earlier_;  // of the integrator's starts before its present one
-  struct Approach {               // to a switch: steps end there
+  IntegratorStatistics earlier_;            // of the integrator's starts before its present one
+  struct Approach {                         // to a switch: steps end there
     int watched = -1, tries = 0;
     double time = 0;  // s
   } approach_;

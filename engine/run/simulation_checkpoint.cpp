@@ -105,12 +105,11 @@ void Simulation::history(Archive& archive, State& state) {
       throw FileError("the checkpoint's events are not whole", archive.source(), "resume from an older one");
     events_.clear();
     for (std::size_t i = 0; i < count; ++i)
-      events_.push_back(
-          {times[i],
-           names[i],
-           numbers[i],
-           {static_cast<ContactChange>(contacts[3 * i]), contacts[3 * i + 1], contacts[3 * i + 2], speeds[i],
-            impulses[i]}});
+      events_.push_back({times[i],
+                         names[i],
+                         numbers[i],
+                         {static_cast<ContactChange>(contacts[3 * i]), contacts[3 * i + 1], contacts[3 * i + 2],
+                          speeds[i], impulses[i]}});
     archive("approached", approach_.watched);
     archive("tries", approach_.tries);
     archive("approach_time", approach_.time);

@@ -161,8 +161,8 @@ TEST(CraigBampton, AveragedInterfacesAreFixedInTheirMeanMotion) {
   const MatrixX X = with_rigid(*basis);
   MatrixX load = F.rightCols(6);  // at the end, and what balances it at the start
   const MatrixX motions = rigid_motions(rod.model.nodes, Vector3::Zero());
-  load -= F.leftCols(6) *
-          test::solve(motions.transpose() * F.leftCols(6), MatrixX(motions.transpose() * F.rightCols(6)));
+  load -=
+      F.leftCols(6) * test::solve(motions.transpose() * F.leftCols(6), MatrixX(motions.transpose() * F.rightCols(6)));
   // Balanced loads do not feel springs that act on rigid motions alone.
   const MatrixX held = rod.K + rod.K.diagonal().mean() * motions * motions.transpose();
   const MatrixX mesh = load.transpose() * test::solve_positive(held, load);

@@ -278,8 +278,8 @@ INSTANTIATE_TEST_SUITE_P(Kinds, PartOfABody,
                                          Fidelity{kSome, Deflection::stiffened}, Fidelity{{1}, Deflection::quadratic},
                                          Fidelity{kSome, Deflection::quadratic}),
                          [](const auto& test) {
-                           return to_string(test.param.deflection) + "_" +
-                                  std::to_string(test.param.modes.size()) + "_modes";
+                           return to_string(test.param.deflection) + "_" + std::to_string(test.param.modes.size()) +
+                                  "_modes";
                          });
 
 TEST(Fidelity, deformation_at_the_start_belongs_to_its_mode) {

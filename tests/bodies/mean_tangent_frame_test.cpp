@@ -19,10 +19,8 @@ namespace {
 /// A block 1 x 0.2 x 0.2 m of 8-node bricks, one across: the four nodes of a face bear a uniform stress alike.
 struct Block {
   static constexpr double length = 1, height = 0.2, young = 2e11, poisson = 0.3;
-  FiniteElementModel model = brick_mesh({.size = {length, height, height},
-                                         .divisions = {5, 1, 1},
-                                         .type = "C3D8",
-                                         .material = {young, poisson, 7800}});
+  FiniteElementModel model = brick_mesh(
+      {.size = {length, height, height}, .divisions = {5, 1, 1}, .type = "C3D8", .material = {young, poisson, 7800}});
   const std::vector<int>& root() const { return model.node_set("x_min"); }
   const std::vector<int>& end() const { return model.node_set("x_max"); }
   Vector3 drawn(int id) const { return model.nodes.col(model.node_index(id)); }
@@ -60,8 +58,7 @@ Pulled pull(const Block& block, const BodyFrame& frame, double force, int modes 
 /// By how much a face grows across, relative: the mean over y and z of its nodes.
 double strain_across(const Block& block, const Pulled& pulled, const std::vector<int>& face) {
   Vector3 middle = Vector3::Zero(), moved = Vector3::Zero();
-  for (int id : face)
-    middle += block.drawn(id) / 4, moved += pulled.displacements.col(block.model.node_index(id)) / 4;
+  for (int id : face) middle += block.drawn(id) / 4, moved += pulled.displacements.col(block.model.node_index(id)) / 4;
   double up = 0, down = 0;
   for (int id : face) {
     const Vector3 arm = block.drawn(id) - middle, u = pulled.displacements.col(block.model.node_index(id)) - moved;

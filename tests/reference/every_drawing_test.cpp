@@ -211,12 +211,11 @@ std::vector<Linkage (*)()> linkages() {
   return all;
 }
 
-INSTANTIATE_TEST_SUITE_P(Linkages, EveryDrawing, ::testing::ValuesIn(linkages()),
-                         [](const auto& at) {
-                           std::string name = at.param().name;
-                           std::erase(name, '-');
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(Linkages, EveryDrawing, ::testing::ValuesIn(linkages()), [](const auto& at) {
+  std::string name = at.param().name;
+  std::erase(name, '-');
+  return name;
+});
 
 }  // namespace
 }  // namespace lithe::test::every_drawing_test

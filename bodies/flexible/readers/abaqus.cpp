@@ -145,7 +145,7 @@ class MatrixReader {
   const std::vector<int>& node_ids_;
   LabelledMatrix matrix_;
   std::vector<DofRow> rows_;  // named by comments
-  size_t columns_ = 0;           // 3 or 5, by the first entry
+  size_t columns_ = 0;        // 3 or 5, by the first entry
   int size_ = 0;
 };
 

@@ -219,7 +219,7 @@ class NastranDeckReader {
 
   DofRow row_at(const Entry& entry, size_t k) const {
     const DofRow row{integer(entry, k, "node label"),
-                        field(entry, k + 1).empty() ? 0 : integer(entry, k + 1, "direction")};
+                     field(entry, k + 1).empty() ? 0 : integer(entry, k + 1, "direction")};
     if (row.node < 1 || row.direction < 0 || row.direction > 6)
       fail(entry, "node " + std::to_string(row.node) + ", direction " + std::to_string(row.direction) + ".",
            "nodes count from 1; directions are 1 to 6, and 0 for scalar points.");

@@ -27,8 +27,7 @@ struct Truss {
   static constexpr double kHeight = 0.4, kStiffness = 1000, kLoad = 100;
   SystemGraph graph{{.gravity = {0, 0, 0}}};
   Truss() {
-    auto& hinge =
-        graph.add<RigidBody>("hinge", {.mass = 1, .inertia = {0.1, 0.1, 0.1}, .position = {0, 0, kHeight}});
+    auto& hinge = graph.add<RigidBody>("hinge", {.mass = 1, .inertia = {0.1, 0.1, 0.1}, .position = {0, 0, kHeight}});
     graph.add<PrismaticJoint>("guide", {graph.ground().marker(), hinge.marker()});
     for (const double side : {-1.0, 1.0})
       graph.add<SpringDamper>(side < 0 ? "left" : "right", {graph.ground().marker({side, 0, 0}), hinge.marker()},

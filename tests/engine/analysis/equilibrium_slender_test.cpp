@@ -63,8 +63,9 @@ struct Bricks : Structure {
       graph.add<SphericalJoint>("root " + std::to_string(id),
                                 {graph.ground().marker(mesh->nodes.col(mesh->node_index(id))), rod.node(id)});
     tip = rod.average(mesh->node_set("x1"));
-    graph.add<PointForce>("load", {tip}, {.force = {0, 0, load_over_bending * bending},
-                                          .torque = {0, -moment_over_bending * bending, 0}});
+    graph.add<PointForce>(
+        "load", {tip},
+        {.force = {0, 0, load_over_bending * bending}, .torque = {0, -moment_over_bending * bending, 0}});
   }
 };
 
@@ -80,9 +81,9 @@ struct Links : Structure {
           "link " + number, {.mass = 0.1, .inertia = {1e-4, 1e-4, 1e-4}, .position = {length * (i + 0.5), 0, 0}});
       const Marker start = link.marker({-length / 2, 0, 0}, kAxisY);
       if (tie == Tie::bushing) {
-        graph.add<Bushing>("bushing " + number, {tip, start},
-                           {.stiffness = Bushing::diagonal(Vector3::Constant(axial * count),
-                                                           Vector3::Constant(bending * count))});
+        graph.add<Bushing>(
+            "bushing " + number, {tip, start},
+            {.stiffness = Bushing::diagonal(Vector3::Constant(axial * count), Vector3::Constant(bending * count))});
       } else {
         auto& pin = graph.add<RevoluteJoint>("pin " + number, {tip, start});
         graph.add<CoordinateSpring>("spring " + number, {pin.angle()}, {.stiffness = bending * count});
