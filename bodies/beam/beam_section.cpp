@@ -26,11 +26,11 @@ BeamSection homogeneous(const Material& m, double area, double I2, double I3, do
   return BeamSection::diagonal(stiffness, m.density * area, m.density * Vector3(I2 + I3, I2, I3));
 }
 
-/// J = a b³/3 (1 - 192/π⁵ (b/a) Σ tanh(nπa/2b)/n⁵), n = 1, 3, 5 …, a >= b.
+/// J = a b³/3 (1 - 192/π⁵ (b/a) Σ tanh(nπa/2b)/n⁵), n = 1, 3, 5 …, a >= b; Σ 1/n⁵ = 31/32 ζ(5).
 double torsion_of_rectangle(double a, double b) {
   if (a < b) std::swap(a, b);
-  double sum = 0;
-  for (int n = 199; n > 0; n -= 2) sum += std::tanh(n * kPi * a / (2 * b)) / std::pow(n, 5);
+  double sum = 31.0 / 32 * 1.0369277551433699;
+  for (int n = 1; n < 25; n += 2) sum -= (1 - std::tanh(n * kPi * a / (2 * b))) / std::pow(n, 5);
   return a * b * b * b / 3 * (1 - 192 / std::pow(kPi, 5) * b / a * sum);
 }
 

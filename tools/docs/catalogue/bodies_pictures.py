@@ -77,6 +77,30 @@ def flexible_body():
     return p
 
 
+def beam():
+    p = Picture("Beam: rigid nodes with section axes, elements between them", centre=(0, 0, 0.15))
+    world(p)
+
+    def pose(s):
+        return vec(0.1 * s, -1.2 + 2.3 * np.sin(0.55 * s) / 1.1, -0.1 + 0.9 * (1 - np.cos(0.75 * s)))
+
+    places = [pose(s) for s in np.linspace(0, 2, 33)]
+    for side in (0.11, -0.11):
+        p.line([q + side * Z for q in places], "a")
+    p.line(places, "g n d")
+    for i in (0, 8, 16, 24, 32):
+        ahead = places[min(i + 1, 32)] - places[max(i - 1, 0)]
+        e1 = ahead / np.linalg.norm(ahead)
+        e2 = np.cross(Z, e1) / np.linalg.norm(np.cross(Z, e1))
+        if i in (0, 16):
+            p.frame(places[i], np.column_stack([e1, e2, np.cross(e1, e2)]), "", "a", 0.5)
+        p.dot(places[i], "b", 4)
+    p.text(places[12], "element: Γ, K", "f", dx=-6, dy=-26, small=True)
+    p.text(places[24], "node", "b", dx=26, dy=10, small=True)
+    p.text(places[0], "section axes", "a", dx=-10, dy=30, small=True)
+    return p
+
+
 def modes():
     p = flat("Reduction: from all nodes to a few modes", scale=56)
     p.scale = 60
@@ -141,4 +165,4 @@ def inertial_body():
     return p
 
 
-PICTURES = {f.__name__: f for f in (ground, rigid_body, flexible_body, modes, integral_state, inertial_body)}
+PICTURES = {f.__name__: f for f in (ground, rigid_body, beam, flexible_body, modes, integral_state, inertial_body)}
