@@ -78,26 +78,27 @@ def flexible_body():
 
 
 def beam():
-    p = Picture("Beam: rigid nodes with section axes, elements between them", centre=(0, 0, 0.15))
+    p = Picture("Beam: rigid nodes with section axes, elements between them", centre=(0, 0, 0.3))
     world(p)
-
-    def pose(s):
-        return vec(0.1 * s, -1.2 + 2.3 * np.sin(0.55 * s) / 1.1, -0.1 + 0.9 * (1 - np.cos(0.75 * s)))
-
-    places = [pose(s) for s in np.linspace(0, 2, 33)]
-    for side in (0.11, -0.11):
-        p.line([q + side * Z for q in places], "a")
-    p.line(places, "g n d")
-    for i in (0, 8, 16, 24, 32):
+    places = [vec(0, -0.9 + 1.3 * s, -0.1 + 0.32 * s**2) for s in np.linspace(0, 2, 33)]
+    axes = []
+    for i in range(33):
         ahead = places[min(i + 1, 32)] - places[max(i - 1, 0)]
         e1 = ahead / np.linalg.norm(ahead)
-        e2 = np.cross(Z, e1) / np.linalg.norm(np.cross(Z, e1))
-        if i in (0, 16):
-            p.frame(places[i], np.column_stack([e1, e2, np.cross(e1, e2)]), "", "a", 0.5)
+        axes.append(np.column_stack([e1, -X, np.cross(e1, -X)]))
+    for side in (0.13, -0.13):
+        p.line([q + side * R[:, 2] for q, R in zip(places, axes)], "a")
+    p.line(places, "g n d")
+    for i in (0, 8, 16, 24, 32):
+        p.line([places[i] - 0.13 * axes[i][:, 2], places[i] + 0.13 * axes[i][:, 2]], "a n")
         p.dot(places[i], "b", 4)
-    p.text(places[12], "element: Γ, K", "f", dx=-6, dy=-26, small=True)
-    p.text(places[24], "node", "b", dx=26, dy=10, small=True)
-    p.text(places[0], "section axes", "a", dx=-10, dy=30, small=True)
+    for i in (0, 16):
+        for k in range(3):
+            end = places[i] + 0.6 * axes[i][:, k]
+            p.arrow(places[i], end, "a", size=7)
+            p.text(places[i] + 0.74 * axes[i][:, k], str(k + 1), "a", small=True)
+    p.text(places[26], "element: Γ, K", "f", dx=44, dy=30, small=True)
+    p.text(places[8], "node", "b", dx=2, dy=26, small=True)
     return p
 
 
