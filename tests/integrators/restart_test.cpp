@@ -34,7 +34,6 @@
 #include "integrators/lie_bdf.h"
 #include "integrators/moreau_jean.h"
 #include "integrators/nonsmooth_generalized_alpha.h"
-#include "joints/contact/bullet_stepper.h"
 #include "joints/contact/contact.h"
 #include "joints/coordinate_drive.h"
 #include "joints/forces/joint_friction.h"
@@ -354,10 +353,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, Restart, testing::Range(0, static_cast<int>(sm
 
 TEST(RestartOfRigidContact, has_the_bits_of_the_run_that_went_on) {
   for (const Case& method : {Case{"moreau_jean", of<MoreauJean>({.step = 1e-3})},
-                             Case{"nonsmooth_alpha", of<NonsmoothGeneralizedAlpha>({.step = 1e-3})},
-                             Case{"bullet", [](const System& system) {
-                                    return std::make_unique<BulletStepper>(system, BulletStepper::Parameters{});
-                                  }}})
+                             Case{"nonsmooth_alpha", of<NonsmoothGeneralizedAlpha>({.step = 1e-3})}})
     check("rigid contact", draw_rigid_contact, method, 0.2);
 }
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "integrators/moreau_jean.h"
-#include "joints/contact/bullet_stepper.h"
+#include "tools/contact/bullet_stepper.h"
 #include "tools/contact/piles.h"
 
 namespace lithe::contact_bench {

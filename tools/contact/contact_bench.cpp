@@ -6,8 +6,8 @@
 
 #include "engine/cones/gauss_seidel.h"
 #include "integrators/moreau_jean.h"
-#include "joints/contact/bullet_stepper.h"
 #include "tools/bench/measure.h"
+#include "tools/contact/bullet_stepper.h"
 #include "tools/contact/measure.h"
 
 using namespace lithe;

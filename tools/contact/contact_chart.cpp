@@ -10,8 +10,8 @@
 #include "engine/output/csv.h"
 #include "integrators/explicit_runge_kutta.h"
 #include "integrators/moreau_jean.h"
-#include "joints/contact/bullet_stepper.h"
 #include "tools/bench/measure.h"
+#include "tools/contact/bullet_stepper.h"
 #include "tools/contact/known_motions.h"
 
 using namespace lithe;

@@ -11,11 +11,11 @@
 #include "engine/observe/recorder.h"
 #include "engine/run/simulation.h"
 #include "engine/study/model_error.h"
+#include "joints/coordinate_drive.h"
 #include "joints/fixed_joint.h"
 #include "joints/forces/user_force.h"
 #include "joints/prismatic_joint.h"
 #include "joints/revolute_joint.h"
-#include "joints/translational_driver.h"
 #include "tests/bodies/fe_models.h"
 #include "tests/support/methods.h"
 #include "tests/support/motion.h"
@@ -272,14 +272,15 @@ struct ShakenCantilever {
     beam.modal_velocities = (VectorX(4) << 0.03, 0.02, 0.05, 0).finished();
     body = &graph.add<FlexibleBody>("beam", beam);
     const Marker foot = body->average(model.node_set("x_min")), ground = graph.ground().marker({0, 0.01, 0.005});
-    graph.add<PrismaticJoint>("guide", {ground, foot});
-    drive = &graph.add<TranslationalDriver>(
-        "drive", {ground, foot}, {smooth_step(0, 0.02, 0, 0.05) + harmonic(1e-3, frequency, M_PI / 2, -1e-3)});
+    auto& guide = graph.add<PrismaticJoint>("guide", {ground, foot});
+    drive = &graph.add<CoordinateDrive>(
+        "drive", {guide.displacement()},
+        {.motion = smooth_step(0, 0.02, 0, 0.05) + harmonic(1e-3, frequency, M_PI / 2, -1e-3)});
     tip = body->node(model.node_set("x_max").back());
   }
   SystemGraph graph{{.gravity = {0, 0, 0}}};
   FlexibleBody* body;
-  TranslationalDriver* drive;
+  CoordinateDrive* drive;
   Marker tip;
 };
 

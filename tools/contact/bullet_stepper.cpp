@@ -1,4 +1,4 @@
-#include "joints/contact/bullet_stepper.h"
+#include "tools/contact/bullet_stepper.h"
 
 #include <BulletDynamics/ConstraintSolver/btNNCGConstraintSolver.h>
 #include <BulletDynamics/MLCPSolvers/btDantzigSolver.h>
