@@ -7,8 +7,10 @@
 namespace lithe {
 
 DistanceJoint::DistanceJoint(Parameters parameters)
-    : as_drawn_(parameters.length == 0), length_(parameters.length), length_law_(std::move(parameters.length_law)) {
-  require::not_negative(parameters.length, "length");
+    : as_drawn_(!parameters.length), length_law_(std::move(parameters.length_law)) {
+  if (as_drawn_) return;
+  require::positive(*parameters.length, "length");
+  length_ = *parameters.length;
 }
 
 void DistanceJoint::initialize(std::span<const MarkerView> m) {

@@ -6,9 +6,10 @@
 
 namespace lithe {
 
-RevoluteSphericalJoint::RevoluteSphericalJoint(Parameters parameters)
-    : as_drawn_(parameters.length == 0), length_(parameters.length) {
-  require::not_negative(parameters.length, "length");
+RevoluteSphericalJoint::RevoluteSphericalJoint(Parameters parameters) : as_drawn_(!parameters.length) {
+  if (as_drawn_) return;
+  require::positive(*parameters.length, "length");
+  length_ = *parameters.length;
 }
 
 void RevoluteSphericalJoint::initialize(std::span<const MarkerView> m) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/motion/make_integrator.h"
 #include "engine/run/simulation.h"
 #include "engine/run/sleeping_integrator.h"
 
@@ -28,7 +29,6 @@ struct LeanOptions {
 ///   simulation.run(state, 10);
 class LeanSimulation {
  public:
-  using MakeIntegrator = std::function<std::unique_ptr<Integrator>()>;
   /// Turns a state of the scene that runs into one of the scene that observers see; lambda is left empty.
   using Expand = std::function<void(const State& small, State& whole)>;
 

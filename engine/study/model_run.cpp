@@ -122,7 +122,7 @@ std::unique_ptr<SystemGraph> under(const std::vector<RecordedWrench::Parameters>
 }
 
 /// Steps of the integrator's own, read by its dense output.
-void run_whole(SystemGraph& graph, const std::vector<Sensor>& sensors, const MakeIntegrator& make,
+void run_whole(SystemGraph& graph, const std::vector<Sensor>& sensors, const MakeIntegratorBy<Tolerance>& make,
                const RunRequest& request, ModelRun& run) {
   const System system = assemble(graph);
   const std::unique_ptr<Integrator> integrator = make(request.tolerance);
@@ -141,7 +141,7 @@ void run_whole(SystemGraph& graph, const std::vector<Sensor>& sensors, const Mak
 }
 
 /// Islands that meet at every sample.
-void run_simplified(SystemGraph& graph, const std::vector<Sensor>& sensors, const MakeIntegrator& make,
+void run_simplified(SystemGraph& graph, const std::vector<Sensor>& sensors, const MakeIntegratorBy<Tolerance>& make,
                     const RunRequest& request, ModelRun& run) {
   Simplification simple(graph);
   LeanSimulation simulation(
@@ -206,8 +206,8 @@ std::string model_text(const BodyModels& bodies, const std::vector<Fidelity>& mo
 }
 
 ModelRun run_model(SystemGraph& graph, BodyModels& bodies, const std::vector<Fidelity>& models,
-                   const std::vector<Sensor>& sensors, const MakeIntegrator& make, const RunRequest& request,
-                   const std::vector<RecordedWrench::Parameters>& wrenches) {
+                   const std::vector<Sensor>& sensors, const MakeIntegratorBy<Tolerance>& make,
+                   const RunRequest& request, const std::vector<RecordedWrench::Parameters>& wrenches) {
   ModelRun run;
   const double begun = thread_seconds();
   bodies.set(models);

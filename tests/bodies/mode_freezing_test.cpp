@@ -9,6 +9,7 @@
 #include "bodies/flexible/elements/meshes.h"
 #include "bodies/flexible/flexible_body.h"
 #include "bodies/rigid_body.h"
+#include "engine/motion/make_integrator.h"
 #include "engine/motion/projection.h"
 #include "engine/observe/sensors.h"
 #include "engine/run/simulation.h"
@@ -254,7 +255,7 @@ struct Swing {
   long steps = 0;
   double residual = 0;
 };
-Swing swing(Deflection deflection, bool pinned, const std::function<std::unique_ptr<Integrator>()>& make,
+Swing swing(Deflection deflection, bool pinned, const MakeIntegrator& make,
             std::unique_ptr<Integrator>* made = nullptr) {
   Marker tip;
   Scene scene(kGravity, [&](SystemGraph& graph) {

@@ -585,7 +585,7 @@ struct BouncingBalls {
     std::sort(all.begin(), all.end());
     return all;
   }
-  static LeanSimulation::MakeIntegrator steps() {
+  static MakeIntegrator steps() {
     return [] { return std::make_unique<MoreauJean>(MoreauJean::Parameters{.step = 1e-3}); };
   }
 };

@@ -139,7 +139,7 @@ TEST(DrivenOscillators, a_slow_load_gives_the_static_deflection_and_faster_oscil
 // ---- runs ----
 
 constexpr double kLength = 0.5;
-MakeIntegrator explicit_method() {
+MakeIntegratorBy<Tolerance> explicit_method() {
   return [](const Tolerance& tolerance) { return runge_kutta8(tolerance.relative); };
 }
 RunRequest request(double duration, int samples, double tolerance = 1e-8) {
