@@ -2,7 +2,7 @@
 
 #include "engine/assembly/batch_of.h"
 #include "engine/base/checks.h"
-#include "engine/model/drawn.h"
+#include "engine/model/initial_pose.h"
 
 namespace lithe {
 
@@ -14,7 +14,7 @@ DistanceJoint::DistanceJoint(Parameters parameters)
 }
 
 void DistanceJoint::initialize(std::span<const MarkerView> m) {
-  drawn::apart(m[0], m[1]);
+  initial::apart(m[0], m[1]);
   if (as_drawn_) length_ = (m[1].p - m[0].p).norm();
 }
 

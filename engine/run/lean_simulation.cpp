@@ -130,7 +130,7 @@ struct LeanSimulation::Island {
     scatter(v, whole.v, state.v);
     scatter(v, whole.v_dot, state.v_dot);
     if (whole.lambda.size() > 0) scatter(rows, whole.lambda, state.lambda);
-    scatter(angles, whole.quadrants, state.quadrants);
+    scatter(angles, whole.quarter_turns, state.quarter_turns);
     state.contacts.clear();
     for (const ContactTrace& trace : whole.contacts)
       for (std::size_t i = 0; i < contacts.size(); ++i)
@@ -243,8 +243,8 @@ void LeanSimulation::run(State& state, double end) {
   // Accelerations and multipliers are the integrators' to find.
   if (state.v_dot.size() != state.v.size()) state.v_dot.setZero(state.v.size());
   if (state.lambda.size() != system_.layout().row_count()) state.lambda.resize(0);
-  const VectorX& drawn = system_.initial_state().quadrants;
-  if (state.quadrants.size() != drawn.size()) state.quadrants = drawn;
+  const VectorX& drawn = system_.initial_state().quarter_turns;
+  if (state.quarter_turns.size() != drawn.size()) state.quarter_turns = drawn;
 
   // 1. To each island its part; those that it changes start anew, accelerations become consistent.
   const bool resumed = begun_ && same(state, last_);
@@ -387,7 +387,7 @@ void LeanSimulation::gather(State& state, double time) const {
     lithe::gather(island->v, part.v, state.v);
     lithe::gather(island->v, part.v_dot, state.v_dot);
     if (found) lithe::gather(island->rows, part.lambda, state.lambda);
-    lithe::gather(island->angles, part.quadrants, state.quadrants);
+    lithe::gather(island->angles, part.quarter_turns, state.quarter_turns);
   }
   state.contacts.clear();
   for (const auto& island : islands_)

@@ -321,7 +321,7 @@ void check(const char* scene, const std::function<void(SystemGraph&)>& draw, con
     const auto found = resumed.go_on(times, i + 1, nullptr);
     ASSERT_TRUE(found == expected) << scene << ", " << method.name << ", from " << times[i]
                                    << " s: " << difference(found, expected);
-    ASSERT_TRUE(same(resumed.state, whole.state) && resumed.state.quadrants == whole.state.quadrants);
+    ASSERT_TRUE(same(resumed.state, whole.state) && resumed.state.quarter_turns == whole.state.quarter_turns);
     ASSERT_EQ(resumed.recorder.table().values, whole.recorder.table().values);
     ASSERT_EQ(resumed.simulation.events().size(), whole.simulation.events().size());
     ASSERT_EQ(resumed.simulation.statistics().evaluations, whole.simulation.statistics().evaluations);

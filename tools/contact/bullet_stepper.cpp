@@ -419,7 +419,7 @@ StepResult BulletStepper::advance(EquationsOfMotion& equations, State& state, do
   state.q = q_;
   state.v = v_;
   state.lambda.resize(0);
-  if (state.quadrants.size() > 0) equations.evaluate(state.time, state.q, state.v, Level::position);
+  if (state.quarter_turns.size() > 0) equations.evaluate(state.time, state.q, state.v, Level::position);
   return {};
 }
 

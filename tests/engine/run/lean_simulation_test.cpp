@@ -190,7 +190,7 @@ TEST(lean_simulation, islands_with_steps_of_their_own_move_as_the_whole_does) {
   EXPECT_LT((state.q - lean_state.q).cwiseAbs().maxCoeff(), 1e-8);
   EXPECT_LT((state.v - lean_state.v).cwiseAbs().maxCoeff(), 1e-7);
   EXPECT_LT((state.lambda - lean_state.lambda).cwiseAbs().maxCoeff(), 1e-6);
-  EXPECT_LT((state.quadrants - lean_state.quadrants).cwiseAbs().maxCoeff(), 1e-7);
+  EXPECT_LT((state.quarter_turns - lean_state.quarter_turns).cwiseAbs().maxCoeff(), 1e-7);
   EXPECT_GT(as_many.table().column("turns").back(), 2 * M_PI);  // turns are counted in islands too
   // The energy of the whole is the sum of the shares, observer by observer.
   const auto total = as_many.table().column("energy");
@@ -207,7 +207,7 @@ TEST(lean_simulation, islands_with_steps_of_their_own_move_as_the_whole_does) {
   simulation.run(state, 2.5);
   lean.run(lean_state, 2.5);
   EXPECT_LT((state.q - lean_state.q).cwiseAbs().maxCoeff(), 1e-8);
-  EXPECT_LT((state.quadrants - lean_state.quadrants).cwiseAbs().maxCoeff(), 1e-7);
+  EXPECT_LT((state.quarter_turns - lean_state.quarter_turns).cwiseAbs().maxCoeff(), 1e-7);
 }
 
 TEST(lean_simulation, an_island_takes_the_steps_that_it_would_take_alone) {
@@ -544,7 +544,7 @@ TEST(lean_simulation, observers_see_the_whole_of_which_a_smaller_scene_runs) {
                         to.v.head(6) = from.v;
                         to.v_dot.head(6) = from.v_dot;
                         to.v_dot.tail(6).setZero();
-                        to.quadrants.head(1) = from.quadrants;
+                        to.quarter_turns.head(1) = from.quarter_turns;
                       }};
   Recorder seen{{position(rod.marker(), "rod"), reaction(weld, 1, kWorldAxes, "weld"), total_energy("energy")}};
   lean.observe(seen, every(0.1));

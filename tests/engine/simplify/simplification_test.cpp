@@ -61,8 +61,9 @@ Comparison compare(const Draw& draw, const MakeMethod& method, double end, const
     found.violation = std::max(found.violation, constraint_residual().value(b));
     State again;
     simple.expand(simple.reduce(expanded), again);
-    for (const VectorX& gap : {VectorX(again.q - expanded.q), VectorX(again.v - expanded.v),
-                               VectorX(again.v_dot - expanded.v_dot), VectorX(again.quadrants - expanded.quadrants)})
+    for (const VectorX& gap :
+         {VectorX(again.q - expanded.q), VectorX(again.v - expanded.v), VectorX(again.v_dot - expanded.v_dot),
+          VectorX(again.quarter_turns - expanded.quarter_turns)})
       if (gap.size() > 0) found.round_trip = std::max(found.round_trip, gap.cwiseAbs().maxCoeff());
     for (std::size_t s = 0; s < sensors.size(); ++s)
       for (int c = 0; c < static_cast<int>(sensors[s].columns().size()); ++c) {
