@@ -39,8 +39,8 @@ class LeanSimulation {
   /// An integrator an island. The graph must outlive the simulation. Throws SceneError as assemble() does, and as
   /// ModeFreezing does for parameters that are not positive.
   LeanSimulation(SystemGraph& graph, const MakeIntegrator& make_integrator, const LeanOptions& options = {});
-  /// Runs `graph`, a simpler scene made by hand that stands for `whole`, and shows observers that one. Throws SceneError
-  /// for LeanOptions::simplify.
+  /// Runs `graph`, a simpler scene made by hand that stands for `whole`, and shows observers that one. Throws
+  /// SceneError for LeanOptions::simplify.
   LeanSimulation(SystemGraph& graph, const MakeIntegrator& make_integrator, const System& whole, Expand expand,
                  const LeanOptions& options = {});
   ~LeanSimulation();

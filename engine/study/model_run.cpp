@@ -142,8 +142,7 @@ void run_whole(SystemGraph& graph, const std::vector<Sensor>& sensors, const Mak
 /// Islands that meet at every sample.
 void run_simplified(SystemGraph& graph, const std::vector<Sensor>& sensors, const MakeIntegrator& make,
                     const RunRequest& request, ModelRun& run) {
-  LeanSimulation simulation(
-      graph, [&] { return make(request.tolerance); }, {.simplify = true});
+  LeanSimulation simulation(graph, [&] { return make(request.tolerance); }, {.simplify = true});
   Sampler sampler(simulation.observed(), nullptr, sensors, request, run);
   simulation.observe(sampler, every(request.duration / request.samples));
   State state = simulation.start();

@@ -474,9 +474,8 @@ TEST(ModeFreezing, is_an_option_of_a_lean_simulation) {
   State state = by_hand;
   ModeFreezing freezing(explicit_method(), {.displacement = 0.02});
   Simulation(system, freezing).run(by_hand, 0.2);
-  LeanSimulation lean(
-      graph, [] { return explicit_method(); },
-      {.sleep = false, .freeze = ModeFreezing::Parameters{.displacement = 0.02}});
+  LeanSimulation lean(graph, [] { return explicit_method(); },
+                      {.sleep = false, .freeze = ModeFreezing::Parameters{.displacement = 0.02}});
   lean.run(state, 0.2);
   ASSERT_EQ(freezing.frozen_count(), kModes);
   EXPECT_EQ(state.q, by_hand.q);

@@ -581,11 +581,11 @@ TEST(lean_simulation, simplifies_by_itself) {
   EXPECT_EQ(seen.table().row_count(), 11);
   EXPECT_NEAR(seen.table().at(10, 6), 7 * 9.81, 1e-9);  // the weight of the base
   EXPECT_EQ(seen.table().at(10, 1), expanded.q[0]);
-  EXPECT_THAT(message_of<SceneError>([&] {
-                LeanSimulation{graph, automatic(1e-8), simple.observed(), [](const State&, State&) {},
-                               {.simplify = true}};
-              }),
-              HasSubstr("leave .simplify out"));
+  EXPECT_THAT(
+      message_of<SceneError>([&] {
+        LeanSimulation{graph, automatic(1e-8), simple.observed(), [](const State&, State&) {}, {.simplify = true}};
+      }),
+      HasSubstr("leave .simplify out"));
 }
 
 /// Elastic balls over a floor each, dropped from rest: the n-th impact is at (2 n - 1) sqrt(2 h / g).
