@@ -560,6 +560,34 @@ TEST(lean_simulation, observers_see_the_whole_of_which_a_smaller_scene_runs) {
   EXPECT_EQ(seen.table().at(10, 1), state.q[0]);
 }
 
+TEST(lean_simulation, simplifies_by_itself) {
+  SystemGraph graph;
+  auto& rod = add_rod(graph, "rod", {0, 0, 0});
+  auto& base = graph.add<RigidBody>("base", {.mass = 7, .inertia = {1, 1, 1}, .position = {0, 0, 2}});
+  auto& weld = graph.add<FixedJoint>("weld", {graph.ground().marker({0, 0, 2}), base.marker()});
+  LeanSimulation drawn{graph, automatic(1e-10)}, simple{graph, automatic(1e-10), {.simplify = true}};
+  EXPECT_EQ(drawn.simplification(), nullptr);
+  ASSERT_NE(simple.simplification(), nullptr);
+  EXPECT_TRUE(simple.simplification()->smaller());
+  EXPECT_EQ(&simple.observed(), &simple.simplification()->whole());
+  Recorder seen{{position(rod.marker(), "rod"), reaction(weld, 1, kWorldAxes, "weld")}};
+  simple.observe(seen, every(0.1));
+  State whole = drawn.start(), small = simple.start(), expanded;
+  EXPECT_LT(small.q.size(), whole.q.size());
+  drawn.run(whole, 1);
+  simple.run(small, 1);
+  simple.simplification()->expand(small, expanded);
+  EXPECT_LT((expanded.q - whole.q).lpNorm<Eigen::Infinity>(), 1e-6);
+  EXPECT_EQ(seen.table().row_count(), 11);
+  EXPECT_NEAR(seen.table().at(10, 6), 7 * 9.81, 1e-9);  // the weight of the base
+  EXPECT_EQ(seen.table().at(10, 1), expanded.q[0]);
+  EXPECT_THAT(
+      message_of<SceneError>([&] {
+        LeanSimulation{graph, automatic(1e-8), simple.observed(), [](const State&, State&) {}, {.simplify = true}};
+      }),
+      HasSubstr("leave .simplify out"));
+}
+
 /// Elastic balls over a floor each, dropped from rest: the n-th impact is at (2 n - 1) sqrt(2 h / g).
 struct BouncingBalls {
   static constexpr double g = 9.81;
