@@ -2,8 +2,8 @@
 
 #include "engine/model/appearance.h"
 #include "engine/model/joint_coordinate.h"
-#include "engine/plugin/plugin_body.h"
-#include "engine/plugin/plugin_integrator.h"
+#include "engine/plugin/body_to_c.h"
+#include "engine/plugin/integrator_to_c.h"
 #include "engine/plugin/plugin_tables.h"
 #include "engine/plugin_abi.h"
 

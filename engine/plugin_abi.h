@@ -76,8 +76,8 @@ typedef struct lithe_rows {
   /* One a row, 0 so far: 1 for a row on velocities alone (rolling), whose residual is 0. */
   int32_t* on_velocity;
   /* Quarter turns that the measured angles have passed since they were zero, one an angle; null: not counted. An angle
-     α in (-π, π] has made round((quadrants - α 2/π) / 4) whole turns. */
-  const double* quadrants;
+     α in (-π, π] has made round((quarter_turns - α 2/π) / 4) whole turns. */
+  const double* quarter_turns;
   char* error;
   size_t error_size;
 } lithe_rows;
@@ -107,7 +107,7 @@ typedef struct lithe_force_rows {
   double* stiffness; /* ∂σ/∂length */
   double* damping;   /* ∂σ/∂speed */
   double energy;     /* stored potential, joules */
-  const double* quadrants;
+  const double* quarter_turns;
   char* error;
   size_t error_size;
 } lithe_force_rows;
@@ -240,8 +240,8 @@ typedef struct lithe_equations {
   int32_t (*chart_rates)(void* host, const double* d, const double* v, double* d_dot); /* of the chart q_n ⊕ d */
   /* Whole turns of measured angles: the host recalls them before start and step, and tracks them after a step that
      reached; a method that goes further than half a turn within one calls these between. */
-  int32_t (*recall)(void* host, const double* quadrants, int32_t count);
-  int32_t (*track)(void* host, double* quadrants, int32_t count);
+  int32_t (*recall)(void* host, const double* quarter_turns, int32_t count);
+  int32_t (*track)(void* host, double* quarter_turns, int32_t count);
   /* The iteration matrix at complex weights, in a factor of its own; complex numbers are pairs of doubles. */
   int32_t (*factorize_complex)(void* host, const lithe_complex_tangent_weights*, const double* v_dot,
                                const double* lambda, const double* increment);
@@ -253,8 +253,8 @@ typedef struct lithe_state {
   size_t struct_size;
   double time;
   double *q, *v, *v_dot, *lambda;
-  double* quadrants; /* of measured angles */
-  int32_t quadrant_count;
+  double* quarter_turns; /* of measured angles */
+  int32_t quarter_turn_count;
 } lithe_state;
 
 typedef struct lithe_statistics {

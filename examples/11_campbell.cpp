@@ -20,10 +20,10 @@ int main() {
     const double arm = std::sqrt(tilting / lateral);
     for (double z : {-arm, arm})
       for (int axis = 0; axis < 2; ++axis)
-        graph.add<CoordinateSpring>((z < 0 ? "lower " : "upper ") + std::string(axis == 0 ? "x" : "y"),
-                                    {JointCoordinate{JointCoordinate::Kind::displacement,
-                                                     graph.ground().marker({0, 0, z}), disc.marker({0, 0, z}), axis}},
-                                    {.stiffness = lateral / 2});
+        graph.add<CoordinateSpring>(
+            (z < 0 ? "lower " : "upper ") + std::string(axis == 0 ? "x" : "y"),
+            {displacement_between(graph.ground().marker({0, 0, z}), disc.marker({0, 0, z}), axis)},
+            {.stiffness = lateral / 2});
     const System system = assemble(graph);
     return linearize(system, system.initial_state(), {.axes = PerturbationAxes::world});
   };

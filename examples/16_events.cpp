@@ -15,7 +15,7 @@ int main() {
   SystemGraph graph{{.gravity = {0, 0, -g}}};
   auto& ball = graph.add<RigidBody>(
       "ball", {.mass = 0.2, .inertia = {1e-5, 1e-5, 1e-5}, .position = {0, 0, drop}, .velocity = {along, 0, 0}});
-  const JointCoordinate above{JointCoordinate::Kind::displacement, graph.ground().marker(), ball.marker(), 2};
+  const JointCoordinate above = displacement_between(graph.ground().marker(), ball.marker());
   graph.add<CoordinateStop>("buffer", {above}, {.lower = floor, .stiffness = 2e4, .exponent = 1});
 
   const System system = assemble(graph);

@@ -263,7 +263,7 @@ void Adams::interpolate(const Layout& layout, const State& from, const State& to
   out.v = Memory::map(m.within).tail(m.nv);
   out.v_dot = Memory::map(m.errors).tail(m.nv);
   out.lambda = (1 - s) * from.lambda + s * to.lambda;
-  out.quadrants = from.quadrants;
+  out.quarter_turns = from.quarter_turns;
   out.contacts = from.contacts;
 }
 

@@ -11,7 +11,8 @@ namespace {
 constexpr int kMaxSplits = 12;                  // a step that will not converge is halved that often
 constexpr double kSlow = 0.3;                   // rate of corrections that asks for a new factor
 constexpr double kRoundOff = 1e-13;             // corrections below that do not shrink are taken as round-off;
-constexpr double kRoundOffAfterFactor = 1e-10;  // below this, where a new factor has not helped
+constexpr double kRoundOffAfterFactor = 1e-10;  // below this, where a new factor has not helped,
+constexpr int kHovering = 16;                   // or after so many, which may go up and down without end
 
 /// Equal steps up to t_stop, no longer than the given one.
 double natural_step(double step, double left) {
@@ -115,7 +116,7 @@ void MomentumBalance::Corrections::add(double size) {
   // What is left after this correction, by the rate at which corrections shrink; or round-off ends progress.
   const double left = rate < 1 ? size * std::min(1.0, rate / (1 - rate)) : size;
   const bool stalled = count > 0 && rate > kSlow && (wants_factor || size <= kRoundOff);
-  done = left <= tolerance || (stalled && size <= kRoundOffAfterFactor);
+  done = left <= tolerance || ((stalled || count >= kHovering) && size <= kRoundOffAfterFactor);
   diverges = !std::isfinite(size) || (stalled && !done && rate > 2 && count > 1);
   wants_factor = count > 0 && rate > kSlow;
   last = size;

@@ -190,9 +190,23 @@ double RadauStages::size(double h, const Target& target) const {
   return std::sqrt(sum / 3) / kShare;
 }
 
-/// Corrections are tiny beside the coordinates: that they no longer shrink is round-off.
-bool RadauStages::at_round_off(double h) const {
-  return std::max(dd_.cwiseAbs().maxCoeff(), h * dv_.cwiseAbs().maxCoeff()) <= 1e-13 * (1 + q_.cwiseAbs().maxCoeff());
+/// That corrections no longer shrink is round-off: they are tiny beside the coordinates; or well below the tolerance
+/// while the constraints hold to the last digits, which rows that nearly depend on each other make many more of in q.
+bool RadauStages::at_round_off(double h, double gap, double size, const Target& target) const {
+  constexpr double kTiny = 1e-13, kClosed = 1e-14, kOfTolerance = 0.3;
+  const double scale = 1 + q_.cwiseAbs().maxCoeff();
+  if (std::max(dd_.cwiseAbs().maxCoeff(), h * dv_.cwiseAbs().maxCoeff()) <= kTiny * scale) return true;
+  return gap <= kClosed * scale && size <= (target.largest > 0 ? 1 : kOfTolerance / kShare);
+}
+
+/// Largest |g| of the rows that corrections close.
+double RadauStages::gap(const EquationsOfMotion& equations) const {
+  double largest = 0;
+  const auto& left_out = equations.redundant_rows();
+  for (int row = 0; row < g_.rows(); ++row)
+    if (!std::binary_search(left_out.begin(), left_out.end(), row))
+      largest = std::max(largest, g_.row(row).cwiseAbs().maxCoeff());
+  return largest;
 }
 
 bool RadauStages::solve(EquationsOfMotion& equations, const State& start, double time, double h, const Target& target,
@@ -213,6 +227,7 @@ bool RadauStages::solve(EquationsOfMotion& equations, const State& start, double
       ++statistics.factorizations;
       factors = false;
     }
+    const double gap_before = k > 0 ? gap(equations) : 0;
     correct(equations, h);
     ++statistics.newton_iterations;
     iterations_ = k + 1;
@@ -223,7 +238,7 @@ bool RadauStages::solve(EquationsOfMotion& equations, const State& start, double
       worst_rate_ = std::max(worst_rate_, rate_);
       allowance = rate_ < 1 ? rate_ / (1 - rate_) : std::numeric_limits<double>::infinity();
     }
-    if (allowance * now <= 1 || now == 0 || (k > 0 && rate_ > kSlow && at_round_off(h))) {
+    if (allowance * now <= 1 || now == 0 || (k > 0 && rate_ > kSlow && at_round_off(h, gap_before, now, target))) {
       allowance_ = std::min(allowance, 1.0);
       return true;
     }

@@ -64,7 +64,8 @@ class RadauStages {
   void correct(EquationsOfMotion& equations, double h);
   void advance_kinematics(const Layout& layout, double h);
   double size(double h, const Target& target) const;
-  bool at_round_off(double h) const;
+  bool at_round_off(double h, double gap, double size, const Target& target) const;
+  double gap(const EquationsOfMotion& equations) const;
 
   // The method: A, A⁻¹ = T diag(γ, [α -β; β α]) T⁻¹, times of the stages, weights of the error estimate.
   Matrix3 A_, A_inverse_, T_, T_inverse_;

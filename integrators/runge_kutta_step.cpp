@@ -237,7 +237,7 @@ bool RungeKuttaStep::interpolate(const State& from, const State& to, double time
   nested_polynomial(v_dense_, x, v_, d_rate_);
   out.v = from.v + v_;
   out.v_dot = d_rate_ / h_;
-  out.quadrants = from.quadrants;
+  out.quarter_turns = from.quarter_turns;
   out.contacts = from.contacts;
 
   out.lambda.resize(0);

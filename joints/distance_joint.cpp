@@ -2,17 +2,19 @@
 
 #include "engine/assembly/batch_of.h"
 #include "engine/base/checks.h"
-#include "engine/model/drawn.h"
+#include "engine/model/initial_pose.h"
 
 namespace lithe {
 
 DistanceJoint::DistanceJoint(Parameters parameters)
-    : as_drawn_(parameters.length == 0), length_(parameters.length), length_law_(std::move(parameters.length_law)) {
-  require::not_negative(parameters.length, "length");
+    : as_drawn_(!parameters.length), length_law_(std::move(parameters.length_law)) {
+  if (as_drawn_) return;
+  require::positive(*parameters.length, "length");
+  length_ = *parameters.length;
 }
 
 void DistanceJoint::initialize(std::span<const MarkerView> m) {
-  drawn::apart(m[0], m[1]);
+  initial::apart(m[0], m[1]);
   if (as_drawn_) length_ = (m[1].p - m[0].p).norm();
 }
 

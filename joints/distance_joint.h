@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "engine/assembly/batch.h"
 #include "engine/model/constraint.h"
 #include "engine/model/motion_law.h"
@@ -12,11 +14,11 @@ namespace lithe {
 class DistanceJoint final : public Joint</*markers=*/2, /*rows=*/1> {
  public:
   struct Parameters {
-    double length = 0;       // L, m; 0: as drawn
-    MotionLaw length_law{};  // L(t), m, instead: a rod that telescopes
+    std::optional<double> length{};  // L, m; none: as drawn
+    MotionLaw length_law{};          // L(t), m, instead: a rod that telescopes
   };
 
-  /// Throws SceneError for a length that is negative or not finite.
+  /// Throws SceneError for a length that is not positive or not finite.
   explicit DistanceJoint(Parameters parameters);
 
   double length() const { return length_; }
@@ -34,7 +36,7 @@ class DistanceJoint final : public Joint</*markers=*/2, /*rows=*/1> {
 
  private:
   const bool as_drawn_;
-  double length_;
+  double length_ = 0;
   MotionLaw length_law_;
 };
 

@@ -2,7 +2,7 @@
 
 #include "engine/assembly/batch_of.h"
 #include "engine/base/checks.h"
-#include "engine/model/drawn.h"
+#include "engine/model/initial_pose.h"
 #include "engine/model/joint_coordinate.h"
 
 namespace lithe {
@@ -26,15 +26,15 @@ void GearPair::evaluate(double, std::span<const MarkerView> markers, ConstraintR
 }
 
 void GearPair::initialize(std::span<const MarkerView> m) {
-  drawn::same_direction(m[0].z(), m[1].z(), "z");
+  initial::same_direction(m[0].z(), m[1].z(), "z");
   const auto& [a, b] = parameters_;
   const double apart = (m[1].p - m[0].p).norm(), mesh = std::abs(a + b);
   if (std::abs(apart - mesh) > 0.01 * mesh)
     throw SceneError("the centres are " + std::to_string(apart) + " m apart; gears of these radii mesh at " +
                          std::to_string(mesh) + " m",
                      "", "move the markers or fix the radii (that of a ring gear is negative)");
-  offset_ = a * drawn::angle(measure(JointCoordinate::Kind::bearing, 2, m[0], m[1]).value) +
-            b * drawn::angle(measure(JointCoordinate::Kind::bearing, 2, m[1], m[0]).value);
+  offset_ = a * initial::angle(measure(JointCoordinate::Kind::bearing, 2, m[0], m[1]).value) +
+            b * initial::angle(measure(JointCoordinate::Kind::bearing, 2, m[1], m[0]).value);
 }
 
 template std::unique_ptr<ConstraintBatch> make_constraint_batch<GearPair>();

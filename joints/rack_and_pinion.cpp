@@ -2,7 +2,7 @@
 
 #include "engine/assembly/batch_of.h"
 #include "engine/base/checks.h"
-#include "engine/model/drawn.h"
+#include "engine/model/initial_pose.h"
 #include "engine/model/joint_coordinate.h"
 
 namespace lithe {
@@ -21,9 +21,9 @@ void RackAndPinion::evaluate(double, std::span<const MarkerView> markers, Constr
 }
 
 void RackAndPinion::initialize(std::span<const MarkerView> m) {
-  drawn::same_direction(m[0].z(), m[1].z(), "z");
+  initial::same_direction(m[0].z(), m[1].z(), "z");
   offset_ = measure(JointCoordinate::Kind::displacement, 0, m[1], m[0]).value +
-            radius_ * drawn::angle(measure(JointCoordinate::Kind::angle, 2, m[1], m[0]).value);
+            radius_ * initial::angle(measure(JointCoordinate::Kind::angle, 2, m[1], m[0]).value);
 }
 
 template std::unique_ptr<ConstraintBatch> make_constraint_batch<RackAndPinion>();

@@ -2,17 +2,18 @@
 
 #include "engine/assembly/batch_of.h"
 #include "engine/base/checks.h"
-#include "engine/model/drawn.h"
+#include "engine/model/initial_pose.h"
 
 namespace lithe {
 
-RevoluteSphericalJoint::RevoluteSphericalJoint(Parameters parameters)
-    : as_drawn_(parameters.length == 0), length_(parameters.length) {
-  require::not_negative(parameters.length, "length");
+RevoluteSphericalJoint::RevoluteSphericalJoint(Parameters parameters) : as_drawn_(!parameters.length) {
+  if (as_drawn_) return;
+  require::positive(*parameters.length, "length");
+  length_ = *parameters.length;
 }
 
 void RevoluteSphericalJoint::initialize(std::span<const MarkerView> m) {
-  drawn::apart(m[0], m[1]);
+  initial::apart(m[0], m[1]);
   const Vector3 d = m[1].p - m[0].p;
   if (m[0].z().cross(d).norm() < 0.1 * d.norm())
     throw SceneError("its link, from the first marker to the second, lies along the axis of its hinge as drawn", "",

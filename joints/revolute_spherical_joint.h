@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "engine/assembly/batch.h"
 #include "engine/model/constraint.h"
 #include "engine/model/joint_coordinate.h"
@@ -13,10 +15,10 @@ namespace lithe {
 class RevoluteSphericalJoint final : public Joint</*markers=*/2, /*rows=*/2> {
  public:
   struct Parameters {
-    double length = 0;  // L, m; 0: as drawn
+    std::optional<double> length{};  // L, m; none: as drawn
   };
 
-  /// Throws SceneError for a length that is negative or not finite.
+  /// Throws SceneError for a length that is not positive or not finite.
   explicit RevoluteSphericalJoint(Parameters parameters);
 
   double length() const { return length_; }
@@ -35,7 +37,7 @@ class RevoluteSphericalJoint final : public Joint</*markers=*/2, /*rows=*/2> {
 
  private:
   const bool as_drawn_;
-  double length_;
+  double length_ = 0;
 };
 
 extern template std::unique_ptr<ConstraintBatch> make_constraint_batch<RevoluteSphericalJoint>();

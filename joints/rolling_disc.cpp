@@ -2,7 +2,7 @@
 
 #include "engine/assembly/batch_of.h"
 #include "engine/base/checks.h"
-#include "engine/model/drawn.h"
+#include "engine/model/initial_pose.h"
 
 namespace lithe {
 
@@ -37,7 +37,7 @@ void RollingDisc::evaluate(double, std::span<const MarkerView> markers, Constrai
   }
 }
 
-void RollingDisc::initialize(std::span<const MarkerView> m) { drawn::not_parallel(m[0].z(), m[1].z(), "z", "z"); }
+void RollingDisc::initialize(std::span<const MarkerView> m) { initial::not_parallel(m[0].z(), m[1].z(), "z", "z"); }
 
 template std::unique_ptr<ConstraintBatch> make_constraint_batch<RollingDisc>();
 

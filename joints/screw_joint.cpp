@@ -2,7 +2,7 @@
 
 #include "engine/assembly/batch_of.h"
 #include "engine/base/checks.h"
-#include "engine/model/drawn.h"
+#include "engine/model/initial_pose.h"
 
 namespace lithe {
 
@@ -25,9 +25,9 @@ void ScrewJoint::evaluate(double, std::span<const MarkerView> markers, Constrain
 }
 
 void ScrewJoint::initialize(std::span<const MarkerView> m) {
-  drawn::same_direction(m[0].z(), m[1].z(), "z");
+  initial::same_direction(m[0].z(), m[1].z(), "z");
   offset_ = measure(JointCoordinate::Kind::displacement, 2, m[0], m[1]).value -
-            rise_ * drawn::angle(measure(JointCoordinate::Kind::angle, 2, m[0], m[1]).value);
+            rise_ * initial::angle(measure(JointCoordinate::Kind::angle, 2, m[0], m[1]).value);
 }
 
 template std::unique_ptr<ConstraintBatch> make_constraint_batch<ScrewJoint>();

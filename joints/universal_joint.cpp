@@ -1,11 +1,11 @@
 #include "joints/universal_joint.h"
 
 #include "engine/assembly/batch_of.h"
-#include "engine/model/drawn.h"
+#include "engine/model/initial_pose.h"
 
 namespace lithe {
 
-void UniversalJoint::initialize(std::span<const MarkerView> m) { drawn::not_parallel(m[0].x(), m[1].y(), "x", "y"); }
+void UniversalJoint::initialize(std::span<const MarkerView> m) { initial::not_parallel(m[0].x(), m[1].y(), "x", "y"); }
 
 template std::unique_ptr<ConstraintBatch> make_constraint_batch<UniversalJoint>();
 

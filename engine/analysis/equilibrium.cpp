@@ -202,8 +202,8 @@ class Search {
   }
 
   void keep() {
-    equations_.track(state_.quadrants);
-    equations_.recall(state_.quadrants);
+    equations_.track(state_.quarter_turns);
+    equations_.recall(state_.quarter_turns);
   }
   void go_back() {
     state_.q = last_q_, state_.lambda = last_lambda_;
@@ -230,7 +230,7 @@ Equilibrium find_equilibrium(const System& system, const State& start, const Equ
     throw SceneError("the state to start from belongs to another system", "find_equilibrium",
                      "start from system.initial_state()");
   Assembler equations(system);
-  equations.recall(start.quadrants);
+  equations.recall(start.quarter_turns);
   Projector projector(equations);
 
   // 1. Rest at the start: positions on the constraints; the scale of forces from the loads, and from the reactions that

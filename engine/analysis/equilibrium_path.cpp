@@ -57,8 +57,8 @@ class Path {
         if (step < kShortest * options_.first_step) fail("Newton does not return to it");
       }
       last_tangent_ = tangent, last_rate_ = rate;
-      equations_.track(state_.quadrants);
-      equations_.recall(state_.quadrants);
+      equations_.track(state_.quarter_turns);
+      equations_.recall(state_.quarter_turns);
       path.states.push_back(state_);
     }
     path.iterations = iterations_;
@@ -182,14 +182,14 @@ EquilibriumPath follow_equilibria(const System& system, const State& start, cons
     throw SceneError("the state to start from belongs to another system", "follow_equilibria",
                      "start from find_equilibrium()");
   Assembler equations(system);
-  equations.recall(start.quadrants);
+  equations.recall(start.quarter_turns);
   State state = start;
   state.v.setZero(layout.v_count());
   state.v_dot.setZero(layout.v_count());
   EquilibriumPath path;
   Path(equations, state, options).run(path);
   for (State& s : path.states) {
-    equations.recall(s.quadrants);
+    equations.recall(s.quarter_turns);
     equations.evaluate(s.time, s.q, s.v, Level::velocity);
     equations.minimum_norm(s.lambda);
   }

@@ -22,7 +22,7 @@ Perturbation::Perturbation(const System& system, const State& base, Perturbation
   rows_ = no_load_;
   base_.v_dot.resize(layout.v_count());
   base_.lambda.setZero(layout.row_count());
-  equations_.recall(base_.quadrants);
+  equations_.recall(base_.quarter_turns);
   Projector(equations_).accelerations(base_.time, base_.q, base_.v, base_.v_dot, base_.lambda);
   near_ = base_;
   kept_ = independent_rows(equations_);

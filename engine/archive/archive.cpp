@@ -184,7 +184,7 @@ void Archive::operator()(std::string_view name, State& state) {
     (*this)("v", state.v);
     (*this)("v_dot", state.v_dot);
     (*this)("lambda", state.lambda);
-    (*this)("quadrants", state.quadrants);
+    (*this)("quarter_turns", state.quarter_turns);
     (*this)("left_out", state.left_out);
     (*this)("contacts", state.contacts);
   });

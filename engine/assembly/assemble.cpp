@@ -10,7 +10,7 @@
 #include "engine/base/error.h"
 #include "engine/base/log.h"
 #include "engine/factor/block_factor.h"
-#include "engine/model/drawn.h"
+#include "engine/model/initial_pose.h"
 #include "engine/motion/projection.h"
 
 namespace lithe {
@@ -51,11 +51,15 @@ class SystemBuilder {
     find_velocity_rows();
     plan_blocks();
     fill_batches();
-    count_quadrants();
-    for (double& quadrants : system_.initial_.quadrants) quadrants = drawn::quadrants(quadrants);
+    count_quarter_turns();
+    for (double& quarter_turns : system_.initial_.quarter_turns) quarter_turns = initial::quarter_turns(quarter_turns);
     if (options_.start == AssembleOptions::Start::as_drawn) {
-      system_.initial_ = {
-          0, q_, v_, VectorX::Zero(v_.size()), VectorX::Zero(system_.layout_.row_count()), system_.initial_.quadrants};
+      system_.initial_ = {0,
+                          q_,
+                          v_,
+                          VectorX::Zero(v_.size()),
+                          VectorX::Zero(system_.layout_.row_count()),
+                          system_.initial_.quarter_turns};
       return std::move(system_);
     }
     find_redundant_rows();
@@ -112,18 +116,18 @@ class SystemBuilder {
             {used_.at({A.body, A.index}).place, used_.at({B.body, B.index}).place, a.axis, a.to_point, A, B});
       }
     };
-    // Counted from the drawing on, where initialize() measures too: drawn::angle() gives half a turn the same sign.
+    // Counted from the drawing on, where initialize() measures too: initial::angle() gives half a turn the same sign.
     for (const auto& c : graph_.constraints()) gather(*c.constraint, c.markers);
     for (const auto& f : graph_.forces()) gather(*f.force, f.markers);
-    system_.initial_.quadrants.setZero(static_cast<int>(system_.angles_.size()));
+    system_.initial_.quarter_turns.setZero(static_cast<int>(system_.angles_.size()));
   }
 
   /// Angles of q_: as drawn first, then followed onto the constraints.
-  void count_quadrants() {
+  void count_quarter_turns() {
     if (system_.angles_.empty()) return;
     Assembler assembler(system_);
     assembler.evaluate(0, q_, v_, Level::position);
-    assembler.track(system_.initial_.quadrants);
+    assembler.track(system_.initial_.quarter_turns);
   }
 
   void find_velocity_rows() {
@@ -535,9 +539,9 @@ class SystemBuilder {
                   std::to_string(v_drawn[where]) + " to " + std::to_string(v_[where]));
     }
     system_.initial_ = {
-        0, q_, v_, VectorX::Zero(v_.size()), VectorX::Zero(layout.row_count()), system_.initial_.quadrants};
-    count_quadrants();
-    assembler.recall(system_.initial_.quadrants);
+        0, q_, v_, VectorX::Zero(v_.size()), VectorX::Zero(layout.row_count()), system_.initial_.quarter_turns};
+    count_quarter_turns();
+    assembler.recall(system_.initial_.quarter_turns);
     projector.accelerations(0, q_, v_, system_.initial_.v_dot, system_.initial_.lambda);
     if (!system_.initial_.v_dot.allFinite())
       throw SceneError("the accelerations at t = 0 are not finite", "assemble",

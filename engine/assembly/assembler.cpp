@@ -61,8 +61,8 @@ Assembler::Assembler(const System& system) : system_(system), factor_(std::make_
   for (VectorX* x : {&work_.residual, &work_.rate, &work_.bias}) x->setZero(rows);
   for (VectorX* x : {&work_.tension, &work_.row_stiffness, &work_.row_damping}) x->setZero(compliant);
   work_.load.setZero(layout.v_count());
-  work_.quadrants = system.initial_.quadrants;
-  work_.quadrants.conservativeResize(static_cast<int>(system.angles_.size()));
+  work_.quarter_turns = system.initial_.quarter_turns;
+  work_.quarter_turns.conservativeResize(static_cast<int>(system.angles_.size()));
   work_.force_energy.setZero(static_cast<int>(system.graph().forces().size()));
   for (const auto& batch : system.batches_.bodies) caches_.push_back(batch->make_caches());
   unknowns_.setZero(layout.v_count() + rows + compliant);
@@ -140,14 +140,14 @@ void Assembler::place_markers(ConstVectorRef q) {
     system_.batches_.bodies[b]->evaluate(work_, *caches_[b], Level::position, Level::position);
 }
 
-void Assembler::recall(const VectorX& quadrants) {
-  if (quadrants.size() == work_.quadrants.size()) work_.quadrants = quadrants;
+void Assembler::recall(const VectorX& quarter_turns) {
+  if (quarter_turns.size() == work_.quarter_turns.size()) work_.quarter_turns = quarter_turns;
 }
 
-/// The quadrants in which (cos, sin) lies, as a number that grows with the angle: exact at every quarter turn and never
-/// far off between, at the price of a division. With it the turn count needs no arc tangent a step.
-void Assembler::track(VectorX& quadrants) const {
-  quadrants.resize(work_.quadrants.size());
+/// The quarter turns in which (cos, sin) lies, as a number that grows with the angle: exact at every quarter turn and
+/// never far off between, at the price of a division. With it the turn count needs no arc tangent a step.
+void Assembler::track(VectorX& quarter_turns) const {
+  quarter_turns.resize(work_.quarter_turns.size());
   for (std::size_t i = 0; i < system_.angles_.size(); ++i) {
     const System::Angle& angle = system_.angles_[i];
     const MarkerKinematics &A = work_.markers[angle.A], &B = work_.markers[angle.B];
@@ -157,11 +157,11 @@ void Assembler::track(VectorX& quadrants) const {
     const double sum = std::abs(c) + std::abs(s);
     const double part = sum > 0 ? s / sum : 0, within = c >= 0 ? part : std::copysign(2, s) - part;
     // Half a turn from the last count keeps its sign: ties go to even, here no turn.
-    quadrants[i] = within + 4 * std::nearbyint((work_.quadrants[i] - within) / 4);
+    quarter_turns[i] = within + 4 * std::nearbyint((work_.quarter_turns[i] - within) / 4);
   }
 }
 
-const double* Assembler::quadrants_of(const Connector& connector) const {
+const double* Assembler::quarter_turns_of(const Connector& connector) const {
   const SystemGraph& graph = system_.graph();
   std::size_t i = 0;
   while (i < graph.constraints().size() && graph.constraints()[i].constraint != &connector) ++i;
@@ -169,7 +169,7 @@ const double* Assembler::quadrants_of(const Connector& connector) const {
     while (i - graph.constraints().size() < graph.forces().size() &&
            graph.forces()[i - graph.constraints().size()].force != &connector)
       ++i;
-  return work_.quadrants.data() + system_.first_angles_.at(i);
+  return work_.quarter_turns.data() + system_.first_angles_.at(i);
 }
 
 int Assembler::find_angle(const JointCoordinate& x) const {

@@ -27,8 +27,8 @@ class Assembler final : public EquationsOfMotion, public StepMemory, public Comp
   Parts parts() override;
   void recall_rows(const std::vector<int>& left_out) override;
   void track_rows(std::vector<int>& left_out) const override { left_out = facts_.redundant_rows; }
-  void recall(const VectorX& quadrants) override;
-  void track(VectorX& quadrants) const override;
+  void recall(const VectorX& quarter_turns) override;
+  void track(VectorX& quarter_turns) const override;
   void recall(const ContactMemory& contacts) override;
   void track_contacts(State& state) override;
   void evaluate(double time, ConstVectorRef q, ConstVectorRef v, Level level) override;
@@ -56,11 +56,11 @@ class Assembler final : public EquationsOfMotion, public StepMemory, public Comp
 
   /// Sets the tensions that joints' reactions make (friction), where no residual() has done so for this lambda.
   void react(ConstVectorRef lambda);
-  /// A connector's own part of the quadrants.
-  const double* quadrants_of(const Connector& connector) const;
+  /// A connector's own part of the quarter_turns.
+  const double* quarter_turns_of(const Connector& connector) const;
   /// Index into Layout::bodies(); -1: ground.
   int find_body(const Body& body) const;
-  /// Place of an angle in State::quadrants; -1 if no connector of the system measures it.
+  /// Place of an angle in State::quarter_turns; -1 if no connector of the system measures it.
   int find_angle(const JointCoordinate& coordinate) const;
 
   /// The multipliers of least norm with the same Gᵀ lambda, at the state evaluated last. Does nothing without redundant

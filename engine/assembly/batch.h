@@ -43,7 +43,7 @@ class BodyBatch {
 struct ConnectorRecord {
   int first_row, rows;  // rows vertex index in BlockStructure::rows
   int energy = -1;      // force elements: index into Workspace::force_energy
-  int first_angle = 0;  // of the connector's measured angles, in Workspace::quadrants
+  int first_angle = 0;  // of the connector's measured angles, in Workspace::quarter_turns
   int slot_count = 0;
   const MarkerSlot* slots = nullptr;  // the system's
 };

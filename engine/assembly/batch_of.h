@@ -143,7 +143,7 @@ class ConstraintBatchOf final : public ConstraintBatch {
     for_each_named(constraints_, work.time, [&](std::size_t i) {
       const ConnectorRecord& record = records_[i];
       ConstraintRows rows(record.slot_count);
-      rows.recall(work.quadrants.data() + record.first_angle);
+      rows.recall(work.quarter_turns.data() + record.first_angle);
       connector::Views views(work.markers.data(), record);
       constraints_[i]->T::evaluate(work.time, views, rows);
       const int count = kRows > 0 ? kRows : rows.count();
@@ -176,7 +176,7 @@ class ConstraintBatchOf final : public ConstraintBatch {
       rows.collect_stiffness(multipliers, &K);
       Wrench load[kMaxMarkers];
       const auto evaluate = [&](connector::Views&& views, ConstraintRows& into, Wrench* out) {
-        into.recall(work.quadrants.data() + record.first_angle);
+        into.recall(work.quarter_turns.data() + record.first_angle);
         constraints_[i]->T::evaluate(work.time, views, into);
         for (int m = 0; m < record.slot_count; ++m) {
           out[m] = {Vector3::Zero(), Vector3::Zero()};
@@ -252,7 +252,7 @@ class ForceBatchOf final : public ForceBatch {
       bool loads = false;
       const auto wrenches = [&](const MarkerKinematics* markers, Wrench* out) {
         ForceRows rows(n);
-        rows.recall(work.quadrants.data() + record.first_angle);
+        rows.recall(work.quarter_turns.data() + record.first_angle);
         rows.set_reaction({Vector3::Zero(), Vector3::Zero()});
         forces_[i]->T::evaluate(work.time, connector::Views(markers, n), rows);
         for (int m = 0; m < n; ++m) {
@@ -316,7 +316,7 @@ class ForceBatchOf final : public ForceBatch {
 
  private:
   void evaluate(const Workspace& work, std::size_t i, ForceRows& rows) const {
-    rows.recall(work.quadrants.data() + records_[i].first_angle);
+    rows.recall(work.quarter_turns.data() + records_[i].first_angle);
     forces_[i]->T::evaluate(work.time, connector::Views(work.markers.data(), records_[i]), rows);
   }
 
@@ -326,7 +326,7 @@ class ForceBatchOf final : public ForceBatch {
     const ReactionRecord& reaction = reactions_[k];
     ConstraintRows own(reaction.record.slot_count);
     ConstraintRows& joint = joint_rows ? *joint_rows : own;
-    joint.recall(work.quadrants.data() + reaction.record.first_angle);
+    joint.recall(work.quarter_turns.data() + reaction.record.first_angle);
     reaction.joint->evaluate(work.time, connector::Views(work.markers.data(), reaction.record), joint);
     Wrench sum{Vector3::Zero(), Vector3::Zero()};
     for (int j = 0; j < joint.count(); ++j) {

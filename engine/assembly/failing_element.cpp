@@ -33,7 +33,7 @@ class Views {
 bool is_finite(Assembler& assembler, const Constraint& joint, double time) {
   const Views views(assembler, joint.markers());
   ConstraintRows rows(joint.marker_count());
-  rows.recall(assembler.quadrants_of(joint));
+  rows.recall(assembler.quarter_turns_of(joint));
   joint.evaluate(time, views, rows);
   for (int r = 0; r < rows.count(); ++r) {
     bool all = std::isfinite(rows.residual(r)) && std::isfinite(rows.rate(r)) && std::isfinite(rows.bias(r));
@@ -46,7 +46,7 @@ bool is_finite(Assembler& assembler, const Constraint& joint, double time) {
 bool is_finite(Assembler& assembler, const ForceElement& force, double time) {
   const Views views(assembler, force.markers());
   ForceRows rows(force.marker_count());
-  rows.recall(assembler.quadrants_of(force));
+  rows.recall(assembler.quarter_turns_of(force));
   rows.set_reaction({Vector3::Zero(), Vector3::Zero()});
   force.evaluate(time, views, rows);
   bool all = std::isfinite(rows.energy());
@@ -72,7 +72,7 @@ std::string in_words(const Element& element, double time) {
 /// At one state, whose numbers are finite.
 std::string look_at(Assembler& assembler, const State& state) {
   try {
-    assembler.recall(state.quadrants);
+    assembler.recall(state.quarter_turns);
     assembler.recall(state.contacts);
     assembler.evaluate(state.time, state.q, state.v, Level::acceleration);
   } catch (const Error& error) {

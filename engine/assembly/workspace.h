@@ -21,7 +21,7 @@ struct Workspace {
   VectorX row_stiffness, row_damping;  // of compliant rows
   VectorX load;                        // generalized force of loads, v_count
   VectorX force_energy;                // by force element, joules
-  VectorX quadrants;                   // of measured angles, as recalled
+  VectorX quarter_turns;                   // of measured angles, as recalled
 };
 
 /// Where a connector's marker acts: its place in the marker table and its body's blocks.

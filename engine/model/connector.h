@@ -23,15 +23,15 @@ class AngleMemory {
   /// The angle of place `i` in angles(), with the whole turns that it has made since the drawing; rad. Right as long as
   /// it moves by less than half a turn a step.
   double wound(int i, double angle) const {
-    if (!quadrants_) return angle;
-    return angle + 2 * std::numbers::pi * std::round((quadrants_[i] - angle * 2 / std::numbers::pi) / 4);
+    if (!quarter_turns_) return angle;
+    return angle + 2 * std::numbers::pi * std::round((quarter_turns_[i] - angle * 2 / std::numbers::pi) / 4);
   }
-  /// The engine's side: quadrants that the angles have passed since they were zero, null for no memory.
-  void recall(const double* quadrants) { quadrants_ = quadrants; }
-  const double* quadrants() const { return quadrants_; }
+  /// The engine's side: quarter turns that the angles have passed since they were zero, null for no memory.
+  void recall(const double* quarter_turns) { quarter_turns_ = quarter_turns; }
+  const double* quarter_turns() const { return quarter_turns_; }
 
  private:
-  const double* quadrants_ = nullptr;
+  const double* quarter_turns_ = nullptr;
 };
 
 /// What ties markers: a constraint or a force element.

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "engine/base/error.h"
-#include "engine/model/drawn.h"
+#include "engine/model/initial_pose.h"
 
 namespace lithe {
 namespace {
@@ -102,7 +102,7 @@ std::vector<MeasuredAngle> CoordinateSet::angles() const {
 MeasuredCoordinate CoordinateSet::measure(int i, std::span<const MarkerView> markers, const AngleMemory& memory) const {
   const auto& [kind, A, B, axis, sign] = coordinates_[i];
   MeasuredCoordinate x = lithe::measure(kind, axis, markers[2 * i], markers[2 * i + 1]);
-  if (is_angle(i)) x.value = memory.quadrants() ? memory.wound(i, x.value) : drawn::angle(x.value);
+  if (is_angle(i)) x.value = memory.quarter_turns() ? memory.wound(i, x.value) : initial::angle(x.value);
   if (sign > 0) return x;
   return {-x.value, -x.rate, -x.bias, {-x.on_A.force, -x.on_A.torque}, {-x.on_B.force, -x.on_B.torque}};
 }

@@ -21,6 +21,14 @@ struct JointCoordinate {
   JointCoordinate operator-() const { return {kind, A, B, axis, -sign}; }
 };
 
+/// The angle about, the displacement along an axis of A, from A to B: for markers that no joint tells coordinates of.
+inline JointCoordinate angle_between(const Marker& A, const Marker& B, int axis = 2) {
+  return {JointCoordinate::Kind::angle, A, B, axis};
+}
+inline JointCoordinate displacement_between(const Marker& A, const Marker& B, int axis = 2) {
+  return {JointCoordinate::Kind::displacement, A, B, axis};
+}
+
 /// A coordinate at one state. Its rate is Σ W·V over the two markers, its second derivative Σ W·V_dot + bias.
 struct MeasuredCoordinate {
   double value, rate, bias;

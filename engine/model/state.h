@@ -12,9 +12,10 @@ struct State {
   double time = 0;  // s
   VectorX q;  // coordinates; a body with a frame has (p, e, eta): metres, unit quaternion w x y z, modal coordinates
   VectorX v;  // velocities (p_dot world axes, omega body axes, eta_dot)
-  VectorX v_dot;      // accelerations, as the integrator left them
-  VectorX lambda;     // Lagrange multipliers: M v_dot + Gᵀ lambda = f; empty: not found yet (Multipliers)
-  VectorX quadrants;  // that each measured angle of a joint has passed since it was zero: where whole turns are kept
+  VectorX v_dot;   // accelerations, as the integrator left them
+  VectorX lambda;  // Lagrange multipliers: M v_dot + Gᵀ lambda = f; empty: not found yet (Multipliers)
+  VectorX
+      quarter_turns;  // that each measured angle of a joint has passed since it was zero: where whole turns are kept
   ContactMemory contacts;     // what surfaces in touch remember; of rigid ones, what they did in the last step
   std::vector<int> left_out;  // rows that repeat others here, sorted (EquationsOfMotion::redundant_rows); empty: those
                               // that assemble() found

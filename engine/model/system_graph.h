@@ -25,9 +25,9 @@ namespace lithe {
 struct JointType;
 struct ForceType;
 struct BodyType;
-class LoadedJoint;
-class LoadedForce;
-class LoadedBody;
+class JointFromC;
+class ForceFromC;
+class BodyFromC;
 
 /// What the user draws: bodies tied by constraints and force elements at markers. Owns every element; addresses last as
 /// long as the graph. Calls give name, markers, parameters, in that order.
@@ -69,11 +69,11 @@ class SystemGraph {
 
   /// Adds an element of a type known by name, compiled in or loaded: graph.add(registry.joint("massless_rod"),
   /// "string", {A, B}, {{"length", 0.5}}). Throws SceneError likewise, and for parameters that the type does not have.
-  LoadedJoint& add(const JointType& type, Located name, std::vector<Marker> markers,
+  JointFromC& add(const JointType& type, Located name, std::vector<Marker> markers,
                    const ParameterList& parameters = {});
-  LoadedForce& add(const ForceType& type, Located name, std::vector<Marker> markers,
+  ForceFromC& add(const ForceType& type, Located name, std::vector<Marker> markers,
                    const ParameterList& parameters = {});
-  LoadedBody& add(const BodyType& type, Located name, const ParameterList& parameters = {});
+  BodyFromC& add(const BodyType& type, Located name, const ParameterList& parameters = {});
 
   /// Adds an element that acts on joint coordinates: {pin.angle()}, {slide.displacement(), screw.angle()}.
   template <class T>

@@ -48,10 +48,10 @@ class ComplexFactor {
 class StepMemory {
  public:
   virtual ~StepMemory() = default;
-  /// The whole turns of the angles that joints measure (State::quadrants): taken over from a state that evaluations
+  /// The whole turns of the angles that joints measure (State::quarter_turns): taken over from a state that evaluations
   /// will be near, and brought up to the state evaluated last.
-  virtual void recall(const VectorX& quadrants) = 0;
-  virtual void track(VectorX& quadrants) const = 0;
+  virtual void recall(const VectorX& quarter_turns) = 0;
+  virtual void track(VectorX& quarter_turns) const = 0;
   /// Rows that are left out (State::left_out): the choice has a memory.
   virtual void recall_rows(const std::vector<int>& /*left_out*/) {}
   virtual void track_rows(std::vector<int>& /*left_out*/) const {}

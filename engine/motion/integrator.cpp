@@ -65,13 +65,13 @@ void Integrator::start(EquationsOfMotion& equations, State& state) {
     throw SceneError(name() + " does not support contact between rigid surfaces", "Integrator::start",
                      "take MoreauJean or NonsmoothGeneralizedAlpha, or give the contact a compliant law: "
                      "{.law = Compliance{...}}");
-  equations.memory().recall(state.quadrants);
+  equations.memory().recall(state.quarter_turns);
   equations.memory().recall_rows(state.left_out);
   equations.memory().recall(state.contacts);
   equations.memory().track_contacts(state);
   equations.memory().recall(state.contacts);
-  quadrants_ = state.quadrants;
-  turn_rates_.setZero(quadrants_.size());
+  quarter_turns_ = state.quarter_turns;
+  turn_rates_.setZero(quarter_turns_.size());
   last_length_ = 0;
   longest_ = std::numeric_limits<double>::infinity();
   usual_ = looked_at_ = 0;
@@ -82,10 +82,10 @@ void Integrator::start(EquationsOfMotion& equations, State& state) {
 
 StepResult Integrator::step(EquationsOfMotion& equations, State& state, double t_stop, Multipliers multipliers) {
   multipliers_ = multipliers;
-  equations.memory().recall(state.quadrants);
+  equations.memory().recall(state.quarter_turns);
   equations.memory().recall_rows(state.left_out);
   equations.memory().recall(state.contacts);
-  quadrants_ = state.quadrants;
+  quarter_turns_ = state.quarter_turns;
   const double begin = state.time;
   const bool watches = !delegates() && equations.facts().has_loops;
   if (watches) before_ = state;
@@ -105,11 +105,11 @@ StepResult Integrator::step(EquationsOfMotion& equations, State& state, double t
     }
   }
   if (!result.ok()) return result;
-  equations.memory().track(state.quadrants);
+  equations.memory().track(state.quarter_turns);
   equations.memory().track_rows(state.left_out);
   equations.memory().track_contacts(state);
-  if (turn_rates_.size() > 0 && turn_rates_.size() == state.quadrants.size())
-    limit_turn(state.quadrants, state.time - begin);
+  if (turn_rates_.size() > 0 && turn_rates_.size() == state.quarter_turns.size())
+    limit_turn(state.quarter_turns, state.time - begin);
   return result;
 }
 
@@ -160,16 +160,16 @@ bool Integrator::history(Archive& archive, EquationsOfMotion& equations, const S
   return keep(archive, equations, state);
 }
 
-/// From the mean rates of the last two steps, how long the next may be for its fastest angle to move by 1.6 quadrants:
-/// automatic steps would else outgrow half a turn where a body spins steadily, and turns be lost.
-void Integrator::limit_turn(const VectorX& quadrants, double length) {
+/// From the mean rates of the last two steps, how long the next may be for its fastest angle to move by 1.6 quarter
+/// turns: automatic steps would else outgrow half a turn where a body spins steadily, and turns be lost.
+void Integrator::limit_turn(const VectorX& quarter_turns, double length) {
   constexpr double kFarthest = 1.6, kLargestGrowth = 10;  // of a step over the one before
   if (!(length > 0)) return;
-  quadrants_ = (quadrants - quadrants_) / length;
-  const double rate = quadrants_.cwiseAbs().maxCoeff();
-  const double growth = 2 * (quadrants_ - turn_rates_).cwiseAbs().maxCoeff() / (length + last_length_);
+  quarter_turns_ = (quarter_turns - quarter_turns_) / length;
+  const double rate = quarter_turns_.cwiseAbs().maxCoeff();
+  const double growth = 2 * (quarter_turns_ - turn_rates_).cwiseAbs().maxCoeff() / (length + last_length_);
   const double now = rate + growth * length / 2;
-  turn_rates_.swap(quadrants_);
+  turn_rates_.swap(quarter_turns_);
   last_length_ = length;
   longest_ = std::numeric_limits<double>::infinity();
   const double allowed = 2 * kFarthest / (now + std::sqrt(now * now + 2 * growth * kFarthest));
@@ -191,7 +191,7 @@ void Integrator::interpolate(const Layout& layout, const State& from, const Stat
     out.lambda = (1 - s) * from.lambda + s * to.lambda;
   else
     out.lambda.resize(0);  // one end was left without
-  out.quadrants = from.quadrants;
+  out.quarter_turns = from.quarter_turns;
   out.left_out = to.left_out;
   out.contacts = from.contacts;
   for (const Layout::BodySlice& b : layout.bodies()) {

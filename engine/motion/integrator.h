@@ -68,7 +68,7 @@ class Integrator {
   virtual bool approximates_accelerations() const { return false; }
 
   /// Dense output: the motion within the last step, which led from `from` to `to`, at from.time <= time <= to.time.
-  /// Fills time, q, v, v_dot, lambda; quadrants are those of `from`. The common one is the polynomial of degree 5
+  /// Fills time, q, v, v_dot, lambda; quarter_turns are those of `from`. The common one is the polynomial of degree 5
   /// through q, v, v_dot of both ends in the chart of `from` (error O(h⁶) in q), lambda linear; methods of higher order
   /// bring their own. Constraints hold to its error: project where they must hold exactly.
   virtual void interpolate(const Layout& layout, const State& from, const State& to, double time, State& out) const;
@@ -96,13 +96,13 @@ class Integrator {
   bool resumes() const { return resumes_; }
 
  private:
-  void limit_turn(const VectorX& quadrants, double length);
+  void limit_turn(const VectorX& quarter_turns, double length);
   std::string pass_singular_pose(EquationsOfMotion& equations, State& state, double t_stop);
   bool has_shrunk(double length, bool cut);
 
   Multipliers multipliers_ = Multipliers::found;
-  VectorX quadrants_, turn_rates_;                            // before the step; over the last one, quadrants a second
-  double last_length_ = 0;                                    // s
+  VectorX quarter_turns_, turn_rates_;  // before the step; over the last one, quarter_turns a second
+  double last_length_ = 0;              // s
   double longest_ = std::numeric_limits<double>::infinity();  // next step, s
   // Steps that shrink may lead to a singular pose.
   double usual_ = 0, looked_at_ = 0;  // s: the longest of late; where a look has found none (0: not looked)

@@ -10,7 +10,7 @@ void KeptFactor::remember(const TangentWeights& weights, double time, const Stat
   weights_ = weights;
   at_.time = time;
   at_.q = q, at_.v = v, at_.v_dot = v_dot, at_.lambda = lambda;
-  at_.quadrants = start.quadrants;
+  at_.quarter_turns = start.quarter_turns;
   at_.contacts = start.contacts;
 }
 
@@ -63,7 +63,7 @@ void KeptFactor::history(Archive& archive, EquationsOfMotion& equations) {
     if (at_.q.size() != layout.q_count() || at_.v.size() != layout.v_count() || at_.v_dot.size() != layout.v_count() ||
         at_.lambda.size() != layout.row_count() || (increment_.size() > 0 && increment_.size() != layout.v_count()))
       throw FileError("the checkpoint's factor does not fit the scene", archive.source(), "resume from an older one");
-    equations.memory().recall(at_.quadrants);
+    equations.memory().recall(at_.quarter_turns);
     equations.memory().recall_rows(at_.left_out);
     equations.memory().recall(at_.contacts);
     equations.evaluate(at_.time, at_.q, at_.v, Level::velocity);

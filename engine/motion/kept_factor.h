@@ -11,8 +11,8 @@ class Archive;
 /// again when a run is resumed, with the same bits.
 class KeptFactor {
  public:
-  /// The equations have been evaluated at (time, q, v), with what `start` remembers (quadrants, contacts), and their
-  /// residual at (v_dot, lambda): factorises there.
+  /// The equations have been evaluated at (time, q, v), with what `start` remembers (quarter_turns, contacts), and
+  /// their residual at (v_dot, lambda): factorises there.
   void make(EquationsOfMotion& equations, const TangentWeights& weights, double time, const State& start,
             ConstVectorRef q, ConstVectorRef v, ConstVectorRef v_dot, ConstVectorRef lambda, const VectorX* increment);
   /// The same, and with complex weights.
@@ -32,7 +32,7 @@ class KeptFactor {
   Kind kind_ = Kind::none;
   TangentWeights weights_{};
   ComplexTangentWeights complex_{};
-  State at_;  // where; quadrants and contacts as they were recalled
+  State at_;  // where; quarter_turns and contacts as they were recalled
   VectorX increment_;
 };
 

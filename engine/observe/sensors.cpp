@@ -95,7 +95,7 @@ class ConnectorMarkers {
 Wrench wrench_of(Snapshot& now, const Constraint& joint, int marker) {
   const ConnectorMarkers markers(now, entry_of(now.system().graph(), joint).markers);
   ConstraintRows rows(joint.marker_count());
-  rows.recall(now.assembler().quadrants_of(joint));
+  rows.recall(now.assembler().quarter_turns_of(joint));
   joint.evaluate(now.time(), markers, rows);
   const double* multiplier = multipliers_of(now, joint);
   Wrench sum{Vector3::Zero(), Vector3::Zero()};
@@ -113,7 +113,7 @@ ForceRows rows_of(Snapshot& now, const ForceElement& force) {
                      "ask for contact_force() (engine/observe/contact_sensors.h)");
   const ConnectorMarkers markers(now, entry_of(now.system().graph(), force).markers);
   ForceRows rows(force.marker_count());
-  rows.recall(now.assembler().quadrants_of(force));
+  rows.recall(now.assembler().quarter_turns_of(force));
   if (const Constraint* joint = force.reaction_of()) rows.set_reaction(wrench_of(now, *joint, 1));
   force.evaluate(now.time(), markers, rows);
   return rows;
@@ -167,7 +167,7 @@ MeasuredCoordinate measured(Snapshot& now, const JointCoordinate& x) {
   MeasuredCoordinate measured = measure(x.kind, x.axis, {A, 0}, {B, 1});
   if (const int place = now.assembler().find_angle(x); place >= 0 && x.is_angle()) {
     AngleMemory memory;
-    memory.recall(now.state().quadrants.data());
+    memory.recall(now.state().quarter_turns.data());
     measured.value = memory.wound(place, measured.value);
   }
   return measured;

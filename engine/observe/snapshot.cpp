@@ -18,7 +18,7 @@ void Snapshot::evaluate(const State& state, Accelerations accelerations) {
   state_ = state;
   solves_ = accelerations == Accelerations::solved;
   solved_ = has_multipliers_ = false;
-  assembler_.recall(state_.quadrants);
+  assembler_.recall(state_.quarter_turns);
   assembler_.recall_rows(state_.left_out);
   assembler_.recall(state_.contacts);
   assembler_.evaluate(state_.time, state_.q, state_.v, Level::acceleration);

@@ -91,13 +91,13 @@ Loads loads_of(Snapshot& now, const ScenePlan& plan, const ScenePlan::ConnectorP
   };
   if (part.joint) {  // -Σ_rows W λ
     ConstraintRows rows(part.joint->marker_count());
-    rows.recall(now.assembler().quadrants_of(*part.joint));
+    rows.recall(now.assembler().quarter_turns_of(*part.joint));
     part.joint->evaluate(now.time(), views, rows);
     for (int r = 0; r < rows.count(); ++r) subtract(rows, r, now.multipliers()[part.first_row + r]);
     return loads;
   }
   ForceRows rows(part.force->marker_count());
-  rows.recall(now.assembler().quadrants_of(*part.force));
+  rows.recall(now.assembler().quarter_turns_of(*part.force));
   if (const Constraint* joint = part.force->reaction_of())
     for (const auto& other : plan.connectors)
       if (other.joint == joint) rows.set_reaction(loads_of(now, plan, other).wrenches.at(1));

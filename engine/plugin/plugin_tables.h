@@ -210,7 +210,7 @@ int32_t evaluate_joint(const void* joint, double time, const lithe_marker* marke
       K.setZero(6 * n, 6 * n);
       rows.collect_stiffness(out->multipliers, &K);
     }
-    rows.recall(out->quadrants);
+    rows.recall(out->quarter_turns);
     static_cast<const T*>(joint)->T::evaluate(time, Views<n>(markers), rows);
     check_rows(rows.count(), T::kRows);
     for (int r = 0; r < T::kRows; ++r) {
@@ -231,7 +231,7 @@ int32_t evaluate_force(const void* force, double time, const lithe_marker* marke
   return guarded(out->error, out->error_size, [&] {
     constexpr int n = T::kMarkers;
     ForceRows rows(n);
-    rows.recall(out->quadrants);
+    rows.recall(out->quarter_turns);
     static_cast<const T*>(force)->T::evaluate(time, Views<n>(markers), rows);
     check_rows(rows.count(), T::kRows);
     for (int m = 0; m < n; ++m) write_wrench(rows.load(m), out->load + 6 * m);

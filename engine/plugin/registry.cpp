@@ -166,7 +166,7 @@ const BodyType& Registry::body(Located name) const { return find(types_.bodies, 
 std::unique_ptr<Integrator> Registry::integrator(Located name, const ParameterList& parameters) const {
   const IntegratorType& type = find(types_.integrators, name);
   try {
-    return std::make_unique<LoadedIntegrator>(type, parameters);
+    return std::make_unique<IntegratorFromC>(type, parameters);
   } catch (const SceneError& error) {
     throw SceneError(error.problem(), to_string(name.where), error.fix());
   }
@@ -174,16 +174,16 @@ std::unique_ptr<Integrator> Registry::integrator(Located name, const ParameterLi
 
 // ---- what a graph knows of types by name ----
 
-LoadedJoint& SystemGraph::add(const JointType& type, Located name, std::vector<Marker> markers,
+JointFromC& SystemGraph::add(const JointType& type, Located name, std::vector<Marker> markers,
                               const ParameterList& parameters) {
-  return add<LoadedJoint>(std::move(name), std::move(markers), {&type, parameters});
+  return add<JointFromC>(std::move(name), std::move(markers), {&type, parameters});
 }
-LoadedForce& SystemGraph::add(const ForceType& type, Located name, std::vector<Marker> markers,
+ForceFromC& SystemGraph::add(const ForceType& type, Located name, std::vector<Marker> markers,
                               const ParameterList& parameters) {
-  return add<LoadedForce>(std::move(name), std::move(markers), {&type, parameters});
+  return add<ForceFromC>(std::move(name), std::move(markers), {&type, parameters});
 }
-LoadedBody& SystemGraph::add(const BodyType& type, Located name, const ParameterList& parameters) {
-  return add<LoadedBody>(std::move(name), {&type, parameters});
+BodyFromC& SystemGraph::add(const BodyType& type, Located name, const ParameterList& parameters) {
+  return add<BodyFromC>(std::move(name), {&type, parameters});
 }
 
 }  // namespace lithe

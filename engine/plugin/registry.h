@@ -8,9 +8,9 @@
 
 #include "engine/base/error.h"
 #include "engine/plugin.h"
-#include "engine/plugin/loaded_body.h"
-#include "engine/plugin/loaded_connectors.h"
-#include "engine/plugin/loaded_integrator.h"
+#include "engine/plugin/body_from_c.h"
+#include "engine/plugin/connectors_from_c.h"
+#include "engine/plugin/integrator_from_c.h"
 #include "engine/plugin/plugin_type.h"
 
 namespace lithe {

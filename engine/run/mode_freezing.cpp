@@ -193,7 +193,7 @@ bool ModeFreezing::freeze(EquationsOfMotion& equations, State& state, const std:
     return rate;
   };
   // 1. With these modes still free: their mobility, the momentum of the rates that go, and what they do to the rows.
-  equations.memory().recall(state.quadrants);
+  equations.memory().recall(state.quarter_turns);
   VectorX rates = zero_v_, trial = zero_v_, momentum = zero_v_;
   for (std::size_t i = 0; i < quiet.size(); ++i) {
     rates[quiet[i]->v] = state.v[quiet[i]->v];
@@ -255,7 +255,7 @@ void ModeFreezing::start_method(EquationsOfMotion& equations, State& state) {
 
 void ModeFreezing::find_holding_forces(EquationsOfMotion& equations, const State& state) {
   equations.parts().held->hold({});
-  equations.memory().recall(state.quadrants);
+  equations.memory().recall(state.quarter_turns);
   equations.evaluate(state.time, state.q, state.v, Level::velocity);
   equations.residual(state.v_dot, state.lambda, r_);
   equations.parts().held->hold(held_);

@@ -83,7 +83,7 @@ bool SceneFingerprint::sample(double away) {
   layout.retract(drawn.q, away * mixture(nv, 2), q);
   try {
     Assembler equations(system_);
-    equations.recall(drawn.quadrants);
+    equations.recall(drawn.quarter_turns);
     equations.recall(drawn.contacts);
     equations.evaluate(drawn.time + away, q, v, Level::acceleration);
     own_.resize(nv), all_.resize(nv), rows_.resize(3 * rows);

@@ -174,7 +174,7 @@ void Simulation::advance(State& state, double stop) {
     last_ = state;
   } catch (...) {  // no memory: both go on without the multipliers, which are found anew
     state.lambda.resize(0), last_.lambda.resize(0);
-    last_.quadrants = state.quadrants;
+    last_.quarter_turns = state.quarter_turns;
     throw;
   }
   evaluated_ = false;

@@ -54,7 +54,7 @@ void Simulation::history(Archive& archive, State& state) {
   archive.same("integrator", integrator_.name());
   // 1. The state, as the integrator is given it.
   if (loads) {
-    for (VectorX* x : {&state.v_dot, &state.lambda, &state.quadrants}) x->resize(0);
+    for (VectorX* x : {&state.v_dot, &state.lambda, &state.quarter_turns}) x->resize(0);
     state.left_out.clear();
   }
   archive("state", state);
@@ -127,7 +127,7 @@ void Simulation::check_loaded(const Archive& archive, const State& state) const 
   const Layout& layout = system_.layout();
   const auto fits = [](const VectorX& x, Eigen::Index size) { return x.size() == 0 || x.size() == size; };
   bool sound = fits(state.v_dot, layout.v_count()) && fits(state.lambda, layout.row_count()) &&
-               fits(state.quadrants, system_.initial_state().quadrants.size()) && std::isfinite(state.time) &&
+               fits(state.quarter_turns, system_.initial_state().quarter_turns.size()) && std::isfinite(state.time) &&
                state.q.allFinite() && state.v.allFinite() && system_.may_leave_out(state.left_out);
   for (const ContactTrace& trace : state.contacts)
     sound = sound && trace.element >= 0 && trace.element < static_cast<int>(system_.contacts().size());

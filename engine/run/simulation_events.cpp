@@ -130,16 +130,16 @@ void Simulation::meet(State& state) {
   const auto move_onto_constraints = [&] {
     constexpr double kTolerance = 1e-13;  // in the units of the rows; or round-off if larger
     constexpr int kMaxIterations = 20;
-    equations_.recall(state.quadrants);
+    equations_.recall(state.quarter_turns);
     if (!projector_.position(state.time, state.q, kTolerance, kMaxIterations).converged)
       fail(state, "the state at an event cannot be moved onto the constraints",
            "give a smaller step or tolerance; if the event changes positions, leave them where joints close");
-    equations_.track(state.quadrants);
+    equations_.track(state.quarter_turns);
     projector_.velocity(state.time, state.q, state.v);
   };
-  equations_.recall(state.quadrants);
+  equations_.recall(state.quarter_turns);
   equations_.evaluate(state.time, state.q, state.v, Level::position);
-  equations_.track(state.quadrants);
+  equations_.track(state.quarter_turns);
   move_onto_constraints();
   const double time = state.time;
   bool restarted = false;

@@ -58,13 +58,14 @@ void Simplification::expand(const State& small, State& whole) const {
   whole.lambda.resize(0);
   const int row_count = static_cast<int>(rows_.size());
   if (row_count == layout.row_count() && row_count == small.lambda.size()) whole.lambda = small.lambda;
-  whole.quadrants = whole_.initial_state().quadrants;
+  whole.quarter_turns = whole_.initial_state().quarter_turns;
   for (const Copied& c : q_) whole.q.segment(c.whole, c.count) = small.q.segment(c.small, c.count);
   for (const Copied& c : v_) {
     whole.v.segment(c.whole, c.count) = small.v.segment(c.small, c.count);
     whole.v_dot.segment(c.whole, c.count) = small.v_dot.segment(c.small, c.count);
   }
-  for (const Copied& c : angles_) whole.quadrants.segment(c.whole, c.count) = small.quadrants.segment(c.small, c.count);
+  for (const Copied& c : angles_)
+    whole.quarter_turns.segment(c.whole, c.count) = small.quarter_turns.segment(c.small, c.count);
   whole.contacts = small.contacts;  // colliders keep their places and axes
   for (const Moved& moved : moved_) {
     const Motion m = motion(moved, small);
@@ -98,7 +99,8 @@ State Simplification::reduce(const State& whole) const {
   }
   if (whole.lambda.size() == whole_.layout().row_count())
     for (std::size_t r = 0; r < rows_.size(); ++r) small.lambda[static_cast<int>(r)] = whole.lambda[rows_[r]];
-  for (const Copied& c : angles_) small.quadrants.segment(c.small, c.count) = whole.quadrants.segment(c.whole, c.count);
+  for (const Copied& c : angles_)
+    small.quarter_turns.segment(c.small, c.count) = whole.quarter_turns.segment(c.whole, c.count);
   small.contacts = whole.contacts;
   for (const Moved& moved : moved_) {
     // The frame's motion from that of the first body, which has its axes.

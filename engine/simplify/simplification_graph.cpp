@@ -87,7 +87,7 @@ void Simplifier::draw_bodies() {
                      .reference = item.start,
                      .start = {e1.dot(item.drawn.position), axes.col(1).dot(item.drawn.position),
                                std::atan2(turned.dot(axes.col(1)), turned.dot(e1))},
-                     .rates = {e1.dot(v), plane.col(1).dot(v), n.dot(w_world)}});
+                     .rates = {e1.dot(v), axes.col(1).dot(v), n.dot(w_world)}});
   }
 }
 

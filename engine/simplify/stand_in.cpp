@@ -76,7 +76,7 @@ BodyEnergy PlanarStandIn::energy(const BodyState& state, const Vector3& gravity)
 
 void RowsInPlane::evaluate(double time, std::span<const MarkerView> markers, ConstraintRows& rows) const {
   ConstraintRows all(marker_count());
-  all.recall(rows.quadrants());
+  all.recall(rows.quarter_turns());
   parameters_.whole->evaluate(time, markers, all);
   // Stiffness under load stays out: it has no place between bodies without frames.
   for (int r : parameters_.rows) {

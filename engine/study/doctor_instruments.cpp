@@ -123,7 +123,7 @@ double DenseRows::conditioning() const {
 
 DenseRows dense_rows(const System& system, const State& state) {
   Assembler equations(system);
-  equations.recall(state.quadrants);
+  equations.recall(state.quarter_turns);
   equations.evaluate(state.time, state.q, state.v, Level::velocity);
   const int n = equations.layout().v_count();
   DenseRows out;
@@ -171,7 +171,7 @@ std::vector<Rate> fastest_rates(const System& system, const State& state) {
   VectorX no_load = VectorX::Zero(layout.row_count()), force(n), motion(n);
   // 1. Elastic coordinates by themselves: ω² = K_ii / M_ii.
   Assembler equations(system);
-  equations.recall(state.quadrants);
+  equations.recall(state.quarter_turns);
   equations.evaluate(state.time, state.q, state.v, Level::velocity);
   VectorX mass = still, both = still;
   const auto read_diagonal = [&](VectorX& into) {
@@ -198,7 +198,7 @@ std::vector<Rate> fastest_rates(const System& system, const State& state) {
       views.emplace_back(kinematics.back(), static_cast<int>(views.size()));
     }
     ForceRows rows(entry.force->marker_count());
-    rows.recall(now.assembler().quadrants_of(*entry.force));
+    rows.recall(now.assembler().quarter_turns_of(*entry.force));
     rows.set_reaction({Vector3::Zero(), Vector3::Zero()});
     entry.force->evaluate(state.time, views, rows);
     Rate rate{"'" + entry.force->name() + "' between " + bodies_of(*entry.force), 0, 0, 0};

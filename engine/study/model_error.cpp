@@ -267,7 +267,7 @@ class Estimate {
     embedding_.velocities(state.v, out.v);
     embedding_.velocities(state.v_dot, out.v_dot);
     out.lambda = state.lambda;
-    out.quadrants = state.quadrants;
+    out.quarter_turns = state.quarter_turns;
     return out;
   }
 
@@ -285,7 +285,7 @@ class Estimate {
   }
 
   void factorize(const State& state) {
-    equations_.recall(state.quadrants);
+    equations_.recall(state.quarter_turns);
     equations_.evaluate(state.time, state.q, state.v, Level::acceleration);
     equations_.factorize({0, 0, 1}, state.v_dot, state.lambda, nullptr);
   }
@@ -355,7 +355,7 @@ class Estimate {
     const double slow = std::pow(0.1 * run_.states.back().time, 2);
     VectorX g(zero_rows_.size()), q(state.q.size());
     for (int round = 0; round < kMostProjections && g.size() > 0; ++round) {
-      equations_.recall(state.quadrants);
+      equations_.recall(state.quarter_turns);
       equations_.evaluate(state.time, state.q, zero_v_, Level::acceleration);  // at rest: nothing softens by spin
       equations_.constraint(Level::position, g);
       if (g.cwiseAbs().maxCoeff() < kJointsHold) return;
@@ -421,7 +421,7 @@ class Estimate {
     }
   }
   void leave_over(const State& state, VectorX& r) {
-    equations_.recall(state.quadrants);
+    equations_.recall(state.quarter_turns);
     equations_.evaluate(state.time, state.q, state.v, Level::velocity);
     equations_.residual(state.v_dot, state.lambda, r);
   }
@@ -471,7 +471,7 @@ std::vector<Remainder> own_remainders(SystemGraph& graph, BodyModels& bodies, co
   std::vector<Remainder> remainders;
   for (const State& state : run.states) {
     Remainder r{VectorX(system.layout().v_count()), VectorX(system.layout().row_count())};
-    equations.recall(state.quadrants);
+    equations.recall(state.quarter_turns);
     equations.evaluate(state.time, state.q, state.v, Level::acceleration);
     equations.residual(state.v_dot, state.lambda, r.forces);
     equations.constraint(Level::acceleration, r.accelerations);

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <functional>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -9,15 +7,12 @@
 #include "engine/model/deformable_body.h"
 #include "engine/model/state.h"
 #include "engine/model/system_graph.h"
-#include "engine/motion/integrator.h"
+#include "engine/motion/make_integrator.h"
 #include "engine/observe/sensors.h"
 #include "engine/output/table.h"
 #include "engine/study/recorded_wrench.h"
 
 namespace lithe {
-
-/// An integrator made for a tolerance of the motion, relative and absolute.
-using MakeIntegrator = std::function<std::unique_ptr<Integrator>(const Tolerance& tolerance)>;
 
 /// The deformable bodies of a scene that have candidate modes, and how they are modelled.
 class BodyModels {
@@ -63,7 +58,7 @@ struct RunRequest {
 /// Runs the scene with its bodies so modelled, under wrenches on their frames if there are any; the graph is left at
 /// that fidelity. What stops a run is told in `why`; what a scene does wrong is thrown.
 ModelRun run_model(SystemGraph& graph, BodyModels& bodies, const std::vector<Fidelity>& models,
-                   const std::vector<Sensor>& sensors, const MakeIntegrator& make, const RunRequest& request,
-                   const std::vector<RecordedWrench::Parameters>& wrenches = {});
+                   const std::vector<Sensor>& sensors, const MakeIntegratorBy<Tolerance>& make,
+                   const RunRequest& request, const std::vector<RecordedWrench::Parameters>& wrenches = {});
 
 }  // namespace lithe

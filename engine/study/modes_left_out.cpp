@@ -75,7 +75,7 @@ ModesLeftOut find_modes_left_out(SystemGraph& graph, const System& system, const
   const System richer = assemble(graph);
   State start = richer.initial_state();
   start.time = found.state.time;
-  start.quadrants = found.state.quadrants;
+  start.quarter_turns = found.state.quarter_turns;
   const VectorX before = embedded(slices, modes, found.state.q, start, richer.layout());
   start.q = before;
   start.v.setZero();

@@ -25,9 +25,9 @@ inline Want want(Sensor sensor, Precision precision) { return {std::move(sensor)
 
 /// The integrators that solve() works with.
 struct SolveMethods {
-  MakeIntegrator by_tolerance;
-  /// Of second order in its fixed step, at home with stiff modes: for coarse answers. None: left out.
-  std::function<std::unique_ptr<Integrator>(double step)> by_step;
+  MakeIntegratorBy<Tolerance> by_tolerance;
+  /// Of second order in its fixed step, s, at home with stiff modes: for coarse answers. None: left out.
+  MakeIntegratorBy<double> by_step;
 };
 
 struct SolveOptions {

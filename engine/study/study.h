@@ -1,12 +1,11 @@
 #pragma once
 
 #include <functional>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "engine/model/system_graph.h"
-#include "engine/motion/integrator.h"
+#include "engine/motion/make_integrator.h"
 #include "engine/observe/sensors.h"
 
 namespace lithe {
@@ -27,7 +26,7 @@ struct StudyMethod {
   enum class Setting { tolerance, step };  // what make() is given: a number, or seconds
   std::string name;
   Setting setting = Setting::tolerance;
-  std::function<std::unique_ptr<Integrator>(double setting)> make;
+  MakeIntegratorBy<double> make;
 };
 
 }  // namespace lithe

@@ -5,19 +5,19 @@
 
 namespace lithe {
 
-SpringDamper::SpringDamper(Parameters parameters) : parameters_(parameters), as_drawn_(parameters.natural_length < 0) {
+SpringDamper::SpringDamper(Parameters parameters) : parameters_(parameters) {
   require::not_negative(parameters.stiffness, "stiffness");
   require::not_negative(parameters.damping, "damping");
-  require::finite(parameters.natural_length, "natural_length");
+  if (parameters.natural_length) require::not_negative(*parameters.natural_length, "natural_length");
   require::finite(parameters.preload, "preload");
 }
 
 void SpringDamper::initialize(std::span<const MarkerView> m) {
   const double length = (m[1].p - m[0].p).norm();
-  if (as_drawn_) parameters_.natural_length = length;
+  natural_length_ = parameters_.natural_length.value_or(length);
   // In one place a tension has no line to act along. Without one the force k d + c ḋ is the same along every line.
   if (length > 1e-12 * (1 + m[0].p.norm() + m[1].p.norm())) return;
-  const double stretch = as_drawn_ ? 0 : -parameters_.natural_length;
+  const double stretch = parameters_.natural_length ? -natural_length_ : 0;
   const double tension =
       parameters_.stiffness * stretch + parameters_.preload + (parameters_.law ? parameters_.law(stretch, 0).force : 0);
   if (tension == 0) return;

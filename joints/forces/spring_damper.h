@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "engine/assembly/batch.h"
 #include "engine/model/force_element.h"
 #include "engine/model/tension_law.h"
@@ -12,17 +14,17 @@ namespace lithe {
 class SpringDamper final : public Force</*markers=*/2, /*rows=*/1> {
  public:
   struct Parameters {
-    double stiffness = 0;        // k, N/m
-    double damping = 0;          // c, N s/m
-    double natural_length = -1;  // l₀, m; negative: as drawn
-    double preload = 0;          // σ₀, N: tension at the natural length
-    TensionLaw law{};            // added to these: tabulated_spring(...), or a function of stretch and speed
+    double stiffness = 0;                    // k, N/m
+    double damping = 0;                      // c, N s/m
+    std::optional<double> natural_length{};  // l₀, m; none: as drawn
+    double preload = 0;                      // σ₀, N: tension at the natural length
+    TensionLaw law{};  // added to these: tabulated_spring(...), or a function of stretch and speed
   };
 
-  /// Throws SceneError for a stiffness or damping that is negative, and for a value that is not finite.
+  /// Throws SceneError for a stiffness, damping or natural length that is negative, and for a value that is not finite.
   explicit SpringDamper(Parameters parameters);
 
-  double natural_length() const { return parameters_.natural_length; }
+  double natural_length() const { return natural_length_; }
 
   bool depends_on_time() const override { return false; }
   void evaluate(double, std::span<const MarkerView> markers, ForceRows& rows) const override {
@@ -31,7 +33,7 @@ class SpringDamper final : public Force</*markers=*/2, /*rows=*/1> {
     const Vector3 d = B.p - A.p;
     const double length = d.norm();
     const Vector3 n = length > 0 ? Vector3(d / length) : Vector3(0, 0, 0);
-    const double stretch = length - parameters_.natural_length, speed = n.dot(B.v - A.v);
+    const double stretch = length - natural_length_, speed = n.dot(B.v - A.v);
     const Tension more = parameters_.law ? parameters_.law(stretch, speed) : Tension{};
     rows.add({force(-n), force(n)}, k * stretch + c * speed + preload + more.force, k + more.stiffness,
              c + more.damping, (0.5 * k * stretch + preload) * stretch + more.energy);
@@ -41,7 +43,7 @@ class SpringDamper final : public Force</*markers=*/2, /*rows=*/1> {
 
  private:
   Parameters parameters_;
-  const bool as_drawn_;
+  double natural_length_ = 0;
 };
 
 extern template std::unique_ptr<ForceBatch> make_force_batch<SpringDamper>();

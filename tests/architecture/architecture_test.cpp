@@ -88,7 +88,7 @@ TEST_F(PlantedTree, ArrowsBetweenFoldersAreKept) {
 TEST_F(PlantedTree, RoomsOfTheEngineKnowThoseBeforeThem) {
   EXPECT_TRUE(is_allowed("engine/run/a.cpp", "#include \"engine/model/body.h\""));
   EXPECT_TRUE(is_allowed("engine/model/a.h", "#include \"engine/model/body.h\""));
-  EXPECT_TRUE(is_allowed("engine/plugin.h", "#include \"engine/plugin/plugin_body.h\""));
+  EXPECT_TRUE(is_allowed("engine/plugin.h", "#include \"engine/plugin/body_to_c.h\""));
   EXPECT_TRUE(is_allowed("engine/plugin/a.cpp", "#include \"engine/plugin_abi.h\""));
 
   EXPECT_TRUE(is_caught("engine/model/a.h", "#include \"engine/run/simulation.h\""));

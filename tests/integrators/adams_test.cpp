@@ -9,7 +9,7 @@
 #include "engine/base/error.h"
 #include "engine/motion/projection.h"
 #include "integrators/adams.h"
-#include "joints/angle_driver.h"
+#include "joints/coordinate_drive.h"
 #include "joints/forces/bushing.h"
 #include "joints/forces/joint_friction.h"
 #include "joints/revolute_joint.h"
@@ -140,13 +140,13 @@ TEST(Adams, FollowsADriveAndBearsRedundantRows) {
           };
           auto &crank = bar("crank", {0, 0.25, 0}), &coupler = bar("coupler", {0.5, 0.75, 0}),
                &rocker = bar("rocker", {1, 0.5, 0});
-          graph.add<RevoluteJoint>("pin", {graph.ground().marker(), crank.marker({0, -0.25, 0})});
+          auto& pin = graph.add<RevoluteJoint>("pin", {graph.ground().marker(), crank.marker({0, -0.25, 0})});
           graph.add<RevoluteJoint>("first", {crank.marker({0, 0.25, 0}), coupler.marker({-0.5, -0.25, 0})});
           graph.add<RevoluteJoint>("second", {coupler.marker({0.5, 0.25, 0}), rocker.marker({0, 0.5, 0})});
           graph.add<RevoluteJoint>("pivot", {rocker.marker({0, -0.5, 0}), graph.ground().marker({1, 0, 0})});
-          graph.add<AngleDriver>("motor", {graph.ground().marker(), crank.marker()}, {.motion = [](double t) {
-                                   return Motion{0.5 * t * t, t, 1};
-                                 }});
+          graph.add<CoordinateDrive>("motor", {pin.angle()}, {.motion = [](double t) {
+                                       return Motion{0.5 * t * t, t, 1};
+                                     }});
         });
       },
       1.0, 1e-8);

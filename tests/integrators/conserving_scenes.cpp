@@ -6,7 +6,7 @@
 
 #include "bodies/flexible/reduction.h"
 #include "bodies/rigid_body.h"
-#include "joints/angle_driver.h"
+#include "joints/coordinate_drive.h"
 #include "joints/forces/joint_friction.h"
 #include "joints/revolute_joint.h"
 #include "joints/rolling_disc.h"
@@ -57,9 +57,9 @@ Scene driven_with_friction() {
     const Matrix3 axes = rotation_about({1, 0, 0}, M_PI / 2);
     auto& crank = graph.add<RigidBody>("crank", {.mass = 1, .inertia = {0.01, 0.02, 0.02}, .position = {0.2, 0, 0}});
     auto& link = graph.add<RigidBody>("link", {.mass = 1, .inertia = {0.01, 0.02, 0.02}, .position = {0.6, 0, 0}});
-    const std::vector<Marker> hinge{graph.ground().marker({}, axes), crank.marker({-0.2, 0, 0}, axes)};
-    graph.add<RevoluteJoint>("hinge", hinge);
-    graph.add<AngleDriver>("drive", hinge, {.motion = harmonic(0.5, 3)});
+    auto& hinge =
+        graph.add<RevoluteJoint>("hinge", {graph.ground().marker({}, axes), crank.marker({-0.2, 0, 0}, axes)});
+    graph.add<CoordinateDrive>("drive", {hinge.angle()}, {.motion = harmonic(0.5, 3)});
     auto& pin = graph.add<RevoluteJoint>("pin", {crank.marker({0.2, 0, 0}, axes), link.marker({-0.2, 0, 0}, axes)});
     graph.add<JointFriction>("rub", {pin.angle()},
                              {.joint = &pin, .dynamic = 0.3, .transition_speed = 0.5, .radius = 0.1});

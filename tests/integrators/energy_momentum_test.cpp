@@ -33,6 +33,15 @@ TEST(EnergyMomentum, IsOfOrderTwo) {
   }
 }
 
+TEST(EnergyMomentum, TakesStepsWhoseCorrectionsGoUpAndDownAtRoundOff) {
+  for (int steps = 400; steps <= 625; steps += 25) {
+    Scene scene = driven_with_friction();
+    const Method method = energy_momentum(0.1 / steps);
+    scene.run(*method, 0.1);
+    EXPECT_EQ(method->statistics().newton_failures, 0) << steps;
+  }
+}
+
 TEST(EnergyMomentum, KeepsEnergyAndMomentumOfAFreeBodyOverAMillionSteps) {
   Scene scene = free_body({1, 2, 3}, {0.4, 1, 0.3});
   const auto spin = [&]() -> Vector3 {

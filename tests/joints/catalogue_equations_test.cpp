@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
 #include "engine/model/force_element.h"
-#include "joints/angle_driver.h"
 #include "joints/constant_velocity_joint.h"
+#include "joints/coordinate_drive.h"
 #include "joints/cylindrical_joint.h"
 #include "joints/distance_joint.h"
 #include "joints/fixed_joint.h"
@@ -24,7 +24,6 @@
 #include "joints/screw_joint.h"
 #include "joints/spherical_joint.h"
 #include "joints/three_node_fixation.h"
-#include "joints/translational_driver.h"
 #include "joints/universal_joint.h"
 
 /// The rows and reactions that the pages of docs/site/catalogue tell, against the code, at random poses.
@@ -201,15 +200,14 @@ TEST_F(CatalogueEquations, OfTheRollingDiscAtItsPointOfContact) {
   EXPECT_NEAR(rate(2), A.y().dot(slip), 1e-14);
 }
 
-TEST_F(CatalogueEquations, OfDrivers) {
-  evaluate(TranslationalDriver({.motion = ramp(0.2, 3)}));
+TEST_F(CatalogueEquations, OfADriveAlongAndAboutZ) {
+  evaluate(CoordinateDrive(CoordinateSet({displacement_between({}, {})}), {.motion = ramp(0.2, 3)}));
   EXPECT_NEAR(g(0), A.z().dot(d()) - 0.2, 1e-15);
   expect_reaction(1, -l[0] * A.z(), none);
   expect_reaction(0, l[0] * A.z(), -l[0] * A.z().cross(d()));
   turn_B_about_common_z(0.7);
-  evaluate(AngleDriver({.motion = constant(0.5)}));
-  EXPECT_NEAR(g(0), std::sin(0.2), 1e-15);
-  evaluate(AngleDriver({.motion = constant(0.7)}));
+  evaluate(CoordinateDrive(CoordinateSet({angle_between({}, {})}), {.motion = constant(0.5)}));
+  EXPECT_NEAR(g(0), 0.2, 1e-15);
   expect_reaction(1, none, -l[0] * A.z());
 }
 

@@ -6,7 +6,6 @@
 
 #include "bodies/rigid_body.h"
 #include "engine/assembly/assembler.h"
-#include "joints/angle_driver.h"
 #include "joints/cylindrical_joint.h"
 #include "joints/distance_joint.h"
 #include "joints/fixed_joint.h"
@@ -14,7 +13,6 @@
 #include "joints/revolute_joint.h"
 #include "joints/spherical_joint.h"
 #include "joints/three_node_fixation.h"
-#include "joints/translational_driver.h"
 #include "joints/universal_joint.h"
 #include "tests/support/dense.h"
 #include "tests/support/joint_checks.h"
@@ -56,12 +54,6 @@ MotionLaw swinging(double start) {
 }
 TEST(DistanceJoint, TelescopesByALaw) {
   check_between_all_pairs<DistanceJoint>(1, {0.3, 0.4, -0.2}, DistanceJoint::Parameters{.length_law = swinging(0.5)});
-}
-TEST(TranslationalDriver, PrescribesOneTranslation) {
-  check_between_all_pairs<TranslationalDriver>(1, {0, 0, 0.3}, TranslationalDriver::Parameters{swinging(0.3)});
-}
-TEST(AngleDriver, PrescribesOneRotation) {
-  check_between_all_pairs<AngleDriver>(1, {0, 0, 0}, AngleDriver::Parameters{swinging(0)});
 }
 
 TEST(DistanceJoint, TakesItsLengthFromTheDrawing) {

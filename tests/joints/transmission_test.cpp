@@ -35,7 +35,7 @@ struct BentShafts : Scene {
           graph.add<PointForce>("brake", {shaft.marker()},
                                 {.torque = {0, 0, -kLoad}, .axes = PointForce::Axes::marker});
           drive = &graph.add<CoordinateDrive>("drive", {in.angle()}, {.motion = ramp(0, kSpeed)});
-          out = {JointCoordinate::Kind::angle, bearing, shaft.marker()};
+          out = angle_between(bearing, shaft.marker());
         }) {}
 };
 

@@ -119,7 +119,7 @@ TEST(CamFollower, refuses_what_is_no_cam_and_says_how_to_fix_it) {
 
 // ---- what joints remember, and rows on velocities ----
 
-TEST(LoadedJoint, counts_the_turns_of_its_angle) {
+TEST(JointFromC, counts_the_turns_of_its_angle) {
   Registry registry;
   registry.load_plugin(library("nut_and_skate"));
   VectorX ends[2];
@@ -139,7 +139,7 @@ TEST(LoadedJoint, counts_the_turns_of_its_angle) {
   EXPECT_EQ(0, std::memcmp(ends[0].data(), ends[1].data(), 8 * ends[0].size()));
 }
 
-TEST(LoadedJoint, may_have_rows_on_velocities_alone) {
+TEST(JointFromC, may_have_rows_on_velocities_alone) {
   // A skate that turns evenly and goes at speed v ahead runs on a circle of radius v/ω.
   Registry registry;
   registry.load_plugin(library("nut_and_skate"));
@@ -167,7 +167,7 @@ RattleBox& add_compiled(SystemGraph& graph) {
   return graph.add<RattleBox>("box", {.stiffness = 80, .position = {0.5, 0, 0}});
 }
 
-TEST(LoadedBody, takes_a_marker_where_it_is_put_in_the_world) {
+TEST(BodyFromC, takes_a_marker_where_it_is_put_in_the_world) {
   Registry registry;
   registry.load_plugin(library("rattle_box"));
   SystemGraph graph;
@@ -180,7 +180,7 @@ TEST(LoadedBody, takes_a_marker_where_it_is_put_in_the_world) {
   EXPECT_LT((now.marker(marker).R - axes).norm(), 1e-15);
 }
 
-TEST(LoadedBody, passes_the_checks_of_a_body) {
+TEST(BodyFromC, passes_the_checks_of_a_body) {
   Registry registry;
   registry.load_plugin(library("rattle_box"));
   SystemGraph graph;
@@ -188,12 +188,12 @@ TEST(LoadedBody, passes_the_checks_of_a_body) {
   check_body(graph, box, {box.marker({0.1, 0.2, 0.3}, rotation_about({1, 1, 0}, 0.5)), box.node(1)}, {.mass = 1.7});
 }
 
-TEST(LoadedBody, moves_as_the_same_class_compiled_in_bit_by_bit) {
+TEST(BodyFromC, moves_as_the_same_class_compiled_in_bit_by_bit) {
   Registry registry;
   registry.load_plugin(library("rattle_box"));
   SystemGraph compiled, loaded;
   draw_box(compiled, add_compiled);
-  draw_box(loaded, [&](SystemGraph& graph) -> LoadedBody& {
+  draw_box(loaded, [&](SystemGraph& graph) -> BodyFromC& {
     return graph.add(registry.body("rattle_box"), "box", {{"stiffness", 80}, {"position", {0.5, 0, 0}}});
   });
   GeneralizedAlpha a{{.step = 1e-3}}, b{{.step = 1e-3}};
@@ -202,7 +202,7 @@ TEST(LoadedBody, moves_as_the_same_class_compiled_in_bit_by_bit) {
   EXPECT_GT((here - there.reverse()).norm(), 1);  // something moved
 }
 
-TEST(LoadedBody, tells_which_markers_it_has) {
+TEST(BodyFromC, tells_which_markers_it_has) {
   Registry registry;
   registry.load_plugin(library("rattle_box"));
   SystemGraph graph;
@@ -230,7 +230,7 @@ SystemGraph& pendulum(SystemGraph& graph) {
   return graph;
 }
 
-TEST(LoadedIntegrator, explicit_takes_the_same_steps_as_compiled_in) {
+TEST(IntegratorFromC, explicit_takes_the_same_steps_as_compiled_in) {
   Registry registry;
   registry.load_plugin(library("heun"));
   SystemGraph graph;
@@ -243,7 +243,7 @@ TEST(LoadedIntegrator, explicit_takes_the_same_steps_as_compiled_in) {
   EXPECT_EQ(loaded->name(), "integrator type 'heun' of heun.so");
 }
 
-TEST(LoadedIntegrator, implicit_with_automatic_steps_takes_the_same_as_compiled_in) {
+TEST(IntegratorFromC, implicit_with_automatic_steps_takes_the_same_as_compiled_in) {
   Registry registry;
   registry.load_plugin(library("alpha"));
   SystemGraph graph;
@@ -256,7 +256,7 @@ TEST(LoadedIntegrator, implicit_with_automatic_steps_takes_the_same_as_compiled_
   EXPECT_EQ(loaded->statistics().newton_iterations, compiled.statistics().newton_iterations);
 }
 
-TEST(LoadedIntegrator, serves_one_system_after_another) {
+TEST(IntegratorFromC, serves_one_system_after_another) {
   Registry registry;
   registry.load_plugin(library("heun"));
   const auto method = registry.integrator("heun", {{"step", 1e-3}});

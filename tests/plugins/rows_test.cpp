@@ -110,41 +110,41 @@ void expect_same_equations(SystemGraph& compiled, SystemGraph& loaded) {
   }
 }
 
-TEST(LoadedRows, of_a_written_joint_are_those_compiled_in_bit_by_bit) {
+TEST(RowsFromC, of_a_written_joint_are_those_compiled_in_bit_by_bit) {
   Registry registry;
   registry.load_plugin(shipped("massless_rod"));
-  expect_same_rows(MasslessRod({.length = 1.9}), LoadedJoint({&registry.joint("massless_rod"), {{"length", 1.9}}}));
+  expect_same_rows(MasslessRod({.length = 1.9}), JointFromC({&registry.joint("massless_rod"), {{"length", 1.9}}}));
   TwoBodies compiled, loaded;
   compiled.graph.add<MasslessRod>("rod", compiled.ends, {.length = 1.9});
   loaded.graph.add(registry.joint("massless_rod"), "rod", loaded.ends, {{"length", 1.9}});
   expect_same_equations(compiled.graph, loaded.graph);
 }
 
-TEST(LoadedRows, of_a_cam_are_those_compiled_in_bit_by_bit) {
+TEST(RowsFromC, of_a_cam_are_those_compiled_in_bit_by_bit) {
   Registry registry;
   registry.load_plugin(shipped("cam_follower"));
   expect_same_rows(CamFollower({.profile = egg(), .roller_radius = 0.1}),
-                   LoadedJoint({&registry.joint("cam_follower"), {{"profile", egg()}, {"roller_radius", 0.1}}}));
+                   JointFromC({&registry.joint("cam_follower"), {{"profile", egg()}, {"roller_radius", 0.1}}}));
   TwoBodies compiled, loaded;
   compiled.graph.add<CamFollower>("cam", compiled.ends, {.profile = egg()});
   loaded.graph.add(registry.joint("cam_follower"), "cam", loaded.ends, {{"profile", egg()}});
   expect_same_equations(compiled.graph, loaded.graph);
 }
 
-TEST(LoadedRows, of_a_composed_joint_are_those_compiled_in_with_their_stiffness) {
+TEST(RowsFromC, of_a_composed_joint_are_those_compiled_in_with_their_stiffness) {
   Registry registry;
   registry.load_plugin(library("hinge"));
-  expect_same_rows(Hinge(), LoadedJoint({&registry.joint("hinge")}));
+  expect_same_rows(Hinge(), JointFromC({&registry.joint("hinge")}));
   TwoBodies compiled, loaded;
   compiled.graph.add<Hinge>("pin", compiled.ends);
   loaded.graph.add(registry.joint("hinge"), "pin", loaded.ends);
   expect_same_equations(compiled.graph, loaded.graph);
 }
 
-TEST(LoadedRows, of_a_force_are_those_compiled_in_bit_by_bit) {
+TEST(RowsFromC, of_a_force_are_those_compiled_in_bit_by_bit) {
   Registry registry;
   registry.load_plugin(library("bungee"));
-  const LoadedForce loaded_force(
+  const ForceFromC loaded_force(
       {&registry.force("bungee"), {{"stiffness", 30}, {"damping", 2.5}, {"natural_length", 2.1}, {"drag", 0.7}}});
   const Bungee compiled_force({.stiffness = 30, .damping = 2.5, .natural_length = 2.1, .drag = 0.7});
   RandomNumbers random(4);
@@ -165,10 +165,10 @@ TEST(LoadedRows, of_a_force_are_those_compiled_in_bit_by_bit) {
   expect_same_equations(compiled.graph, loaded.graph);
 }
 
-TEST(LoadedRows, of_a_class_registered_by_name_are_those_of_the_class) {
+TEST(RowsFromC, of_a_class_registered_by_name_are_those_of_the_class) {
   Registry registry;
   registry.add<MasslessRod>("rod");
-  expect_same_rows(MasslessRod({.length = 1.9}), LoadedJoint({&registry.joint("rod"), {{"length", 1.9}}}));
+  expect_same_rows(MasslessRod({.length = 1.9}), JointFromC({&registry.joint("rod"), {{"length", 1.9}}}));
 }
 
 TEST(PluginChecks, massless_rod_passes_those_of_a_joint_compiled_in_and_loaded) {

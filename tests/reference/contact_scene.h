@@ -13,9 +13,9 @@
 #include "integrators/moreau_jean.h"
 #include "integrators/nonsmooth_generalized_alpha.h"
 #include "joints/contact/contact.h"
+#include "joints/coordinate_drive.h"
 #include "joints/forces/spring_damper.h"
 #include "joints/prismatic_joint.h"
-#include "joints/translational_driver.h"
 
 namespace lithe::test {
 

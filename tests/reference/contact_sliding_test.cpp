@@ -116,10 +116,9 @@ struct Belt {
   explicit Belt(double x, double speed) {
     auto& belt = scene.box("belt", {1, 1, 1}, 10, {0, 0, -0.5});
     const Matrix3 along = Eigen::AngleAxisd(M_PI / 2, Vector3::UnitY()).matrix();  // z along world x
-    scene.graph.add<PrismaticJoint>("guide",
-                                    {scene.graph.ground().marker({0, 0, -0.5}, along), belt.marker({}, along)});
-    scene.graph.add<TranslationalDriver>(
-        "drive", {scene.graph.ground().marker({0, 0, -0.5}, along), belt.marker({}, along)}, {.motion = ramp(0, 0.5)});
+    auto& guide = scene.graph.add<PrismaticJoint>(
+        "guide", {scene.graph.ground().marker({0, 0, -0.5}, along), belt.marker({}, along)});
+    scene.graph.add<CoordinateDrive>("drive", {guide.displacement()}, {.motion = ramp(0, 0.5)});
     block = &scene.box("block", {0.4, 0.4, 0.2}, 1, {x, 0, 0.1}, Matrix3::Identity(), {speed, 0, 0});
     scene.graph.add<SpringDamper>("spring", {scene.graph.ground().marker({-1, 0, 0}), block->marker({0, 0, -0.1})},
                                   {.stiffness = 100, .natural_length = 1});

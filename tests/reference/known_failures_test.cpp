@@ -2,12 +2,11 @@
 // linkages, a platform on six driven legs. |g| < 1e-10 at all output times, redundant rows counted by a dense rank.
 #include <gtest/gtest.h>
 
-#include "joints/angle_driver.h"
+#include "joints/coordinate_drive.h"
 #include "joints/distance_joint.h"
 #include "joints/prismatic_joint.h"
 #include "joints/revolute_joint.h"
 #include "joints/spherical_joint.h"
-#include "joints/translational_driver.h"
 #include "joints/universal_joint.h"
 #include "tests/reference/benchmark.h"
 #include "tests/reference/mechanism.h"
@@ -72,7 +71,8 @@ TEST(KnownFailures, DistanceInADrivenSliderCrankGivesTheAccelerationsOfTheRodsEn
       const Part crank = rod(graph, "crank", O, pin, 1, 0, O, speed * Vector3(-pin.y(), pin.x(), 0));
       const Part slider(graph, "slider", 2, {1, 1, 1}, end, Matrix3::Identity(), {slider_at(0).v, 0, 0});
       graph.add<RevoluteJoint>("bearing", {graph.ground().marker(), crank.at(O)});
-      graph.add<AngleDriver>("motor", {graph.ground().marker(), crank.body.marker()}, {.motion = law});
+      graph.add<CoordinateDrive>("motor", {angle_between(graph.ground().marker(), crank.body.marker())},
+                                 {.motion = law});
       graph.add<PrismaticJoint>("guide", {graph.ground().marker(O, kAlongX), slider.at(end, kAlongX)});
       graph.add<DistanceJoint>("rod", {crank.at(pin), slider.at(end)}, {.length = l});
     });
@@ -198,17 +198,17 @@ TEST(KnownFailures, StewartPlatformFollowsItsSixDrivenLegs) {
       const Part piston(graph, "piston " + number, 0.5, {0.01, 0.01, 0.001}, high, axes,
                         omega.cross(high - foot) + v.dot(d) / d.squaredNorm() * d, omega);
       graph.add<UniversalJoint>("foot " + number, {graph.ground().marker(foot, axes), cylinder.at(foot, axes)});
-      graph.add<PrismaticJoint>("leg " + number, {cylinder.at(foot, axes), piston.at(head, axes)});
+      auto& leg = graph.add<PrismaticJoint>("leg " + number, {cylinder.at(foot, axes), piston.at(head, axes)});
       graph.add<SphericalJoint>("head " + number, {piston.at(head), plate.at(head)});
-      graph.add<TranslationalDriver>(
-          "drive " + number, {cylinder.at(foot, axes), piston.at(head, axes)}, {.motion = [foot, b = top[i]](double t) {
-            const PlatformMotion m = platform(t);
-            const Vector3 arm = turn(m.phi.value) * b, across = kAxis.cross(arm);
-            const Vector3 e = m.p + arm - foot, e1 = m.v + m.phi.rate * across;
-            const Vector3 e2 = m.a + m.phi.acceleration * across + m.phi.rate * m.phi.rate * kAxis.cross(across);
-            const double L = e.norm(), L1 = e.dot(e1) / L;
-            return Motion{L, L1, (e1.dot(e1) + e.dot(e2) - L1 * L1) / L};
-          }});
+      graph.add<CoordinateDrive>("drive " + number, {leg.displacement()}, {.motion = [foot, b = top[i]](double t) {
+                                   const PlatformMotion m = platform(t);
+                                   const Vector3 arm = turn(m.phi.value) * b, across = kAxis.cross(arm);
+                                   const Vector3 e = m.p + arm - foot, e1 = m.v + m.phi.rate * across;
+                                   const Vector3 e2 = m.a + m.phi.acceleration * across +
+                                                      m.phi.rate * m.phi.rate * kAxis.cross(across);
+                                   const double L = e.norm(), L1 = e.dot(e1) / L;
+                                   return Motion{L, L1, (e1.dot(e1) + e.dot(e2) - L1 * L1) / L};
+                                 }});
     }
   });
   EXPECT_EQ(scene.system.degrees_of_freedom(), 0);
@@ -266,10 +266,9 @@ Scene scissor_grid(int n) {
             "corner " + std::to_string(c) + "." + std::to_string(k),
             {corners[c][0].part->at(corners[c][0].point), corners[c][k].part->at(corners[c][k].point)});
     graph.add<RevoluteJoint>("pin", {graph.ground().marker(), bars[0].at(at(0, 0))});
-    graph.add<TranslationalDriver>("rail", {graph.ground().marker({0, 0, 0}, kAlongY), bars[1].at(at(1, 0))},
-                                   {.motion = [](double) {
-                                     return Motion{0, 0, 0};
-                                   }});
+    graph.add<CoordinateDrive>("rail",
+                               {displacement_between(graph.ground().marker({0, 0, 0}, kAlongY), bars[1].at(at(1, 0)))},
+                               {.motion = constant(0)});
   });
 }
 

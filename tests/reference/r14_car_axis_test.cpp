@@ -2,12 +2,11 @@
 // the chassis turns as prescribed. Mark: scd 6 of the positions at t = 3 s.
 #include <gtest/gtest.h>
 
-#include "joints/angle_driver.h"
+#include "joints/coordinate_drive.h"
 #include "joints/distance_joint.h"
 #include "joints/forces/spring_damper.h"
 #include "joints/prismatic_joint.h"
 #include "joints/revolute_joint.h"
-#include "joints/translational_driver.h"
 #include "tests/reference/accuracy.h"
 #include "tests/reference/mechanism.h"
 
@@ -29,13 +28,12 @@ Scene car_axis() {
     const Part chassis(graph, "chassis", 1, {1, 1, 1}, {0, 0, 0}, Matrix3::Identity(), {0, 0, 0}, {0, 0, 1});
     const Part wheel_l(graph, "left", 5, {1, 1, 1}, left, Matrix3::Identity(), v, {0, 0, 1});
     const Part wheel_r(graph, "right", 5, {1, 1, 1}, right, Matrix3::Identity(), v);
-    graph.add<RevoluteJoint>("pivot", {graph.ground().marker(), chassis.at({0, 0, 0})});
-    graph.add<AngleDriver>("road", {graph.ground().marker(), chassis.at({0, 0, 0})}, {.motion = chassis_angle});
+    auto& pivot = graph.add<RevoluteJoint>("pivot", {graph.ground().marker(), chassis.at({0, 0, 0})});
+    graph.add<CoordinateDrive>("road", {pivot.angle()}, {.motion = chassis_angle});
     const Matrix3 up = axes_with_z({0, 1, 0});
     graph.add<PrismaticJoint>("guide", {chassis.at({0, 0, 0}, up), wheel_l.at(left, up)});
-    graph.add<TranslationalDriver>("plane", {graph.ground().marker(), wheel_r.at(right)}, {.motion = [](double) {
-                                     return Motion{0, 0, 0};
-                                   }});
+    graph.add<CoordinateDrive>("plane", {displacement_between(graph.ground().marker(), wheel_r.at(right))},
+                               {.motion = constant(0)});
     graph.add<DistanceJoint>("axle", {wheel_l.at(left), wheel_r.at(right)}, {.length = 1});
     graph.add<SpringDamper>("left spring", {chassis.at({0, 0, 0}), wheel_l.at(left)},
                             {.stiffness = kStiffness, .natural_length = 0.5});

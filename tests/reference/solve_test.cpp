@@ -9,13 +9,12 @@
 #include "bodies/rigid_body.h"
 #include "engine/output/csv.h"
 #include "integrators/solve.h"
-#include "joints/angle_driver.h"
 #include "joints/contact/contact.h"
+#include "joints/coordinate_drive.h"
 #include "joints/fixed_joint.h"
 #include "joints/forces/user_force.h"
 #include "joints/prismatic_joint.h"
 #include "joints/revolute_joint.h"
-#include "joints/translational_driver.h"
 #include "tests/bodies/fe_models.h"
 #include "tests/support/methods.h"
 
@@ -229,14 +228,14 @@ TEST(Solve, a_cantilever_on_a_hub_gives_the_forces_of_the_spin_that_statics_know
                                                 .position = {0.1, -0.01, -0.005}});
   auto& hub = graph.add<RigidBody>("hub", {.mass = 1, .inertia = {0.01, 0.01, 0.01}});
   const Marker ground = graph.ground().marker();
-  graph.add<RevoluteJoint>("bearing", {ground, hub.marker()});
+  auto& bearing = graph.add<RevoluteJoint>("bearing", {ground, hub.marker()});
   const MotionLaw run_up = [](double t) -> Motion {
     constexpr double w = 30, T = 0.2;
     if (t >= T) return {w * (t - T / 2), w, 0};
     const double s = t / T;
     return {w * T * (s * s * s - 0.5 * s * s * s * s), w * (3 * s * s - 2 * s * s * s), w / T * (6 * s - 6 * s * s)};
   };
-  graph.add<AngleDriver>("drive", {ground, hub.marker()}, {run_up});
+  graph.add<CoordinateDrive>("drive", {bearing.angle()}, {.motion = run_up});
   auto& root = graph.add<FixedJoint>("root", {hub.marker({0.1, 0, 0}), beam.average(model.node_set("x_min"))});
   const std::vector<Want> wants = {want(reaction(root, 1, hub.marker(), "root"), percent(5)),
                                    want(position(beam.average(model.node_set("x_max")), "tip"), percent(1))};
@@ -264,8 +263,9 @@ struct Cantilever {
     const Marker foot = beam.average(model.node_set("x_min")), ground = graph.ground().marker({0, 0.01, 0.005});
     tip = beam.average(model.node_set("x_max"));
     if (load == Load::shaken_foot) {
-      graph.add<PrismaticJoint>("guide", {ground, foot});
-      graph.add<TranslationalDriver>("drive", {ground, foot}, {harmonic(2e-3, 2 * M_PI * frequency, M_PI / 2, -2e-3)});
+      auto& guide = graph.add<PrismaticJoint>("guide", {ground, foot});
+      graph.add<CoordinateDrive>("drive", {guide.displacement()},
+                                 {.motion = harmonic(2e-3, 2 * M_PI * frequency, M_PI / 2, -2e-3)});
       return;
     }
     graph.add<FixedJoint>("root", {ground, foot});

@@ -42,9 +42,9 @@ TEST_P(StickSlipBy, a_mass_on_a_belt_has_the_period_of_two_coefficients) {
     ContactScene scene;
     auto& carrier = scene.box("belt", {1, 1, 1}, 10, {0, 0, -0.5}, Matrix3::Identity(), {belt.speed, 0, 0});
     const Matrix3 along = Eigen::AngleAxisd(M_PI / 2, Vector3::UnitY()).matrix();  // z along world x
-    const std::vector<Marker> guide{scene.graph.ground().marker({0, 0, -0.5}, along), carrier.marker({}, along)};
-    scene.graph.add<PrismaticJoint>("guide", {guide[0], guide[1]});
-    scene.graph.add<TranslationalDriver>("drive", {guide[0], guide[1]}, {.motion = ramp(0, belt.speed)});
+    auto& guide = scene.graph.add<PrismaticJoint>(
+        "guide", {scene.graph.ground().marker({0, 0, -0.5}, along), carrier.marker({}, along)});
+    scene.graph.add<CoordinateDrive>("drive", {guide.displacement()}, {.motion = ramp(0, belt.speed)});
     auto& block = scene.box("block", {0.4, 0.4, 0.2}, belt.mass, {belt.start(), 0, 0.1}, Matrix3::Identity(),
                             {belt.speed, 0, 0});
     scene.graph.add<SpringDamper>("spring", {scene.graph.ground().marker({-1, 0, 0}), block.marker({0, 0, -0.1})},

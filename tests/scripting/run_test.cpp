@@ -81,7 +81,7 @@ TEST(Mistakes, InTheCallOfAJointAreToldInItsTerms) {
        {"error: field 'stiffness' of SpringDamper::Parameters comes too late", "stiffness, damping"}},
       {R"(graph.add<DistanceJoint>("elbow", {upper.marker(), lower.marker()}, {.length = "long"});)",
        {"error: a value does not fit its field of DistanceJoint::Parameters",
-        "double length = 0  // L, m; 0: as drawn"}},
+        "std::optional<double> length{}  // L, m; none: as drawn"}},
       {R"(graph.add<RevoluteJoint>("elbow");)",
        {"error: RevoluteJoint '\"elbow\"' has no markers: it needs 2", "graph.add<RevoluteJoint>(\"name\", {A, B}"}},
       {R"(graph.add<RevolutJoint>("elbow", {ground, lower.marker()});)",

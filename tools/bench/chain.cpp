@@ -20,9 +20,9 @@ int main(int argument_count, char** words) {
 
     const Scene scene([&](lithe::SystemGraph& graph) { return draw_chain(graph, count, kind); });
     const Cost cost = least_of(repeats, [&] { return measure(scene, stepping); });
-    std::printf("{\"program\": \"chain\", \"joint\": \"%s\", \"n\": %d, \"us_per_link_step\": %.5g, ", joint.c_str(),
-                count, cost.microseconds_per_step() / count);
-    cost.print_json();
-    std::printf("}\n");
+    JsonLine line;
+    line.add("program", "chain").add("joint", joint).add("n", count);
+    line.add("us_per_link_step", cost.microseconds_per_step() / count, 5);
+    cost.add_to(line).print();
   });
 }

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "integrators/moreau_jean.h"
-#include "joints/contact/bullet_stepper.h"
+#include "tools/contact/bullet_stepper.h"
 #include "tools/contact/piles.h"
 
 namespace lithe::contact_bench {
@@ -14,14 +14,13 @@ constexpr double kStep = 1.0 / 240;
 
 std::unique_ptr<Stepper> bullet(const Pile& pile) { return plain_bullet(pile, kStep, 10, false); }
 std::unique_ptr<Stepper> stepper(const Pile& pile) {
-  return lithe_stepper(pile, kStep, [](const System& system, double step) -> std::unique_ptr<Integrator> {
-    return std::make_unique<BulletStepper>(system, BulletStepper::Parameters{.step = step});
+  return lithe_stepper(pile, kStep, [](const System& system) {
+    return std::make_unique<BulletStepper>(system, BulletStepper::Parameters{.step = kStep});
   });
 }
 std::unique_ptr<Stepper> moreau_jean(const Pile& pile) {
-  return lithe_stepper(pile, kStep, [](const System&, double step) -> std::unique_ptr<Integrator> {
-    return std::make_unique<MoreauJean>(MoreauJean::Parameters{.step = step});
-  });
+  return lithe_stepper(
+      pile, kStep, [](const System&) { return std::make_unique<MoreauJean>(MoreauJean::Parameters{.step = kStep}); });
 }
 
 /// After the fall: the first second is not measured.

@@ -36,20 +36,21 @@ int main(int argument_count, char** words) {
 
     std::vector<Marker> ends;
     const Scene scene([&](SystemGraph& graph) { return draw_chain(graph, count, chain_joint(joint), &ends); });
-    std::printf("{\"engine\": \"Lithe\", \"problem\": \"chain\", \"joint\": \"%s\", \"n\": %d, ", joint.c_str(), count);
+    JsonLine line;
+    line.add("engine", "Lithe").add("problem", "chain").add("joint", joint).add("n", count);
     if (evaluations > 0) {
       double seconds = accelerations(scene.system, evaluations);
       for (int i = 1; i < setting.repeats; ++i) seconds = std::min(seconds, accelerations(scene.system, evaluations));
-      std::printf("\"evaluations\": %d, \"us_per_link_acceleration\": %.5g}\n", evaluations,
-                  1e6 * seconds / evaluations / count);
+      line.add("evaluations", evaluations).add("us_per_link_acceleration", 1e6 * seconds / evaluations / count, 5);
+      line.print();
       return;
     }
     const Run run = simulate(scene.system, setting, end);
-    run.print_json(setting);
+    run.add_to(line, setting);
     if (!reference.empty()) {
       const ChainError error = chain_error(scene.system, run.end, ends, reference);
-      std::printf(", \"tip_error\": %.4g, \"joint_error\": %.4g", error.tip, error.joint);
+      line.add("tip_error", error.tip, 4).add("joint_error", error.joint, 4);
     }
-    std::printf("}\n");
+    line.print();
   });
 }

@@ -224,9 +224,9 @@ int main(int argument_count, char** words) {
       Eigen::Map<lithe::Vector3>(run.tip) = chain.tip();
       return run;
     });
-    std::printf("{\"program\": \"limit_chain\", \"n\": %d, \"us_per_link_step\": %.5g, ", count,
-                cost.microseconds_per_step() / count);
-    cost.print_json();
-    std::printf("}\n");
+    JsonLine line;
+    line.add("program", "limit_chain").add("n", count);
+    line.add("us_per_link_step", cost.microseconds_per_step() / count, 5);
+    cost.add_to(line).print();
   });
 }

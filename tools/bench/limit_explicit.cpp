@@ -204,8 +204,8 @@ int main(int argument_count, char** words) {
       run.seconds = cpu_seconds() - started;
       return run;
     });
-    std::printf(
-        "{\"program\": \"limit_explicit\", \"n\": %d, \"evaluations\": %ld, \"us_per_link_acceleration\": %.4g}\n",
-        count, evaluations, cost.microseconds_per_step() / count);
+    JsonLine line;
+    line.add("program", "limit_explicit").add("n", count).add("evaluations", evaluations);
+    line.add("us_per_link_acceleration", cost.microseconds_per_step() / count, 4).print();
   });
 }

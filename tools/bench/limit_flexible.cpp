@@ -247,8 +247,8 @@ int main(int argument_count, char** words) {
       Eigen::Map<lithe::Vector3>(run.tip) = pendulum.tip();
       return run;
     });
-    std::printf("{\"program\": \"limit_flexible\", \"modes\": %d, ", kModes);
-    cost.print_json();
-    std::printf("}\n");
+    JsonLine line;
+    line.add("program", "limit_flexible").add("modes", kModes);
+    cost.add_to(line).print();
   });
 }

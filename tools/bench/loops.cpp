@@ -123,13 +123,14 @@ int main(int argument_count, char** words) {
     });
     const double error = *std::max_element(errors.begin(), errors.end());
 
-    std::printf("{\"engine\": \"Lithe\", \"problem\": \"%s\", ", name.c_str());
-    if (name == "four_bar") std::printf("\"n\": %d, ", windows);
-    run.print_json(setting);
-    std::printf(", \"error\": %.4g, \"digits\": %.2f", error, -std::log10(error));
+    JsonLine line;
+    line.add("engine", "Lithe").add("problem", name);
+    if (name == "four_bar") line.add("n", windows);
+    run.add_to(line, setting).add("error", error, 4).add("digits", -std::log10(error), 4);
     if (asked.mean_square)
-      std::printf(", \"lim_error\": %.4g", std::sqrt(std::accumulate(squares.begin(), squares.end(), 0.0) /
-                                                     static_cast<double>(squares.size())));
-    std::printf("}\n");
+      line.add("lim_error",
+               std::sqrt(std::accumulate(squares.begin(), squares.end(), 0.0) / static_cast<double>(squares.size())),
+               4);
+    line.print();
   });
 }

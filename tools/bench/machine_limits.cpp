@@ -60,8 +60,8 @@ int main(int argument_count, char** words) {
       cached = std::max(cached, triad_bytes_a_second(30'000));      // 0.7 MB
       memory = std::max(memory, triad_bytes_a_second(40'000'000));  // 1 GB
     }
-    std::printf("{\"program\": \"machine_limits\", \"gflops\": %.4g, \"gb_per_s_cached\": %.4g, ", 1e-9 * flops,
-                1e-9 * cached);
-    std::printf("\"gb_per_s_memory\": %.4g}\n", 1e-9 * memory);
+    lithe::bench::JsonLine line;
+    line.add("program", "machine_limits").add("gflops", 1e-9 * flops, 4);
+    line.add("gb_per_s_cached", 1e-9 * cached, 4).add("gb_per_s_memory", 1e-9 * memory, 4).print();
   });
 }

@@ -24,8 +24,8 @@ int main(int argument_count, char** words) {
       return draw_pendulum(graph, mesh == "coarse" ? rod_model() : fine_rod_model(), {.modes = modes});
     });
     const Cost cost = least_of(repeats, [&] { return measure(scene, stepping); });
-    std::printf("{\"program\": \"pendulum\", \"mesh\": \"%s\", \"modes\": %d, ", mesh.c_str(), modes);
-    cost.print_json();
-    std::printf("}\n");
+    JsonLine line;
+    line.add("program", "pendulum").add("mesh", mesh).add("modes", modes);
+    cost.add_to(line).print();
   });
 }

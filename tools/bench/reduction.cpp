@@ -2,9 +2,6 @@
 // A block 4 x 1 x 1 of 8-node bricks, mean axes, eigenmodes and static modes of interfaces on its end and side faces.
 // One JSON line: seconds of each step, peak memory, the first frequencies. With a deck name, writes the same mesh as a
 // CalculiX *FREQUENCY job instead: reduction_calculix.sh runs both.
-#include <sys/resource.h>
-
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -14,19 +11,14 @@
 #include "bodies/flexible/readers/calculix_deck.h"
 #include "bodies/flexible/reduction.h"
 #include "tools/bench/brick_mesh.h"
+#include "tools/bench/measure.h"
 
 namespace {
 
 using namespace lithe;
-using Clock = std::chrono::steady_clock;
+using bench::wall_seconds;
 
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-double peak_gib() {
-  rusage used{};
-  getrusage(RUSAGE_SELF, &used);
-  return static_cast<double>(used.ru_maxrss) / (1 << 20);
-}
+double peak_gib() { return bench::peak_memory() / (1 << 30); }
 
 bench::BrickMesh block_of(int dofs) {
   // (4 k + 1)(k + 1)² nodes.
@@ -64,28 +56,27 @@ int main(int count, char** words) {
   const auto number = [&](int k, int otherwise) { return count > k ? std::atoi(words[k]) : otherwise; };
   const int modes = number(2, 30), interfaces = number(3, 4);
   const bench::BrickMesh mesh = block_of(number(1, 30000));
-  auto start = Clock::now();
+  double start = wall_seconds();
   if (count > 4) {
     write_deck(mesh, modes, words[4]);
     return 0;
   }
   const FiniteElementModel model = bench::brick_model(mesh);
-  const double assembly = seconds_since(start), before = peak_gib();
-  start = Clock::now();
+  const double assembly = wall_seconds() - start, before = peak_gib();
+  start = wall_seconds();
   const auto basis = make_basis(model, MeanAxisFrame{}, modes, {.loaded = interfaces_of(model, interfaces)});
-  const double reduction = seconds_since(start), peak = peak_gib();
+  const double reduction = wall_seconds() - start, peak = peak_gib();
   const std::string path = "reduction_benchmark.h5";
-  start = Clock::now();
+  start = wall_seconds();
   write_modal_basis(*basis, path);
-  const double saving = seconds_since(start);
-  start = Clock::now();
+  const double saving = wall_seconds() - start;
+  start = wall_seconds();
   const auto read = read_modal_basis(path);
-  const double loading = seconds_since(start);
+  const double loading = wall_seconds() - start;
   std::remove(path.c_str());
-  std::printf(
-      "{\"dofs\": %d, \"modes\": %d, \"interfaces\": %d, \"kept\": %d, \"assembly_s\": %.3f, \"reduction_s\": %.3f, "
-      "\"mesh_gib\": %.2f, \"peak_gib\": %.2f, \"save_s\": %.3f, \"load_s\": %.4f, \"frequencies_hz\": [%.6f, %.6f, "
-      "%.6f]}\n",
-      model.dof_count(), modes, interfaces, read->mode_count(), assembly, reduction, before, peak, saving, loading,
-      basis->frequencies[0], basis->frequencies[1], basis->frequencies[2]);
+  bench::JsonLine line;
+  line.add("dofs", model.dof_count()).add("modes", modes).add("interfaces", interfaces).add("kept", read->mode_count());
+  line.add("assembly_s", assembly).add("reduction_s", reduction).add("mesh_gib", before, 3).add("peak_gib", peak, 3);
+  line.add("save_s", saving).add("load_s", loading);
+  line.add("frequencies_hz", {basis->frequencies[0], basis->frequencies[1], basis->frequencies[2]}, 10).print();
 }

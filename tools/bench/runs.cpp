@@ -49,12 +49,14 @@ Setting read_setting(Arguments& arguments) {
           .repeats = arguments.integer("repeat", 5)};
 }
 
-void Run::print_json(const Setting& setting) const {
-  std::printf(
-      "\"method\": \"%s\", \"tol\": %g, \"steps\": %ld, \"rejected\": %ld, \"evaluations\": %ld, "
-      "\"factorizations\": %ld, \"cpu_seconds\": %.6g",
-      setting.method.c_str(), setting.tolerance, done.steps, done.rejected, done.evaluations, done.factorizations,
-      seconds);
+JsonLine& Run::add_to(JsonLine& line, const Setting& setting) const {
+  return line.add("method", setting.method)
+      .add("tol", setting.tolerance)
+      .add("steps", done.steps)
+      .add("rejected", done.rejected)
+      .add("evaluations", done.evaluations)
+      .add("factorizations", done.factorizations)
+      .add("cpu_seconds", seconds);
 }
 
 Run simulate(const System& system, const Setting& setting, double end) {

@@ -7,6 +7,7 @@
 
 #include "engine/assembly/system.h"
 #include "engine/motion/integrator.h"
+#include "tools/bench/measure.h"
 
 /// Runs by a tolerance: a method by its name, what a run has cost, and its error.
 namespace lithe::bench {
@@ -21,15 +22,14 @@ struct Setting {
   double tolerance = 1e-6;
   int repeats = 5;  // the cheapest counts
 };
-class Arguments;
 Setting read_setting(Arguments& arguments);
 
 struct Run {
   double seconds = 0;  // CPU of this process, without drawing and assembling
   IntegratorStatistics done;
   State end;
-  /// `"method": ..., "tol": ..., "steps": ..., "cpu_seconds": ...`, the inside of a JSON object.
-  void print_json(const Setting& setting) const;
+  /// Method, tol, steps, cpu_seconds ...
+  JsonLine& add_to(JsonLine& line, const Setting& setting) const;
 };
 
 /// Simulation{system, integrator}.run(state, end).

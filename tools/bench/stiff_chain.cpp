@@ -50,12 +50,13 @@ int main(int argument_count, char** words) {
       write_points(scene.system, run.end, ends, path, heading);
       return;
     }
-    std::printf("{\"engine\": \"Lithe\", \"problem\": \"stiff_chain\", \"n\": %d, ", count);
-    run.print_json(setting);
+    JsonLine line;
+    line.add("engine", "Lithe").add("problem", "stiff_chain").add("n", count);
+    run.add_to(line, setting);
     if (!reference.empty()) {
       const ChainError error = chain_error(scene.system, run.end, ends, reference);
-      std::printf(", \"tip_error\": %.4g, \"joint_error\": %.4g", error.tip, error.joint);
+      line.add("tip_error", error.tip, 4).add("joint_error", error.joint, 4);
     }
-    std::printf("}\n");
+    line.print();
   });
 }

@@ -32,10 +32,10 @@ int main(int argument_count, char** words) {
     });
     const int rods = static_cast<int>(scene.system.layout().bodies().size());
     const Cost cost = least_of(repeats, [&] { return measure(scene, stepping); });
-    std::printf("{\"program\": \"structure\", \"shape\": \"%s\", \"n\": %d, \"rods\": %d, \"redundant_rows\": %zu, ",
-                shape.c_str(), cells, rods, scene.system.redundant_rows().size());
-    std::printf("\"us_per_rod_step\": %.5g, ", cost.microseconds_per_step() / rods);
-    cost.print_json();
-    std::printf("}\n");
+    JsonLine line;
+    line.add("program", "structure").add("shape", shape).add("n", cells).add("rods", rods);
+    line.add("redundant_rows", scene.system.redundant_rows().size());
+    line.add("us_per_rod_step", cost.microseconds_per_step() / rods, 5);
+    cost.add_to(line).print();
   });
 }

@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "engine/base/error.h"
 #include "engine/study/model_error.h"
 #include "integrators/solve.h"
+#include "tools/bench/measure.h"
 #include "tools/certify/report.h"
 #include "tools/certify/scenes.h"
 
@@ -62,11 +62,11 @@ Answer solve_once(const Scene& scene, ElasticParts& parts, double target) {
   SystemGraph graph{{.gravity = scene.gravity}};
   std::vector<Want> wants;
   for (const Sensor& sensor : scene.draw(graph, parts)) wants.push_back(want(sensor, percent(target)));
-  const std::clock_t begun = std::clock();  // drawing reduces bodies: it counts on no side
+  const double begun = bench::cpu_seconds();  // drawing reduces bodies: it counts on no side
   Solution solution =
       solve(graph, scene.duration, wants,
             {.samples = scene.samples, .scene = scene.name, .small_deflection = scene.linear_reference});
-  return {std::move(solution), static_cast<double>(std::clock() - begun) / CLOCKS_PER_SEC};
+  return {std::move(solution), bench::cpu_seconds() - begun};
 }
 
 /// Samples that end early, or are not finite, would hide errors.

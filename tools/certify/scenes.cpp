@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 
 #include "engine/observe/recorder.h"
 #include "engine/output/csv.h"
 #include "engine/run/simulation.h"
+#include "tools/bench/measure.h"
 
 namespace lithe::certify {
 
@@ -34,21 +34,16 @@ Table reference_of(const Scene& scene) {
 }
 
 Sampled run(const Scene& scene, ElasticParts& parts, Integrator& integrator) {
-  const auto seconds = [] {
-    timespec now{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-  };
   SystemGraph graph{{.gravity = scene.gravity}};
   const std::vector<Sensor> watched = scene.draw(graph, parts);
   Recorder recorder(watched);
-  const double start = seconds();
+  const double start = bench::cpu_seconds();
   const System system = assemble(graph);
   State state = system.initial_state();
   Simulation simulation{system, integrator};
   simulation.observe(recorder, every(scene.duration / scene.samples));
   simulation.run(state, scene.duration);
-  const double cpu = seconds() - start;
+  const double cpu = bench::cpu_seconds() - start;
   return {recorder.table(), watched, static_cast<int>(state.v.size()), cpu};
 }
 

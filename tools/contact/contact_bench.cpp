@@ -6,8 +6,8 @@
 
 #include "engine/cones/gauss_seidel.h"
 #include "integrators/moreau_jean.h"
-#include "joints/contact/bullet_stepper.h"
 #include "tools/bench/measure.h"
+#include "tools/contact/bullet_stepper.h"
 #include "tools/contact/measure.h"
 
 using namespace lithe;
@@ -19,21 +19,25 @@ Contender bullet(int sweeps, bool direct = false) {
   return {direct ? "Bullet, Dantzig" : "Bullet, " + std::to_string(sweeps) + " sweeps",
           [=](const Pile& pile, double step) { return plain_bullet(pile, step, sweeps, direct); }};
 }
-Contender by(const std::string& name, MakeIntegrator make) {
-  return {name, [=](const Pile& pile, double step) { return lithe_stepper(pile, step, make); }};
+Contender by(const std::string& name, MakeIntegratorBy<const System&> (*make)(double step)) {
+  return {name, [=](const Pile& pile, double step) { return lithe_stepper(pile, step, make(step)); }};
 }
 
-std::unique_ptr<Integrator> bullet_stepper(const System& system, double step) {
-  return std::make_unique<BulletStepper>(system, BulletStepper::Parameters{.step = step});
+MakeIntegratorBy<const System&> bullet_stepper(double step) {
+  return [=](const System& system) {
+    return std::make_unique<BulletStepper>(system, BulletStepper::Parameters{.step = step});
+  };
 }
-std::unique_ptr<Integrator> moreau_jean(const System&, double step) {
-  return std::make_unique<MoreauJean>(MoreauJean::Parameters{.step = step});
+MakeIntegratorBy<const System&> moreau_jean(double step) {
+  return [=](const System&) { return std::make_unique<MoreauJean>(MoreauJean::Parameters{.step = step}); };
 }
 /// As much work as Bullet does, and no more.
-std::unique_ptr<Integrator> moreau_jean_in_sweeps(const System&, double step) {
-  return std::make_unique<MoreauJean>(
-      MoreauJean::Parameters{.step = step, .contact = {.tolerance = 1e-3, .position_tolerance = 1e-3}},
-      std::make_unique<GaussSeidel>(GaussSeidel::Parameters{.sweeps = 10}));
+MakeIntegratorBy<const System&> moreau_jean_in_sweeps(double step) {
+  return [=](const System&) {
+    return std::make_unique<MoreauJean>(
+        MoreauJean::Parameters{.step = step, .contact = {.tolerance = 1e-3, .position_tolerance = 1e-3}},
+        std::make_unique<GaussSeidel>(GaussSeidel::Parameters{.sweeps = 10}));
+  };
 }
 
 }  // namespace

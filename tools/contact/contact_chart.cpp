@@ -6,12 +6,13 @@
 #include <limits>
 
 #include "engine/assembly/assembler.h"
+#include "engine/motion/make_integrator.h"
 #include "engine/output/chart.h"
 #include "engine/output/csv.h"
 #include "integrators/explicit_runge_kutta.h"
 #include "integrators/moreau_jean.h"
-#include "joints/contact/bullet_stepper.h"
 #include "tools/bench/measure.h"
+#include "tools/contact/bullet_stepper.h"
 #include "tools/contact/known_motions.h"
 
 using namespace lithe;
@@ -19,7 +20,6 @@ using namespace lithe::contact_bench;
 
 namespace {
 
-using MakeIntegrator = std::function<std::unique_ptr<Integrator>(const System&)>;
 using Law = std::variant<Compliance, RigidSurfaces, Sensing>;
 
 struct Sample {
@@ -27,7 +27,7 @@ struct Sample {
 };
 
 /// The cheapest of some runs of one motion.
-Sample run(const KnownMotion& motion, const Law& law, const MakeIntegrator& make, double setting) {
+Sample run(const KnownMotion& motion, const Law& law, const MakeIntegratorBy<const System&>& make, double setting) {
   SystemGraph graph({.gravity = {0, 0, -9.81}});
   motion.draw(graph, law);
   const System system = assemble(graph);

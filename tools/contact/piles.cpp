@@ -71,13 +71,13 @@ double overlap_of_spheres(const Pile& pile, const Motions& motions) {
 
 class LitheStepper final : public Stepper {
  public:
-  LitheStepper(const Pile& pile, double step, MakeIntegrator make)
+  LitheStepper(const Pile& pile, double step, const MakeIntegratorBy<const System&>& make)
       : step_(step),
         graph_({.gravity = {0, 0, -kGravity}}),
         system_((draw(graph_, pile), assemble(graph_))),
         equations_(system_),
         state_(system_.initial_state()),
-        integrator_(make(system_, step)) {
+        integrator_(make(system_)) {
     integrator_->start(equations_, state_);
   }
   void step() override {
@@ -174,7 +174,7 @@ void draw(SystemGraph& graph, const Pile& pile) {
   graph.add<Contact>("pile", std::move(colliders), {.friction = {.coefficient = kFriction}});
 }
 
-std::unique_ptr<Stepper> lithe_stepper(const Pile& pile, double step, MakeIntegrator make) {
+std::unique_ptr<Stepper> lithe_stepper(const Pile& pile, double step, const MakeIntegratorBy<const System&>& make) {
   return std::make_unique<LitheStepper>(pile, step, make);
 }
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/assembly/system.h"
-#include "engine/motion/integrator.h"
+#include "engine/motion/make_integrator.h"
 
 /// Scenes of many contacts, as every engine gets them, and what is measured of a run.
 namespace lithe::contact_bench {
@@ -57,9 +57,8 @@ class Stepper {
 /// Bullet as its users write it, without the engine. `direct`: Dantzig's solver, else sweeps of sequential impulses.
 std::unique_ptr<Stepper> plain_bullet(const Pile& pile, double step, int sweeps, bool direct);
 
-using MakeIntegrator = std::unique_ptr<Integrator> (*)(const System& system, double step);
-/// The engine, by one of its integrators.
-std::unique_ptr<Stepper> lithe_stepper(const Pile& pile, double step, MakeIntegrator make);
+/// The engine, by an integrator of this step.
+std::unique_ptr<Stepper> lithe_stepper(const Pile& pile, double step, const MakeIntegratorBy<const System&>& make);
 
 /// The pile as a graph: RigidBody "body 0" ... and one Contact, "pile".
 void draw(SystemGraph& graph, const Pile& pile);

@@ -17,7 +17,7 @@ TOPICS = [
       "engine/observe/snapshot.h", "engine/model/state.h", "engine/base/math.h", "engine/base/rotations.h",
       "engine/model/world_placement.h", "engine/model/motion_law.h", "engine/model/joint_coordinate.h",
       "engine/simplify/simplification.h", "engine/model/deformable_body.h", "engine/base/error.h",
-      "engine/base/checks.h", "engine/model/drawn.h",
+      "engine/base/checks.h", "engine/model/initial_pose.h",
       "engine/base/log.h", "engine/base/version.h"]),
     ("running", "Running it", "The loop, what watches it, what happens on the way.",
      ["engine/run/simulation.h", "engine/motion/integrator.h", "engine/observe/observer.h",

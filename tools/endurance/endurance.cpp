@@ -5,13 +5,9 @@
 //   endurance --flexible 200 --duration 3600      pendulums of two flexible rods on pins, their results written
 // More: --step S, --modes N, --report SECONDS, --allowed MB, --results FOLDER.
 #include <malloc.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
-#include <ctime>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <string>
@@ -30,6 +26,7 @@
 #include "joints/revolute_joint.h"
 #include "joints/spherical_joint.h"
 #include "tools/bench/brick_mesh.h"
+#include "tools/bench/measure.h"
 
 namespace lithe {
 namespace {
@@ -41,29 +38,16 @@ struct Options {
   double duration = 3600, step = 0, report = 0, allowed = 1;  // s, s, s, MB
   std::string results = ".";
 
-  Options(int count, char** arguments) {
-    for (int i = 1; i + 1 < count; i += 2) {
-      const std::string name = arguments[i];
-      const char* value = arguments[i + 1];
-      if (name == "--bodies")
-        bodies = std::atoi(value);
-      else if (name == "--flexible")
-        flexible = std::atoi(value);
-      else if (name == "--modes")
-        modes = std::atoi(value);
-      else if (name == "--duration")
-        duration = std::atof(value);
-      else if (name == "--step")
-        step = std::atof(value);
-      else if (name == "--report")
-        report = std::atof(value);
-      else if (name == "--allowed")
-        allowed = std::atof(value);
-      else if (name == "--results")
-        results = value;
-      else
-        throw SceneError("there is no option '" + name + "'", "endurance", "see the first lines of endurance.cpp");
-    }
+  explicit Options(bench::Arguments& arguments) {
+    bodies = arguments.integer("bodies", bodies);
+    flexible = arguments.integer("flexible", flexible);
+    modes = arguments.integer("modes", modes);
+    duration = arguments.number("duration", duration);
+    step = arguments.number("step", step);
+    report = arguments.number("report", report);
+    allowed = arguments.number("allowed", allowed);
+    results = arguments.text("results", results);
+    arguments.finish();
     if ((bodies > 0) == (flexible > 0))
       throw SceneError("say which scene", "endurance", "give --bodies 10000 or --flexible 200");
     if (report <= 0) report = duration / 60;
@@ -126,14 +110,7 @@ std::vector<FlexibleBody*> add_flexible_pairs(SystemGraph& graph, int bodies, in
   return rods;
 }
 
-/// In use by the process, bytes.
-double resident() {
-  long pages = 0, all = 0;
-  std::ifstream("/proc/self/statm") >> all >> pages;
-  return static_cast<double>(pages) * static_cast<double>(sysconf(_SC_PAGESIZE));
-}
-
-int run(const Options& options) {
+void run(const Options& options) {
   const InterruptGuard guard;
   SystemGraph graph{{.gravity = {0, 0, options.bodies > 0 ? -1.62 : -9.81}}};
   std::vector<FlexibleBody*> rods;
@@ -161,34 +138,29 @@ int run(const Options& options) {
   std::printf("%d bodies, step %g s, %s\n%10s %10s %12s %12s %14s %16s\n", static_cast<int>(graph.bodies().size()) - 1,
               options.step, integrator->name().c_str(), "t, s", "CPU, s", "resident, MB", "malloc, MB", "grown, MB",
               "energy drift");
-  const std::clock_t began = std::clock();
+  const double began = bench::cpu_seconds();
   for (double t = 0; options.duration - t > 1e-9;) {
     t = std::min(options.duration, t < settling ? settling : t + options.report);
     simulation.run(state, t);
     now.evaluate(state);
     moved = std::max(moved, kinetic.value(now));
-    const double memory = resident();
+    const double memory = bench::resident_memory();
     if (settled == 0) settled = memory;
     grown = memory - settled;
-    const double seconds = static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC;
-    std::printf("%10.0f %10.1f %12.2f %12.2f %14.3f %16.2e\n", t, seconds, memory / kMegabyte,
+    std::printf("%10.0f %10.1f %12.2f %12.2f %14.3f %16.2e\n", t, bench::cpu_seconds() - began, memory / kMegabyte,
                 static_cast<double>(mallinfo2().uordblks) / kMegabyte, grown / kMegabyte,
                 (energy.value(now) - first_energy) / moved);
     std::fflush(stdout);
   }
   std::printf("%s: resident memory grew by %.3f MB after t = %g s\n",
               grown <= options.allowed * kMegabyte ? "ok" : "GROWS", grown / kMegabyte, settling);
-  return grown <= options.allowed * kMegabyte ? 0 : 1;
+  if (grown > options.allowed * kMegabyte) throw std::runtime_error("memory grows");
 }
 
 }  // namespace
 }  // namespace lithe
 
-int main(int count, char** arguments) {
-  try {
-    return lithe::run(lithe::Options(count, arguments));
-  } catch (const lithe::Error& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return 2;
-  }
+int main(int count, char** words) {
+  return lithe::bench::run_program(count, words,
+                                   [](lithe::bench::Arguments& arguments) { lithe::run(lithe::Options(arguments)); });
 }

@@ -9,7 +9,7 @@ namespace lithe::command {
 
 /// A field of a parameter struct, as its header declares it.
 struct FieldText {
-  std::string name, declaration, comment;  // "length", "double length = 0", "L, m; 0: as drawn"
+  std::string name, declaration, comment;  // "length", "std::optional<double> length{}", "L, m; none: as drawn"
 };
 
 /// The words of a scene: types and their fields, read from the text of the headers and of the scene itself. Serves

@@ -1,6 +1,5 @@
 // The stability laboratory: every scene of scenes/ with every method; writes summary.json, table.md, map.svg and .png.
 //   stability [--expected expected.json ...] [--out results/stability] [S01 S05 ...]
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -10,6 +9,7 @@
 
 #include "engine/base/error.h"
 #include "engine/study/study_run.h"
+#include "tools/bench/measure.h"
 #include "tools/stability/lab.h"
 #include "tools/stability/open_cells.h"
 
@@ -52,9 +52,9 @@ int run_laboratory(int argc, char** argv) {
   for (const lab::Scene& scene : lab::scenes()) {
     if (!wanted.empty() && !wanted.contains(scene.id)) continue;
     for (const lab::Cell& cell : scene.cells) {
-      const auto begun = std::chrono::steady_clock::now();
+      const double begun = bench::wall_seconds();
       StabilityCell result = lab::run(scene, cell);
-      const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+      const double seconds = bench::wall_seconds() - begun;
       std::string mark;
       if (const auto at = expected.find({scene.id, cell.method}); at != expected.end()) {
         result.expected = at->second;

@@ -9,7 +9,7 @@
 #include "bodies/rigid_body.h"
 #include "engine/analysis/equilibrium.h"
 #include "engine/analysis/linearization.h"
-#include "joints/angle_driver.h"
+#include "joints/coordinate_drive.h"
 #include "joints/forces/coordinate_spring.h"
 #include "joints/forces/spring_damper.h"
 #include "joints/forces/user_force.h"
@@ -116,9 +116,9 @@ TEST(EquilibriumPath, TurnsWithADriveAsFarAsItSays) {
   const Matrix3 axis = rotation_about({1, 0, 0}, -M_PI / 2);
   auto& arm = graph.add<RigidBody>("arm", {.mass = 1, .inertia = {0.1, 0.1, 0.1}, .position = {0.5, 0, 0}});
   auto& rod = graph.add<RigidBody>("rod", {.mass = 2, .inertia = {0.1, 0.1, 0.1}, .position = {1, 0, -0.3}});
-  const Marker pivot = graph.ground().marker({0, 0, 0}, axis), start = arm.marker({-0.5, 0, 0}, axis);
-  graph.add<RevoluteJoint>("pivot", {pivot, start});
-  graph.add<AngleDriver>("drive", {pivot, start}, {.motion = [](double t) { return Motion{6 * t, 6, 0}; }});
+  auto& pivot =
+      graph.add<RevoluteJoint>("pivot", {graph.ground().marker({0, 0, 0}, axis), arm.marker({-0.5, 0, 0}, axis)});
+  graph.add<CoordinateDrive>("drive", {pivot.angle()}, {.motion = [](double t) { return Motion{6 * t, 6, 0}; }});
   graph.add<RevoluteJoint>("pin", {arm.marker({0.5, 0, 0}, axis), rod.marker({0, 0, 0.3}, axis)});
   const System system = assemble(graph);
   const EquilibriumPath path = follow_equilibria(system, find_equilibrium(system, system.initial_state()).state);

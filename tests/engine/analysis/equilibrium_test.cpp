@@ -11,7 +11,7 @@
 #include "engine/observe/sensors.h"
 #include "engine/run/simulation.h"
 #include "integrators/generalized_alpha.h"
-#include "joints/angle_driver.h"
+#include "joints/coordinate_drive.h"
 #include "joints/fixed_joint.h"
 #include "joints/forces/spring_damper.h"
 #include "joints/revolute_joint.h"
@@ -37,10 +37,12 @@ struct Pendulum {
     rod = &graph.add<RigidBody>(
         "rod",
         {.mass = 2, .inertia = {2.0 / 12, 2.0 / 12, 1e-3}, .position = A * Vector3(0, 0, 0.5), .orientation = A});
-    graph.add<RevoluteJoint>("pin", {graph.ground().marker({0, 0, 0}, kAxisY), rod->marker({0, 0, -0.5}, kAxisY)});
+    pin =
+        &graph.add<RevoluteJoint>("pin", {graph.ground().marker({0, 0, 0}, kAxisY), rod->marker({0, 0, -0.5}, kAxisY)});
   }
   SystemGraph graph;
   RigidBody* rod;
+  RevoluteJoint* pin;
 };
 
 /// Largest velocity after a time, started from the state.
@@ -290,11 +292,9 @@ TEST(equilibrium, a_nodal_flexible_pendulum_pinned_at_three_nodes_hangs_still) {
 
 TEST(equilibrium, a_drive_is_held_where_it_is_at_the_start_and_bears_the_weight) {
   Pendulum scene(0.5 * M_PI);
-  auto& drive = scene.graph.add<AngleDriver>(
-      "motor", {scene.graph.ground().marker({0, 0, 0}, kAxisY), scene.rod->marker({0, 0, -0.5}, kAxisY)},
-      {.motion = [](double t) {
-        return Motion{0.5 * M_PI + 0.3 * t, 0.3, 0};
-      }});
+  auto& drive = scene.graph.add<CoordinateDrive>("motor", {scene.pin->angle()}, {.motion = [](double t) {
+                                                   return Motion{0.5 * M_PI + 0.3 * t, 0.3, 0};
+                                                 }});
   const System system = assemble(scene.graph);
   const Equilibrium found = find_equilibrium(system, system.initial_state());
   EXPECT_NEAR(found.state.q[2], 0, 1e-12);

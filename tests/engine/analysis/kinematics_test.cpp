@@ -11,10 +11,9 @@
 #include "engine/observe/recorder.h"
 #include "engine/run/simulation.h"
 #include "integrators/generalized_alpha.h"
-#include "joints/angle_driver.h"
+#include "joints/coordinate_drive.h"
 #include "joints/prismatic_joint.h"
 #include "joints/revolute_joint.h"
-#include "joints/translational_driver.h"
 #include "tests/bodies/flexible_models.h"
 #include "tests/engine/output/output_scratch_folder.h"
 
@@ -34,6 +33,8 @@ struct SliderCrank {
   static constexpr double r = 0.15, l = 0.4, crank_mass = 0.36, rod_mass = 0.6, slider_mass = 0.8;
   SystemGraph graph{{.gravity = {0, -kGravity, 0}}};
   RigidBody *crank, *rod, *slider;
+  RevoluteJoint* bearing;
+  PrismaticJoint* guide;
 
   explicit SliderCrank(double theta) {
     const double phi = -std::asin(r / l * std::sin(theta));  // slope of the rod
@@ -52,10 +53,11 @@ struct SliderCrank {
                                         .orientation = rotation_about({0, 0, 1}, phi)});
     slider = &graph.add<RigidBody>("slider",
                                    {.mass = slider_mass, .inertia = {1e-3, 1e-3, 1e-3}, .position = A + l * along});
-    graph.add<RevoluteJoint>("main", {graph.ground().marker(), crank->marker({-r / 2, 0, 0})});
+    bearing = &graph.add<RevoluteJoint>("main", {graph.ground().marker(), crank->marker({-r / 2, 0, 0})});
     graph.add<RevoluteJoint>("big end", {crank->marker({r / 2, 0, 0}), rod->marker({-l / 2, 0, 0})});
     graph.add<RevoluteJoint>("small end", {rod->marker({l / 2, 0, 0}), slider->marker()});
-    graph.add<PrismaticJoint>("guide", {graph.ground().marker({0, 0, 0}, kAlongX), slider->marker({0, 0, 0}, kAlongX)});
+    guide = &graph.add<PrismaticJoint>("guide",
+                                       {graph.ground().marker({0, 0, 0}, kAlongX), slider->marker({0, 0, 0}, kAlongX)});
   }
 
   static double position(double theta) {
@@ -89,11 +91,9 @@ TEST(kinematics, a_slider_crank_follows_its_closed_form_through_dead_centres_and
   const double omega = 12, alpha = -3;
   const auto angle = [=](double t) { return 0.4 + omega * t + 0.5 * alpha * t * t; };
   SliderCrank scene(0.4);
-  auto& motor = scene.graph.add<AngleDriver>(
-      "motor", {scene.graph.ground().marker(), scene.crank->marker({-SliderCrank::r / 2, 0, 0})},
-      {.motion = [=](double t) {
-        return Motion{angle(t), omega + alpha * t, alpha};
-      }});
+  auto& motor = scene.graph.add<CoordinateDrive>("motor", {scene.bearing->angle()}, {.motion = [=](double t) {
+                                                   return Motion{angle(t), omega + alpha * t, alpha};
+                                                 }});
   const System system = assemble(scene.graph);
   EXPECT_EQ(system.degrees_of_freedom(), 0);
   EXPECT_EQ(system.redundant_rows().size(), 3u);
@@ -134,11 +134,9 @@ TEST(kinematics, a_slider_crank_follows_its_closed_form_through_dead_centres_and
 TEST(kinematics, a_slider_driven_beyond_its_reach_locks_and_what_was_computed_is_kept) {
   SliderCrank scene(1.0);
   const double x0 = SliderCrank::position(1.0), speed = 0.1;
-  scene.graph.add<TranslationalDriver>(
-      "push", {scene.graph.ground().marker({0, 0, 0}, kAlongX), scene.slider->marker({0, 0, 0}, kAlongX)},
-      {.motion = [=](double t) {
-        return Motion{x0 + speed * t, speed, 0};
-      }});
+  scene.graph.add<CoordinateDrive>("push", {scene.guide->displacement()}, {.motion = [=](double t) {
+                                     return Motion{x0 + speed * t, speed, 0};
+                                   }});
   const System system = assemble(scene.graph);
   Kinematics kinematics({.step = 1e-2});
   Simulation simulation(system, kinematics);
@@ -161,10 +159,10 @@ TEST(kinematics, a_flexible_arm_is_driven_by_its_dynamics_and_the_motor_pays_its
   SystemGraph graph;
   auto& arm = graph.add<FlexibleBody>("arm", {.basis = make_basis(model, test::frame_of(model, "clamp"), 4)});
   const Marker hub = graph.ground().marker(arm.basis().origin);
-  graph.add<RevoluteJoint>("axle", {hub, arm.frame()});
+  auto& axle = graph.add<RevoluteJoint>("axle", {hub, arm.frame()});
   const double T = 0.5;
-  auto& motor = graph.add<AngleDriver>(
-      "motor", {hub, arm.frame()}, {.motion = [=](double t) {
+  auto& motor = graph.add<CoordinateDrive>(
+      "motor", {axle.angle()}, {.motion = [=](double t) {
         const double w = 2 * M_PI / T;  // a turn of 1 rad, smooth
         return Motion{t / T - std::sin(w * t) / (w * T), (1 - std::cos(w * t)) / T, w * std::sin(w * t) / T};
       }});
@@ -214,14 +212,13 @@ TEST(kinematics, an_overconstrained_parallelogram_passes_its_change_points) {
       "right", {.mass = 1, .inertia = {1e-3, 1e-2, 1e-2}, .position = Vector3(d, r / 2, 0), .orientation = up});
   auto& coupler =
       graph.add<RigidBody>("coupler", {.mass = 2, .inertia = {1e-2, 0.2, 0.2}, .position = Vector3(d / 2, r, 0)});
-  graph.add<RevoluteJoint>("A0", {graph.ground().marker(), left.marker({-r / 2, 0, 0})});
+  auto& pivot = graph.add<RevoluteJoint>("A0", {graph.ground().marker(), left.marker({-r / 2, 0, 0})});
   graph.add<RevoluteJoint>("A", {left.marker({r / 2, 0, 0}), coupler.marker({-d / 2, 0, 0})});
   graph.add<RevoluteJoint>("B", {coupler.marker({d / 2, 0, 0}), right.marker({r / 2, 0, 0})});
   graph.add<RevoluteJoint>("B0", {right.marker({-r / 2, 0, 0}), graph.ground().marker({d, 0, 0})});
-  auto& motor =
-      graph.add<AngleDriver>("motor", {graph.ground().marker(), left.marker({-r / 2, 0, 0})}, {.motion = [=](double t) {
-                               return Motion{start + omega * t, omega, 0};
-                             }});
+  auto& motor = graph.add<CoordinateDrive>("motor", {pivot.angle()}, {.motion = [=](double t) {
+                                             return Motion{start + omega * t, omega, 0};
+                                           }});
   const System system = assemble(graph);
   EXPECT_EQ(system.redundant_rows().size(), 3u);
   for (double step : {0.013, M_PI / 4 / 25}) {  // beside the change points; and upon them, but for round-off

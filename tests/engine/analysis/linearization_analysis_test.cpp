@@ -11,7 +11,7 @@
 #include "engine/analysis/describe.h"
 #include "engine/analysis/equilibrium.h"
 #include "engine/observe/recorder.h"
-#include "joints/angle_driver.h"
+#include "joints/coordinate_drive.h"
 #include "joints/cylindrical_joint.h"
 #include "joints/fixed_joint.h"
 #include "joints/forces/spring_damper.h"
@@ -137,10 +137,10 @@ TEST(linearization, a_rotating_cantilever_softens_in_the_plane_of_rotation_and_n
     SystemGraph graph({.gravity = {0, 0, 0}});
     auto& beam = graph.add<FlexibleBody>("beam", {.basis = basis, .angular_velocity = Vector3(0, 0, speed)});
     const Marker hub = graph.ground().marker(basis->origin);
-    graph.add<RevoluteJoint>("axle", {hub, beam.frame()});
-    graph.add<AngleDriver>("motor", {hub, beam.frame()}, {.motion = [speed](double t) {
-                             return Motion{speed * t, speed, 0};
-                           }});
+    auto& axle = graph.add<RevoluteJoint>("axle", {hub, beam.frame()});
+    graph.add<CoordinateDrive>("motor", {axle.angle()}, {.motion = [speed](double t) {
+                                 return Motion{speed * t, speed, 0};
+                               }});
     const System system = assemble(graph);
     State state = system.initial_state();
     // The steady deformation by spin is not asked for here: η = 0 is where the beam's own frequencies are told.
@@ -287,10 +287,10 @@ TEST(linearization, a_pendulum_on_a_carousel_swings_as_the_centrifugal_field_say
                                            .orientation = rotation_about({0, 1, 0}, -a),
                                            .velocity = Vector3(0, Omega * x, 0),
                                            .angular_velocity = rotation_about({0, 1, 0}, a) * Vector3(0, 0, Omega)});
-  graph.add<RevoluteJoint>("axle", {graph.ground().marker(), hub.marker()});
-  graph.add<AngleDriver>("motor", {graph.ground().marker(), hub.marker()}, {.motion = [=](double t) {
-                           return Motion{Omega * t, Omega, 0};
-                         }});
+  auto& axle = graph.add<RevoluteJoint>("axle", {graph.ground().marker(), hub.marker()});
+  graph.add<CoordinateDrive>("motor", {axle.angle()}, {.motion = [=](double t) {
+                               return Motion{Omega * t, Omega, 0};
+                             }});
   graph.add<RevoluteJoint>("pin", {hub.marker({R, 0, 0}, kAxisY), bob.marker({0, 0, l}, kAxisY)});
   const System system = assemble(graph);
   const Linearization small = linearize(system, system.initial_state());

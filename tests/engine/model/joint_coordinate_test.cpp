@@ -72,13 +72,13 @@ TEST(JointCoordinates, MeasureWhatTheyName) {
   EXPECT_NEAR(measure(Kind::bearing, 1, A, B).value, std::atan2(2, 3), 1e-14);  // about y, from z towards x
 }
 
-/// The quadrants that the engine remembers grow with the angle; near them the angle is told to the turn.
+/// The quarter turns that the engine remembers grow with the angle; near them the angle is told to the turn.
 TEST(AngleMemory, AddsTheTurnsThatItRemembers) {
   for (double angle = -40; angle < 40; angle += 0.37) {
     for (double stale : {-1.4, -0.3, 0.0, 0.3, 1.4}) {  // remembered a step ago
-      const double quadrants = (angle + stale) * 2 / std::numbers::pi;
+      const double quarter_turns = (angle + stale) * 2 / std::numbers::pi;
       AngleMemory memory;
-      memory.recall(&quadrants);
+      memory.recall(&quarter_turns);
       EXPECT_NEAR(memory.wound(0, std::remainder(angle, 2 * std::numbers::pi)), angle, 1e-12);
     }
   }

@@ -107,10 +107,12 @@ TEST(SceneErrors, ParametersOfJointsAndForcesAreNumbersThatMakeSense) {
   const auto rod = [&](double length) { graph.add<DistanceJoint>("rod", markers, {.length = length}); };
   expect_error([&] { rod(kNaN); }, {"'rod'", "length", "nan"});
   expect_error([&] { rod(-1); }, {"'rod'", "length", "-1"});
+  expect_error([&] { rod(0); }, {"'rod'", "length", "0"});
   const auto spring = [&](SpringDamper::Parameters p) { graph.add<SpringDamper>("spring", markers, p); };
   expect_error([&] { spring({.stiffness = -1}); }, {"'spring'", "stiffness"});
   expect_error([&] { spring({.damping = kNaN}); }, {"'spring'", "damping"});
   expect_error([&] { spring({.natural_length = kNaN}); }, {"'spring'", "natural_length"});
+  expect_error([&] { spring({.natural_length = -1}); }, {"'spring'", "natural_length"});
   expect_error([&] { spring({.preload = kInfinity}); }, {"'spring'", "preload"});
   expect_error([&] { graph.add<PointForce>("push", {body.marker()}, {.force = {0, kNaN, 0}}); }, {"'push'", "force"});
   expect_error([&] { graph.add<PointForce>("push", {body.marker()}, {.torque = {0, kNaN, 0}}); }, {"'push'", "torque"});

@@ -1,11 +1,4 @@
 #include <gtest/gtest.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
-#include <zlib.h>
-
-#include <cstring>
-#include <nlohmann/json.hpp>
 
 #include "bodies/flexible/body_stress.h"
 #include "bodies/flexible/elements/meshes.h"
@@ -15,7 +8,6 @@
 #include "engine/assembly/batch_of.h"
 #include "engine/observe/contact_sensors.h"
 #include "engine/observe/recorder.h"
-#include "engine/output/hdf5_file.h"
 #include "engine/page/page.h"
 #include "engine/run/simulation.h"
 #include "engine/simplify/simplification.h"
@@ -28,141 +20,13 @@
 #include "joints/spherical_joint.h"
 #include "joints/three_node_fixation.h"
 #include "plugins/inertial_body/inertial_body.h"
-#include "tests/engine/output/output_scratch_folder.h"
+#include "tests/engine/page/page_reader.h"
 
-/// Pages and run files, read back as a viewer reads them.
+/// Pages, read back as a viewer reads them.
 namespace lithe::test::page_test {
 namespace {
 
-using Json = nlohmann::json;
-
-/// The two data elements of a page: JSON, and the bytes of its arrays.
-struct Page {
-  Json scene;
-  std::string bytes;
-
-  explicit Page(const std::string& path) {
-    const std::string html = file_text(path);
-    const auto element = [&](const std::string& opening) {
-      const std::size_t from = html.find(opening) + opening.size();
-      return html.substr(from, html.find("</script>", from) - from);
-    };
-    scene = Json::parse(element("<script type=\"application/json\" id=\"lithe-scene\">"));
-    const std::string packed = from_base64(element("<script type=\"text/plain\" id=\"lithe-data\">"));
-    for (uLongf size = 1 << 20;; size *= 2) {
-      bytes.resize(size);
-      const int result = uncompress(reinterpret_cast<Bytef*>(bytes.data()), &size,
-                                    reinterpret_cast<const Bytef*>(packed.data()), packed.size());
-      if (result == Z_BUF_ERROR) continue;
-      EXPECT_EQ(result, Z_OK);
-      bytes.resize(size);
-      return;
-    }
-  }
-  static std::string from_base64(const std::string& text) {
-    const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string out;
-    unsigned bits = 0, count = 0;
-    for (char c : text) {
-      const std::size_t digit = digits.find(c);
-      if (digit == std::string::npos) continue;
-      bits = bits << 6 | static_cast<unsigned>(digit);
-      if ((count += 6) >= 8) out += static_cast<char>(bits >> (count -= 8) & 255);
-    }
-    return out;
-  }
-  template <class Stored>
-  VectorX values(const Json& reference) const {
-    const auto at = reference.at("at").get<std::size_t>(), n = reference.at("n").get<std::size_t>();
-    EXPECT_EQ(at % 8, 0u);
-    EXPECT_LE(at + n * sizeof(Stored), bytes.size());
-    std::vector<Stored> stored(n);
-    std::memcpy(stored.data(), bytes.data() + at, n * sizeof(Stored));
-    VectorX values(static_cast<Eigen::Index>(n));
-    for (std::size_t i = 0; i < n; ++i) values[static_cast<Eigen::Index>(i)] = static_cast<double>(stored[i]);
-    return values * reference.value("scale", 1.0);
-  }
-  /// `rows` numbers of frame after frame, point after point.
-  MatrixX array(const Json& reference, Eigen::Index rows) const {
-    const std::string type = reference.at("type");
-    const VectorX all = type == "f64"   ? values<double>(reference)
-                        : type == "f32" ? values<float>(reference)
-                        : type == "u32" ? values<std::uint32_t>(reference)
-                        : type == "u16" ? values<std::uint16_t>(reference)
-                                        : values<std::int16_t>(reference);
-    return all.reshaped(rows, rows > 0 ? all.size() / rows : 0);
-  }
-  const Json& body(const std::string& name, std::size_t run = 0) const {
-    for (const Json& body : scene.at("runs").at(run).at("bodies"))
-      if (body.at("name") == name) return body;
-    throw std::out_of_range(name);
-  }
-  const Json& connector(const std::string& name) const {
-    for (const Json& connector : scene.at("runs").at(0).at("connectors"))
-      if (connector.at("name") == name) return connector;
-    throw std::out_of_range(name);
-  }
-  VectorX channel(const std::string& name, std::size_t run = 0) const {
-    for (const Json& channel : scene.at("runs").at(run).at("channels"))
-      if (channel.at("name") == name) return array(channel.at("values"), 1).transpose();
-    throw std::out_of_range(name);
-  }
-  /// Points of a body's mesh in world axes, 3 x n, as the viewer places them.
-  Matrix3X mesh_points(const Json& body, Eigen::Index frame) const {
-    const Json& mesh = body.at("mesh");
-    const auto modes = static_cast<Eigen::Index>(mesh.at("modes").size());
-    MatrixX points = array(mesh.at("points"), 3);
-    const Eigen::Index numbers = points.size();
-    const VectorX eta = modes > 0 ? VectorX(array(mesh.at("coordinates"), modes).col(frame)) : VectorX();
-    VectorX moved = points.reshaped();
-    if (modes > 0) moved += array(mesh.at("shapes"), numbers) * eta;
-    if (mesh.at("pairs").is_object()) {
-      const MatrixX ij = array(mesh.at("pairs").at("ij"), 2), shapes = array(mesh.at("pairs").at("shapes"), numbers);
-      for (Eigen::Index p = 0; p < ij.cols(); ++p)
-        moved += eta[static_cast<Eigen::Index>(ij(0, p))] * eta[static_cast<Eigen::Index>(ij(1, p))] * shapes.col(p);
-    }
-    const Vector3 at = array(body.at("position"), 3).col(frame);
-    const Vector4 turned = array(body.at("rotation"), 4).col(frame);
-    return (rotation_matrix(turned) * moved.reshaped(3, points.cols())).colwise() + at;
-  }
-};
-
-/// Keeps the states that a run is told of.
-class States final : public Observer {
- public:
-  void observe(Snapshot& now) override { all.push_back(now.state()); }
-  std::vector<State> all;
-};
-
-/// A slender rod that hangs from a hinge and bends far.
-struct RodScene {
-  SystemGraph graph;
-  FlexibleBody* rod;
-  RevoluteJoint* pin;
-  Marker tip;
-
-  explicit RodScene(Deflection deflection, int modes = 6) {
-    const FiniteElementModel model =
-        brick_mesh({.size = {0.5, 0.01, 0.01}, .divisions = {6, 1, 1}, .type = "C3D20", .material = {2e8, 0.3, 1000}});
-    const std::vector<int>& root = model.node_set("x_min");
-    rod = &graph.add<FlexibleBody>(
-        "rod", {.basis = make_basis(model, HingeFrame{{root[0], root[1]}}, modes, {.deflection = deflection}),
-                .position = {0.1, 0.2, 0.3},
-                .orientation = rotation_about({1, 2, 3}, 0.4)});
-    const Matrix3 turned = rod->parameters().orientation;
-    const Marker held = rod->average({root[0], root[1]}, hinge_axes(model, root));
-    Vector3 middle = Vector3::Zero();
-    for (int i : {0, 1}) middle += model.nodes.col(model.node_index(root[static_cast<std::size_t>(i)])) / 2;
-    pin = &graph.add<RevoluteJoint>(
-        "pin",
-        {graph.ground().marker(Vector3(0.1, 0.2, 0.3) + turned * middle, turned * hinge_axes(model, root)), held});
-    tip = rod->node(model.node_set("x_max").front());
-  }
-  static Matrix3 hinge_axes(const FiniteElementModel& model, const std::vector<int>& root) {
-    const Vector3 along = model.nodes.col(model.node_index(root[1])) - model.nodes.col(model.node_index(root[0]));
-    return Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), along).toRotationMatrix();
-  }
-};
+using namespace page;
 
 /// Largest distance between the page's points and the body's own nodes, over its size.
 double largest_miss(const Page& page, FlexibleBody& body, const System& system, const std::vector<State>& states) {
@@ -497,147 +361,6 @@ TEST(Page, OfALargeFlexibleBodyStaysBelowThreeMegabytes) {
   const auto marker = page.scene["runs"][0]["markers"][0];
   const Matrix3X points = page.mesh_points(page.body("block"), 500);
   EXPECT_LT((points.col(marker["node"].get<Eigen::Index>()) - corner.col(500)).norm(), 1.5e-6);
-}
-
-TEST(RunFile, ComesBackAsItWasAndMakesTheSamePage) {
-  const ScratchFolder folder;
-  const auto simulate = [&](bool stream) {
-    RodScene scene(Deflection::stiffened, 3);
-    const System system = assemble(scene.graph);
-    State state = system.initial_state();
-    GeneralizedAlpha integrator{{.step = 2e-3, .spectral_radius = 0.8}};
-    Simulation simulation(system, integrator);
-    lithe::Run run{system, {position(scene.tip, "tip")}, {.name = "rod"}};
-    if (stream) run.stream(folder.path("rod.h5"));
-    simulation.observe(run, every(0.02));
-    simulation.on({.name = "down", .function = watch(height(scene.tip)), .level = 0});
-    simulation.run(state, 0.5);
-    run.add(simulation.events());
-    return run;
-  };
-  const lithe::Run kept = simulate(false);
-  {
-    const lithe::Run streamed = simulate(true);
-    write_page(streamed, folder.path("streamed.html"));
-  }
-  write_page(kept, folder.path("kept.html"));
-  const lithe::Run read = lithe::Run::read(folder.path("rod.h5"));
-  write_page(read, folder.path("read.html"));
-  EXPECT_EQ(read.frame_count(), 26);
-  EXPECT_EQ(read.name(), "rod");
-  EXPECT_EQ(read.channel("tip_z"), kept.channel("tip_z"));
-  EXPECT_THROW(read.channel("tip"), SceneError);
-  EXPECT_TRUE(file_text(folder.path("kept.html")) == file_text(folder.path("read.html")));
-  EXPECT_TRUE(file_text(folder.path("kept.html")) == file_text(folder.path("streamed.html")));
-
-  // Two variants on one page, under names of their own.
-  const lithe::Run other = lithe::Run::read(folder.path("rod.h5"), "other");
-  write_page({read, other}, folder.path("both.html"));
-  const Page both(folder.path("both.html"));
-  EXPECT_EQ(both.scene["title"], "rod, other");
-  ASSERT_EQ(both.scene["runs"].size(), 2u);
-  EXPECT_EQ(both.channel("tip_z", 0), both.channel("tip_z", 1));
-  EXPECT_THROW(write_page({read, kept}, folder.path("twice.html")), SceneError);
-}
-
-TEST(RunFile, OfAProgramThatRunsOrWasKilledHoldsEveryStateThatWasObserved) {
-  const ScratchFolder folder;
-  for (const int states : {1, 7, 60}) {
-    const std::string path = folder.path("killed" + std::to_string(states) + ".h5");
-    int written[2];
-    ASSERT_EQ(::pipe(written), 0);
-    const pid_t child = ::fork();
-    ASSERT_GE(child, 0);
-    if (child == 0) {
-      SystemGraph graph;
-      auto& ball = graph.add<RigidBody>("ball", {.velocity = {1, 0, 0}});
-      const System system = assemble(graph);
-      lithe::Run run{system, {position(ball.marker(), "ball")}};
-      run.stream(path);
-      State state = system.initial_state();
-      Snapshot now(system);
-      for (int i = 0; i < states; ++i) {
-        state.time = state.q[0] = 0.01 * i;
-        now.evaluate(state);
-        run.observe(now);
-      }
-      if (::write(written[1], "x", 1) == 1) ::pause();
-      ::_exit(0);
-    }
-    char byte = 0;
-    ASSERT_EQ(::read(written[0], &byte, 1), 1);
-    EXPECT_EQ(lithe::Run::read(path).frame_count(), states) << "beside the program";
-    ::kill(child, SIGKILL);
-    int status = 0;
-    ::waitpid(child, &status, 0);
-    ::close(written[0]), ::close(written[1]);
-    const lithe::Run run = lithe::Run::read(path);
-    EXPECT_EQ(run.frame_count(), states);
-    EXPECT_DOUBLE_EQ(run.channel("ball_x").back(), 0.01 * (states - 1));
-    write_page(run, folder.path("killed.html"));
-  }
-}
-
-template <class Fault>
-std::string told(Fault&& fault) {
-  try {
-    fault();
-  } catch (const Error& error) {
-    EXPECT_FALSE(error.where().empty()) << error.what();
-    EXPECT_FALSE(error.fix().empty()) << error.what();
-    return error.problem();
-  }
-  return "nothing";
-}
-
-TEST(RunFile, IsRefusedWhereItIsNone) {
-  const ScratchFolder folder;
-  std::ofstream(folder.path("table.csv")) << "t,x\n0,1\n";
-  EXPECT_EQ(told([&] { lithe::Run::read(folder.path("absent.h5")); }), "there is no such file.");
-  EXPECT_EQ(told([&] { lithe::Run::read(folder.path("table.csv")); }), "this is not an HDF5 file, or it is cut short.");
-  {
-    Hdf5Writer other(folder.path("other.h5"));
-    other.write("/rows", std::vector<double>{1, 2});
-    other.commit();
-  }
-  EXPECT_EQ(told([&] { lithe::Run::read(folder.path("other.h5")); }), "this HDF5 file holds no run.");
-  {
-    Hdf5Writer later(folder.path("later.h5"));
-    later.write("/rows", MatrixX::Zero(1, 1));
-    later.write("/scene", std::vector<int>{'{', '}'});
-    later.attribute("/", "format", "lithe run");
-    later.attribute("/", "version", "9");
-    later.commit();
-  }
-  EXPECT_NE(told([&] { lithe::Run::read(folder.path("later.h5")); }).find("version 9"), std::string::npos);
-
-  // A run file that is cut short or changed: an error, or a run of fewer states; never a crash.
-  {
-    SystemGraph graph;
-    auto& ball = graph.add<RigidBody>("ball", {});
-    const System system = assemble(graph);
-    lithe::Run run{system, {position(ball.marker(), "ball")}};
-    run.stream(folder.path("run.h5"));
-    State state = system.initial_state();
-    Snapshot now(system);
-    for (int i = 0; i < 300; ++i) {
-      state.time = 0.01 * i;
-      now.evaluate(state);
-      run.observe(now);
-    }
-  }
-  const std::string whole = file_text(folder.path("run.h5"));
-  EXPECT_EQ(lithe::Run::read(folder.path("run.h5")).frame_count(), 300);
-  int refused = 0;
-  for (std::size_t part = 1; part < 24; ++part) {
-    std::ofstream(folder.path("cut.h5"), std::ios::binary) << whole.substr(0, whole.size() * part / 24);
-    try {
-      EXPECT_LE(lithe::Run::read(folder.path("cut.h5")).frame_count(), 300);
-    } catch (const FileError&) {
-      ++refused;
-    }
-  }
-  EXPECT_GT(refused, 15);
 }
 
 TEST(Page, RefusesWhatCannotBeShown) {

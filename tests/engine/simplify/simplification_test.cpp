@@ -7,8 +7,8 @@
 #include "bodies/rigid_body.h"
 #include "engine/observe/sensors.h"
 #include "engine/run/simulation.h"
-#include "joints/angle_driver.h"
 #include "joints/coordinate_coupling.h"
+#include "joints/coordinate_drive.h"
 #include "joints/distance_joint.h"
 #include "joints/fixed_joint.h"
 #include "joints/forces/coordinate_stop.h"
@@ -61,8 +61,9 @@ Comparison compare(const Draw& draw, const MakeMethod& method, double end, const
     found.violation = std::max(found.violation, constraint_residual().value(b));
     State again;
     simple.expand(simple.reduce(expanded), again);
-    for (const VectorX& gap : {VectorX(again.q - expanded.q), VectorX(again.v - expanded.v),
-                               VectorX(again.v_dot - expanded.v_dot), VectorX(again.quadrants - expanded.quadrants)})
+    for (const VectorX& gap :
+         {VectorX(again.q - expanded.q), VectorX(again.v - expanded.v), VectorX(again.v_dot - expanded.v_dot),
+          VectorX(again.quarter_turns - expanded.quarter_turns)})
       if (gap.size() > 0) found.round_trip = std::max(found.round_trip, gap.cwiseAbs().maxCoeff());
     for (std::size_t s = 0; s < sensors.size(); ++s)
       for (int c = 0; c < static_cast<int>(sensors[s].columns().size()); ++c) {
@@ -235,7 +236,9 @@ TEST(Simplification, AJointStaysWhereItsReactionIsFeltOrSomethingElseActsBetween
       const Vector3 seat = what == 2 ? Vector3(1, 0.01, 0) : Vector3(1, 0, 0);
       auto& bolt = graph.add<FixedJoint>("bolt", {at(arm, {1, 0, 0}), at(box, seat)});
       if (what == 0) graph.add<JointFriction>("rub", {pin.angle()}, {.joint = &bolt, .dynamic = 0.3, .radius = 0.02});
-      if (what == 1) graph.add<AngleDriver>("drive", {at(arm, {1, 0, 0}), at(box, {1, 0, 0})}, {.motion = constant(0)});
+      if (what == 1)
+        graph.add<CoordinateDrive>("drive", {angle_between(at(arm, {1, 0, 0}), at(box, {1, 0, 0}))},
+                                   {.motion = constant(0)});
       return {position(box.marker()), joint_reaction(bolt), joint_reaction(pin), total_energy()};
     };
   };
@@ -411,8 +414,7 @@ TEST(Simplification, GearsRodsBeltsAndDrivesWorkInTheirPlanes) {
     graph.add<RevoluteJoint>("axle", {ground.marker({0.5, 0, 0}, kAcross), at(gear, {0.5, 0, 0}, kAcross)});
     auto& teeth = graph.add<GearPair>("teeth", {at(wheel, {0, 0, 0}, kAcross), at(gear, {0.5, 0, 0}, kAcross)},
                                       {.radius_A = 0.2, .radius_B = 0.3});
-    auto& drive = graph.add<AngleDriver>("drive", {ground.marker({}, kAcross), at(wheel, {0, 0, 0}, kAcross)},
-                                         {.motion = smooth_step(0, 9, 0, 1)});
+    auto& drive = graph.add<CoordinateDrive>("drive", {pin.angle()}, {.motion = smooth_step(0, 9, 0, 1)});
     auto& slider = graph.add<RigidBody>("slider", piece(2, {0.01, 0.01, 0.01}, {1.3, 0.3, 0.1}));
     graph.add<PrismaticJoint>("guide", {ground.marker({1, 0.3, 0.1}, kAlong), at(slider, {1.3, 0.3, 0.1}, kAlong)});
     auto& rod = graph.add<DistanceJoint>("rod", {at(gear, {0.6, 0, 0.05}), at(slider, {1.3, 0.3, 0})});

@@ -11,11 +11,11 @@
 #include "engine/observe/recorder.h"
 #include "engine/run/simulation.h"
 #include "engine/study/model_error.h"
+#include "joints/coordinate_drive.h"
 #include "joints/fixed_joint.h"
 #include "joints/forces/user_force.h"
 #include "joints/prismatic_joint.h"
 #include "joints/revolute_joint.h"
-#include "joints/translational_driver.h"
 #include "tests/bodies/fe_models.h"
 #include "tests/support/methods.h"
 #include "tests/support/motion.h"
@@ -139,7 +139,7 @@ TEST(DrivenOscillators, a_slow_load_gives_the_static_deflection_and_faster_oscil
 // ---- runs ----
 
 constexpr double kLength = 0.5;
-MakeIntegrator explicit_method() {
+MakeIntegratorBy<Tolerance> explicit_method() {
   return [](const Tolerance& tolerance) { return runge_kutta8(tolerance.relative); };
 }
 RunRequest request(double duration, int samples, double tolerance = 1e-8) {
@@ -272,14 +272,15 @@ struct ShakenCantilever {
     beam.modal_velocities = (VectorX(4) << 0.03, 0.02, 0.05, 0).finished();
     body = &graph.add<FlexibleBody>("beam", beam);
     const Marker foot = body->average(model.node_set("x_min")), ground = graph.ground().marker({0, 0.01, 0.005});
-    graph.add<PrismaticJoint>("guide", {ground, foot});
-    drive = &graph.add<TranslationalDriver>(
-        "drive", {ground, foot}, {smooth_step(0, 0.02, 0, 0.05) + harmonic(1e-3, frequency, M_PI / 2, -1e-3)});
+    auto& guide = graph.add<PrismaticJoint>("guide", {ground, foot});
+    drive = &graph.add<CoordinateDrive>(
+        "drive", {guide.displacement()},
+        {.motion = smooth_step(0, 0.02, 0, 0.05) + harmonic(1e-3, frequency, M_PI / 2, -1e-3)});
     tip = body->node(model.node_set("x_max").back());
   }
   SystemGraph graph{{.gravity = {0, 0, 0}}};
   FlexibleBody* body;
-  TranslationalDriver* drive;
+  CoordinateDrive* drive;
   Marker tip;
 };
 

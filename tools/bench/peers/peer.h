@@ -171,26 +171,18 @@ class Request {
   }
 
   void print_json(const Outcome& outcome) const {
-    std::printf("{\"engine\": \"%s\", \"version\": \"%s\", \"problem\": \"%s\", ", engine_.name.c_str(),
-                engine_.version.c_str(), problem.c_str());
-    if (problem == "chain") std::printf("\"joint\": \"%s\", ", joint.c_str());
-    std::printf("\"method\": \"%s\", \"n\": %d, ", method.c_str(), count);
-    print_number(fixed ? "dt" : "tol", fixed ? step : tolerance);
-    std::printf(", \"steps\": %ld, ", outcome.steps);
-    print_number("cpu_seconds", outcome.seconds);
-    if (is_chain()) {
-      std::printf(", ");
-      print_number("tip_error", outcome.tip_error);
-      std::printf(", ");
-      print_number("joint_error", outcome.joint_error);
-    } else {
-      std::printf(", ");
-      print_number("error", outcome.error);
-    }
-    std::printf(", ");
-    print_number("energy_error", outcome.energy_error);
-    if (!outcome.note.empty()) std::printf(", \"note\": \"%s\"", outcome.note.c_str());
-    std::printf("}\n");
+    JsonLine line;
+    line.add("engine", engine_.name).add("version", engine_.version).add("problem", problem);
+    if (problem == "chain") line.add("joint", joint);
+    line.add("method", method).add("n", count).add(fixed ? "dt" : "tol", fixed ? step : tolerance);
+    line.add("steps", outcome.steps).add("cpu_seconds", outcome.seconds);
+    if (is_chain())
+      line.add("tip_error", outcome.tip_error).add("joint_error", outcome.joint_error);
+    else
+      line.add("error", outcome.error);
+    line.add("energy_error", outcome.energy_error);
+    if (!outcome.note.empty()) line.add("note", outcome.note);
+    line.print();
   }
 
  private:
@@ -204,13 +196,6 @@ class Request {
     throw std::invalid_argument("no " + name + " '" + given + "' here; known are " + list);
   }
   double usual_end() const { return problem == "andrews" ? 0.03 : is_chain() ? 1 : 10; }
-  static void print_number(const char* name, double value) {
-    if (std::isfinite(value))
-      std::printf("\"%s\": %.6g", name, value);
-    else
-      std::printf("\"%s\": null", name);
-  }
-
   Engine engine_;
   std::string reference_;
   std::vector<std::vector<double>> table_;

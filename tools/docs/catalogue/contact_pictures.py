@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from canvas import Chart, Picture, turn, vec
-from joints_pictures import O, X, Y, Z
+from canvas import Chart, Picture, vec
+from joints_pictures import Z
 from transmissions_pictures import flat
 
 
@@ -148,19 +148,6 @@ def impulses():
     return p
 
 
-def stack():
-    p = flat("Bullet's stepper: bodies, joints and contacts copied into a world of Bullet")
-    p.ground(vec(-0.1, -0.75, 0), Y, X, 3.6)
-    for x, y, w, tilt in ((-0.9, -0.45, 0.6, 0), (-0.2, -0.45, 0.6, 0), (-0.55, 0.16, 0.6, 0), (-0.5, 0.8, 0.6, 12)):
-        R = turn(Z, tilt)
-        h = w / 2
-        p.line([vec(x, y, 0) + R @ vec(a * h, b * h, 0) for a, b in ((1, 1), (-1, 1), (-1, -1), (1, -1))], "af", True)
-    p.circle(vec(0.75, -0.45, 0), Z, 0.3, "b", fill=True)
-    p.circle(vec(1.1, 0.5, 0), Z, 0.3, "b", fill=True)
-    p.arrow(vec(1.1, 0.2, 0), vec(1.1, -0.25, 0), "m w")
-    return p
-
-
 PICTURES = {
-    f.__name__: f for f in (contact_point, shapes, contact_laws, friction_laws, impulses, stack)
+    f.__name__: f for f in (contact_point, shapes, contact_laws, friction_laws, impulses)
 }

@@ -3,7 +3,7 @@
 import numpy as np
 
 from canvas import Chart, Picture, turn, vec
-from joints_pictures import SIDEWAYS, E, O, X, Y, Z
+from joints_pictures import E, O, X, Y, Z
 
 
 def toothed(p, centre, radius, style, teeth, inner=False, phase=0.0):
@@ -141,36 +141,6 @@ def coordinate_drive():
     return p
 
 
-def translational_driver():
-    p = Picture("Translational driver: B keeps the height f(t) over the xy plane of A", centre=(0, 0, 0.2))
-    A = SIDEWAYS
-    p.box((0, -1.55, 0), (1.0, 0.3, 1.2), "a")
-    a, b = vec(0, -1.4, 0), vec(0, 1.0, 0.55)
-    p.frame(a, A, "A", "a", 0.75, skip="z")
-    p.line([a, a + 3.0 * Y], "a n d")
-    p.arrow(a, a + 0.75 * Y, "a", label="z_A", beside=(0, 10))
-    p.box(b + vec(0, 0.35, 0), (0.6, 0.7, 0.6), "b", turn((1, 0, 0.4), 15))
-    p.dot(b, "b", 4)
-    p.text(b, "p_B", "b", dx=-14, dy=-10)
-    p.line([b, b - 0.55 * Z], "g n d")
-    p.dimension(a, b - 0.55 * Z, "f(t)", offset=(0, 26), beside=(12, 12))
-    return p
-
-
-def angle_driver():
-    p = flat("Angle driver: the angle from x of A to x of B is f(t)")
-    B = turn(Z, 50)
-    p.circle(O, Z, 0.28, "a", fill=True)
-    p.bar(-0.1 * B[:, 0], 1.3 * B[:, 0], 0.26, "b", Z)
-    p.frame(O, E, "A", "a", 1.5, skip="z")
-    p.frame(O, B, "B", "b", 1.75, skip="yz")
-    n = turn(Z, 50)[:, 1]
-    p.arrow(O, 1.1 * n, "g", label="n")
-    p.arc(O, Z, X, 0.95, 50, "m w", label="f(t)", beside=(8, 0))
-    p.text(vec(0.2, -0.42, 0), "row: n · x_B = 0", "g")
-    return p
-
-
 def motion_laws():
     p = Chart("Motion laws: value over time", (0, 1), (0, 1.1), "t, s", "f(t)")
     t = np.linspace(0, 1, 121)
@@ -222,8 +192,6 @@ PICTURES = {
         rolling_disc,
         coordinate_coupling,
         coordinate_drive,
-        translational_driver,
-        angle_driver,
         motion_laws,
         cam_follower,
     )

@@ -6,12 +6,12 @@
 #include "engine/model/marker.h"
 
 /// What joints make of their markers as drawn.
-namespace lithe::drawn {
+namespace lithe::initial {
 
-/// An angle, or a count of quadrants, as drawn: half a turn counts as +1/2, though round-off calls it -1/2 as often.
-/// What a connector's initialize() measures and what the engine's count begins with must agree on that.
+/// An angle, or a count of quarter turns, as drawn: half a turn counts as +1/2, though round-off calls it -1/2 as
+/// often. What a connector's initialize() measures and what the engine's count begins with must agree on that.
 double angle(double measured);
-double quadrants(double counted);
+double quarter_turns(double counted);
 
 // ---- checks: each throws SceneError; assemble() puts the joint's name first ----
 
@@ -25,4 +25,4 @@ void not_parallel(const Vector3& a, const Vector3& b, const std::string& axis_a,
 /// The markers are in two places.
 void apart(const MarkerView& A, const MarkerView& B);
 
-}  // namespace lithe::drawn
+}  // namespace lithe::initial

@@ -1,7 +1,9 @@
-#include "joints/contact/bullet_stepper.h"
+#include "tools/contact/bullet_stepper.h"
 
 #include <gtest/gtest.h>
 
+#include "engine/archive/archive.h"
+#include "engine/run/simulation.h"
 #include "joints/contact/contact.h"
 #include "joints/fixed_joint.h"
 #include "joints/forces/spring_damper.h"
@@ -199,6 +201,24 @@ TEST(BulletStepper, StartedAgainItDoesTheSameAgain) {
   bullet.start(scene.equations, again);
   while (again.time < 1) ASSERT_TRUE(bullet.step(scene.equations, again, 1).ok());
   EXPECT_TRUE(same(scene.state, again));
+}
+
+/// A checkpoint starts it anew, in the run that goes on as in the one that is resumed.
+TEST(BulletStepper, ARunThatIsResumedHasTheBitsOfTheOneThatWentOn) {
+  const Draw draw = ball_on_floor(0.3, 0.5);
+  Scene whole(kDown, draw), resumed(kDown, draw);
+  BulletStepper first(whole.system, {.step = kStep}), second(resumed.system, {.step = kStep});
+  Simulation going(whole.system, first), again(resumed.system, second);
+  for (const double time : {0.2, 0.41, 0.77}) {
+    going.run(whole.state, time);
+    Archive archive;
+    going.save(whole.state, archive);
+    archive.rewind();
+    resumed.state = again.resume(archive);
+    going.run(whole.state, time + 0.1);
+    again.run(resumed.state, time + 0.1);
+    EXPECT_TRUE(same(whole.state, resumed.state)) << time;
+  }
 }
 
 /// Four corners bear a cube where three points would: Bullet's Lemke cannot bear that.

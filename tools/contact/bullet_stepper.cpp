@@ -1,4 +1,4 @@
-#include "joints/contact/bullet_stepper.h"
+#include "tools/contact/bullet_stepper.h"
 
 #include <BulletDynamics/ConstraintSolver/btNNCGConstraintSolver.h>
 #include <BulletDynamics/MLCPSolvers/btDantzigSolver.h>
@@ -419,7 +419,7 @@ StepResult BulletStepper::advance(EquationsOfMotion& equations, State& state, do
   state.q = q_;
   state.v = v_;
   state.lambda.resize(0);
-  if (state.quadrants.size() > 0) equations.evaluate(state.time, state.q, state.v, Level::position);
+  if (state.quarter_turns.size() > 0) equations.evaluate(state.time, state.q, state.v, Level::position);
   return {};
 }
 

@@ -8,7 +8,7 @@
 namespace lithe {
 
 /// A body whose class lies behind a C table.
-class LoadedBody final : public Body {
+class BodyFromC final : public Body {
  public:
   struct Parameters {
     const BodyType* type = nullptr;
@@ -16,13 +16,13 @@ class LoadedBody final : public Body {
   };
   /// What the plug-in's class caches, and whether it asked for a smaller step.
   struct Cache : BodyCache {
-    explicit Cache(const LoadedBody& body);
+    explicit Cache(const BodyFromC& body);
     std::unique_ptr<void, void (*)(void*)> theirs;
     bool retry = false;
   };
 
   /// Throws SceneError: wrong parameters.
-  explicit LoadedBody(Parameters parameters);
+  explicit BodyFromC(Parameters parameters);
 
   /// A frame at `position`, at a node, at the mean of nodes; axes `orientation`, marker axes to body axes. Each throws
   /// SceneError if the type makes no such markers, or refuses this one.
@@ -56,6 +56,6 @@ class LoadedBody final : public Body {
   LinearPattern pattern_;
 };
 
-extern template std::unique_ptr<BodyBatch> make_body_batch<LoadedBody>();
+extern template std::unique_ptr<BodyBatch> make_body_batch<BodyFromC>();
 
 }  // namespace lithe

@@ -1,4 +1,4 @@
-#include "engine/plugin/loaded_connectors.h"
+#include "engine/plugin/connectors_from_c.h"
 
 #include <algorithm>
 #include <cstring>
@@ -58,14 +58,14 @@ std::vector<MeasuredAngle> angles_of(const auto& table, const PluginObject& obje
 
 }  // namespace
 
-LoadedJoint::LoadedJoint(Parameters parameters)
+JointFromC::JointFromC(Parameters parameters)
     : table_(parameters.type->table),
       object_(*parameters.type, parameters.values),
       angles_(angles_of(table_, object_)) {}
 
-void LoadedJoint::initialize(std::span<const MarkerView> markers) { initialize_with(table_, object_, markers); }
+void JointFromC::initialize(std::span<const MarkerView> markers) { initialize_with(table_, object_, markers); }
 
-void LoadedJoint::evaluate(double time, std::span<const MarkerView> views, ConstraintRows& rows) const {
+void JointFromC::evaluate(double time, std::span<const MarkerView> views, ConstraintRows& rows) const {
   const Markers markers(views);
   const int n = table_.marker_count;
   double residual[kMaxRows], rate[kMaxRows], bias[kMaxRows], wrench[kMaxRows * kMaxMarkers * 6];
@@ -78,7 +78,7 @@ void LoadedJoint::evaluate(double time, std::span<const MarkerView> views, Const
   out.struct_size = sizeof out;
   out.marker_count = n, out.row_count = table_.row_count;
   out.residual = residual, out.rate = rate, out.bias = bias, out.wrench = wrench;
-  out.on_velocity = on_velocity, out.quadrants = rows.quadrants();
+  out.on_velocity = on_velocity, out.quarter_turns = rows.quarter_turns();
   if (rows.stiffness()) out.multipliers = rows.multipliers(), out.stiffness = rows.stiffness()->data();
   out.error = why.text, out.error_size = sizeof why.text;
   const int32_t code = table_.evaluate(object_.get(), time, markers.all, &out);
@@ -97,14 +97,14 @@ void LoadedJoint::evaluate(double time, std::span<const MarkerView> views, Const
   }
 }
 
-LoadedForce::LoadedForce(Parameters parameters)
+ForceFromC::ForceFromC(Parameters parameters)
     : table_(parameters.type->table),
       object_(*parameters.type, parameters.values),
       angles_(angles_of(table_, object_)) {}
 
-void LoadedForce::initialize(std::span<const MarkerView> markers) { initialize_with(table_, object_, markers); }
+void ForceFromC::initialize(std::span<const MarkerView> markers) { initialize_with(table_, object_, markers); }
 
-void LoadedForce::evaluate(double time, std::span<const MarkerView> views, ForceRows& rows) const {
+void ForceFromC::evaluate(double time, std::span<const MarkerView> views, ForceRows& rows) const {
   const Markers markers(views);
   const int n = table_.marker_count;
   double tension[kMaxRows], stiffness[kMaxRows], damping[kMaxRows], wrench[kMaxRows * kMaxMarkers * 6];
@@ -117,7 +117,7 @@ void LoadedForce::evaluate(double time, std::span<const MarkerView> views, Force
   out.marker_count = n, out.row_count = table_.row_count;
   out.load = load, out.wrench = wrench;
   out.tension = tension, out.stiffness = stiffness, out.damping = damping;
-  out.quadrants = rows.quadrants();
+  out.quarter_turns = rows.quarter_turns();
   out.error = why.text, out.error_size = sizeof why.text;
   const int32_t code = table_.evaluate(object_.get(), time, markers.all, &out);
   if (code < 0) object_.fail(*this, why);
@@ -135,7 +135,7 @@ void LoadedForce::evaluate(double time, std::span<const MarkerView> views, Force
   rows.add_energy(code > 0 ? kNotANumber : out.energy);
 }
 
-template std::unique_ptr<ConstraintBatch> make_constraint_batch<LoadedJoint>();
-template std::unique_ptr<ForceBatch> make_force_batch<LoadedForce>();
+template std::unique_ptr<ConstraintBatch> make_constraint_batch<JointFromC>();
+template std::unique_ptr<ForceBatch> make_force_batch<ForceFromC>();
 
 }  // namespace lithe

@@ -9,10 +9,10 @@
 namespace lithe {
 
 /// An integrator whose class lies behind a C table; it sees the equations of motion through one.
-class LoadedIntegrator final : public Integrator {
+class IntegratorFromC final : public Integrator {
  public:
   /// Throws SceneError: wrong parameters.
-  LoadedIntegrator(const IntegratorType& type, const ParameterList& parameters);
+  IntegratorFromC(const IntegratorType& type, const ParameterList& parameters);
 
   std::string name() const override { return object_.description(); }
   const IntegratorStatistics& statistics() const override { return statistics_; }
@@ -29,7 +29,7 @@ class LoadedIntegrator final : public Integrator {
   /// The equations as C sees them; their address is the first argument of its functions.
   struct Border {
     EquationsOfMotion* equations = nullptr;
-    VectorX increment, quadrants;  // some functions want a vector
+    VectorX increment, quarter_turns;  // some functions want a vector
     std::exception_ptr trouble;    // what the equations threw, held back until the plug-in has returned
     std::vector<lithe_body_slice> bodies;
     std::vector<lithe_row_slice> rows;

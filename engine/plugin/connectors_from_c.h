@@ -7,14 +7,14 @@
 /// those of the class, bit by bit.
 namespace lithe {
 
-class LoadedJoint final : public Constraint {
+class JointFromC final : public Constraint {
  public:
   struct Parameters {
     const JointType* type = nullptr;
     ParameterList values{};
   };
   /// Throws SceneError: wrong parameters.
-  explicit LoadedJoint(Parameters parameters);
+  explicit JointFromC(Parameters parameters);
 
   int marker_count() const override { return table_.marker_count; }
   int row_count() const override { return table_.row_count; }
@@ -30,14 +30,14 @@ class LoadedJoint final : public Constraint {
 };
 
 /// (In v1 of the interface a force does not get a joint's reaction.)
-class LoadedForce final : public ForceElement {
+class ForceFromC final : public ForceElement {
  public:
   struct Parameters {
     const ForceType* type = nullptr;
     ParameterList values{};
   };
   /// Throws SceneError: wrong parameters.
-  explicit LoadedForce(Parameters parameters);
+  explicit ForceFromC(Parameters parameters);
 
   int marker_count() const override { return table_.marker_count; }
   int row_count() const override { return table_.row_count; }
@@ -52,7 +52,7 @@ class LoadedForce final : public ForceElement {
   const std::vector<MeasuredAngle> angles_;
 };
 
-extern template std::unique_ptr<ConstraintBatch> make_constraint_batch<LoadedJoint>();
-extern template std::unique_ptr<ForceBatch> make_force_batch<LoadedForce>();
+extern template std::unique_ptr<ConstraintBatch> make_constraint_batch<JointFromC>();
+extern template std::unique_ptr<ForceBatch> make_force_batch<ForceFromC>();
 
 }  // namespace lithe

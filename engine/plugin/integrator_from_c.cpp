@@ -1,4 +1,4 @@
-#include "engine/plugin/loaded_integrator.h"
+#include "engine/plugin/integrator_from_c.h"
 
 #include "engine/archive/archive.h"
 #include "engine/base/error.h"
@@ -25,16 +25,21 @@ std::string text_of(const ParameterList& parameters) {
 }
 
 lithe_state as_c(State& state) {
-  return {
-      sizeof(lithe_state), state.time,          state.q.data(),         state.v.data(),
-      state.v_dot.data(),  state.lambda.data(), state.quadrants.data(), static_cast<int32_t>(state.quadrants.size())};
+  return {sizeof(lithe_state),
+          state.time,
+          state.q.data(),
+          state.v.data(),
+          state.v_dot.data(),
+          state.lambda.data(),
+          state.quarter_turns.data(),
+          static_cast<int32_t>(state.quarter_turns.size())};
 }
 
 }  // namespace
 
 /// Runs f on the equations; what it throws waits at the border.
 template <class F>
-int32_t LoadedIntegrator::Border::cross(void* border, F&& f) noexcept {
+int32_t IntegratorFromC::Border::cross(void* border, F&& f) noexcept {
   auto& self = *static_cast<Border*>(border);
   try {
     const Layout& layout = self.equations->layout();
@@ -46,7 +51,7 @@ int32_t LoadedIntegrator::Border::cross(void* border, F&& f) noexcept {
   }
 }
 
-LoadedIntegrator::LoadedIntegrator(const IntegratorType& type, const ParameterList& parameters)
+IntegratorFromC::IntegratorFromC(const IntegratorType& type, const ParameterList& parameters)
     : table_(type.table), object_(type, parameters), parameters_(text_of(parameters)) {
   lithe_equations& t = border_.table;
   t.struct_size = sizeof t;
@@ -120,22 +125,22 @@ LoadedIntegrator::LoadedIntegrator(const IntegratorType& type, const ParameterLi
       self.equations->layout().chart_rates(read(d, nv), read(v, nv), write(d_dot, nv));
     });
   };
-  t.recall = [](void* host, const double* quadrants, int32_t count) {
+  t.recall = [](void* host, const double* quarter_turns, int32_t count) {
     return Border::cross(host, [&](Border& self, int, int, int) {
-      self.quadrants = read(quadrants, count);
-      self.equations->memory().recall(self.quadrants);
+      self.quarter_turns = read(quarter_turns, count);
+      self.equations->memory().recall(self.quarter_turns);
     });
   };
-  t.track = [](void* host, double* quadrants, int32_t count) {
+  t.track = [](void* host, double* quarter_turns, int32_t count) {
     return Border::cross(host, [&](Border& self, int, int, int) {
-      self.quadrants = read(quadrants, count);
-      self.equations->memory().track(self.quadrants);
-      if (self.quadrants.size() == count) write(quadrants, count) = self.quadrants;
+      self.quarter_turns = read(quarter_turns, count);
+      self.equations->memory().track(self.quarter_turns);
+      if (self.quarter_turns.size() == count) write(quarter_turns, count) = self.quarter_turns;
     });
   };
 }
 
-void LoadedIntegrator::bind(EquationsOfMotion& equations) {
+void IntegratorFromC::bind(EquationsOfMotion& equations) {
   const Layout& layout = equations.layout();
   border_.equations = &equations;
   border_.bodies.clear(), border_.rows.clear();
@@ -157,7 +162,7 @@ void LoadedIntegrator::bind(EquationsOfMotion& equations) {
 }
 
 /// After a call: statistics, and what went wrong beyond a step that failed.
-void LoadedIntegrator::finish(int32_t code, const ErrorText& why) {
+void IntegratorFromC::finish(int32_t code, const ErrorText& why) {
   lithe_statistics s{};
   s.struct_size = sizeof s;
   table_.statistics(object_.get(), &s);
@@ -170,13 +175,13 @@ void LoadedIntegrator::finish(int32_t code, const ErrorText& why) {
                           why.fix().empty() ? "see what its author says; the state reached before is kept" : why.fix());
 }
 
-void LoadedIntegrator::prepare(EquationsOfMotion& equations, State& state) {
+void IntegratorFromC::prepare(EquationsOfMotion& equations, State& state) {
   bind(equations);
   before_ = resumes() ? statistics_ : IntegratorStatistics{};
   begin(state);
 }
 
-void LoadedIntegrator::begin(State& state) {
+void IntegratorFromC::begin(State& state) {
   begins_anew_ = false;
   ErrorText why;
   lithe_state s = as_c(state);
@@ -185,7 +190,7 @@ void LoadedIntegrator::begin(State& state) {
   finish(code > 0 ? -1 : code, why);
 }
 
-bool LoadedIntegrator::keep(Archive& archive, EquationsOfMotion& equations, const State& state) {
+bool IntegratorFromC::keep(Archive& archive, EquationsOfMotion& equations, const State& state) {
   archive.same("parameters", parameters_);
   bool keeps = table_.save && table_.load;
   std::vector<unsigned char> bytes;
@@ -216,7 +221,7 @@ bool LoadedIntegrator::keep(Archive& archive, EquationsOfMotion& equations, cons
   return true;
 }
 
-StepResult LoadedIntegrator::advance(EquationsOfMotion& equations, State& state, double t_stop) {
+StepResult IntegratorFromC::advance(EquationsOfMotion& equations, State& state, double t_stop) {
   if (&equations != border_.equations)
     throw SimulationError(object_.description() + " was started with other equations", "integrator",
                           "call start() with these equations first");

@@ -33,11 +33,11 @@ class HostEquations final : public EquationsOfMotion, public StepMemory, public 
 
   const Facts& facts() const override { return facts_; }
   Parts parts() override { return {.memory = this, .complex_factor = this}; }
-  void recall(const VectorX& quadrants) override {
-    check(host_.recall(host_.host, quadrants.data(), static_cast<int32_t>(quadrants.size())));
+  void recall(const VectorX& quarter_turns) override {
+    check(host_.recall(host_.host, quarter_turns.data(), static_cast<int32_t>(quarter_turns.size())));
   }
-  void track(VectorX& quadrants) const override {
-    check(host_.track(host_.host, quadrants.data(), static_cast<int32_t>(quadrants.size())));
+  void track(VectorX& quarter_turns) const override {
+    check(host_.track(host_.host, quarter_turns.data(), static_cast<int32_t>(quarter_turns.size())));
   }
   void evaluate(double time, ConstVectorRef q, ConstVectorRef v, Level level) override {
     check(host_.evaluate(host_.host, time, q.data(), v.data(), static_cast<int32_t>(level)));
@@ -107,12 +107,12 @@ struct IntegratorInstance {
     const Layout& layout = equations->layout();
     const auto map = [](double* at, int n) { return Eigen::Map<VectorX>(at, n); };
     auto q = map(s->q, layout.q_count()), v = map(s->v, layout.v_count()), v_dot = map(s->v_dot, layout.v_count()),
-         lambda = map(s->lambda, layout.row_count()), quadrants = map(s->quadrants, s->quadrant_count);
+         lambda = map(s->lambda, layout.row_count()), quarter_turns = map(s->quarter_turns, s->quarter_turn_count);
     state.time = s->time, state.q = q, state.v = v, state.v_dot = v_dot, state.lambda = lambda;
-    state.quadrants = quadrants;
+    state.quarter_turns = quarter_turns;
     const int32_t outcome = f();
     s->time = state.time, q = state.q, v = state.v, v_dot = state.v_dot, lambda = state.lambda;
-    quadrants = state.quadrants;
+    quarter_turns = state.quarter_turns;
     return outcome;
   }
 };

@@ -1,11 +1,11 @@
-#include "engine/model/drawn.h"
+#include "engine/model/initial_pose.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "engine/base/error.h"
 
-namespace lithe::drawn {
+namespace lithe::initial {
 namespace {
 
 std::string degrees_between(const Vector3& a, const Vector3& b) {
@@ -17,7 +17,7 @@ constexpr double kHalfTurn = 1e-9;  // what a drawing of it may be off: far abov
 }  // namespace
 
 double angle(double measured) { return measured < kHalfTurn - M_PI ? measured + 2 * M_PI : measured; }
-double quadrants(double counted) { return counted < kHalfTurn - 2 ? counted + 4 : counted; }
+double quarter_turns(double counted) { return counted < kHalfTurn - 2 ? counted + 4 : counted; }
 
 void same_direction(const Vector3& a, const Vector3& b, const std::string& axis) {
   if (a.dot(b) > 0.1) return;
@@ -48,4 +48,4 @@ void apart(const MarkerView& A, const MarkerView& B) {
                    "draw the markers apart: marker(position), or tie them with a spherical joint");
 }
 
-}  // namespace lithe::drawn
+}  // namespace lithe::initial

@@ -1,4 +1,4 @@
-#include "engine/plugin/loaded_body.h"
+#include "engine/plugin/body_from_c.h"
 
 #include <algorithm>
 #include <limits>
@@ -26,13 +26,13 @@ bool is_pattern(const int32_t* rows, const int32_t* columns, int32_t count, int3
 
 }  // namespace
 
-LoadedBody::Cache::Cache(const LoadedBody& body) : theirs(nullptr, body.table_.destroy_cache) {
+BodyFromC::Cache::Cache(const BodyFromC& body) : theirs(nullptr, body.table_.destroy_cache) {
   ErrorText why;
   theirs.reset(body.table_.create_cache(body.object_.get(), why.text, sizeof why.text));
   if (!theirs) body.object_.fail(body, why);
 }
 
-LoadedBody::LoadedBody(Parameters parameters)
+BodyFromC::BodyFromC(Parameters parameters)
     : table_(parameters.type->table), object_(*parameters.type, parameters.values) {
   int32_t frame = 0, linear = 0;
   table_.coordinates(object_.get(), &frame, &linear);
@@ -55,7 +55,7 @@ LoadedBody::LoadedBody(Parameters parameters)
 
 /// Calls a function of the table with the state as C sees it; false if it asks for a smaller step.
 template <class Call>
-bool LoadedBody::call(const BodyState& state, Call&& function) const {
+bool BodyFromC::call(const BodyState& state, Call&& function) const {
   auto& cache = static_cast<Cache&>(*state.cache);
   ErrorText why;
   lithe_body_state s{};
@@ -68,7 +68,7 @@ bool LoadedBody::call(const BodyState& state, Call&& function) const {
 }
 
 template <class Function, class... Place>
-Marker LoadedBody::made_marker(Function function, const char* where_at, const Place&... place) {
+Marker BodyFromC::made_marker(Function function, const char* where_at, const Place&... place) {
   const std::string type = "'" + name() + "': " + object_.description();
   if (!function) {
     std::string known;
@@ -87,11 +87,11 @@ Marker LoadedBody::made_marker(Function function, const char* where_at, const Pl
   return {this, index};
 }
 
-Marker LoadedBody::marker(const Point& position, const Matrix3& orientation) {
+Marker BodyFromC::marker(const Point& position, const Matrix3& orientation) {
   return made_marker(table_.place_marker, "positions", position.at.data(), orientation.data());
 }
 
-Marker LoadedBody::marker_at_world(const Point& point, const Matrix3& orientation) {
+Marker BodyFromC::marker_at_world(const Point& point, const Matrix3& orientation) {
   if (!coordinates_.frame)
     throw SceneError("'" + name() + "' has no frame to place a marker in", where(), "make its markers at nodes");
   VectorX q(coordinates_.q_count()), v(coordinates_.v_count());
@@ -100,37 +100,37 @@ Marker LoadedBody::marker_at_world(const Point& point, const Matrix3& orientatio
   return marker(A.transpose() * (point.at - q.head<3>()), A.transpose() * orientation);
 }
 
-Marker LoadedBody::node(int number, const Matrix3& orientation) {
+Marker BodyFromC::node(int number, const Matrix3& orientation) {
   return made_marker(table_.node_marker, "nodes", number, orientation.data());
 }
 
-Marker LoadedBody::average(const std::vector<int>& nodes, const Matrix3& orientation) {
+Marker BodyFromC::average(const std::vector<int>& nodes, const Matrix3& orientation) {
   return made_marker(table_.average_marker, "means of nodes", nodes.data(), static_cast<int32_t>(nodes.size()),
                      orientation.data());
 }
 
-void LoadedBody::initial_state(VectorRef q, VectorRef v) const {
+void BodyFromC::initial_state(VectorRef q, VectorRef v) const {
   ErrorText why;
   if (table_.initial_state(object_.get(), q.data(), v.data(), why.text, sizeof why.text) != 0)
     throw SceneError("'" + name() + "': " + object_.description() + " has no initial state: " + why.problem(), where(),
                      why.fix().empty() ? "see what its author says" : why.fix());
 }
 
-void LoadedBody::evaluate(const BodyState& state, Level level) const {
+void BodyFromC::evaluate(const BodyState& state, Level level) const {
   auto& cache = static_cast<Cache&>(*state.cache);
   cache.retry = !call(state, [&](const lithe_body_state* s) {
     return table_.evaluate(object_.get(), s, static_cast<int32_t>(level), cache.A.data());
   });
 }
 
-void LoadedBody::add_residual(const BodyState& state, const double* v_dot, const Vector3& gravity, double* r) const {
+void BodyFromC::add_residual(const BodyState& state, const double* v_dot, const Vector3& gravity, double* r) const {
   const bool fine = !static_cast<Cache&>(*state.cache).retry && call(state, [&](const lithe_body_state* s) {
     return table_.add_residual(object_.get(), s, v_dot, gravity.data(), r);
   });
   if (!fine) Eigen::Map<VectorX>(r, coordinates_.v_count()).setConstant(kNaN);
 }
 
-void LoadedBody::add_tangent(const BodyState& state, const double* v_dot, const Vector3& gravity,
+void BodyFromC::add_tangent(const BodyState& state, const double* v_dot, const Vector3& gravity,
                              const TangentWeights& weights, BodyTangent& S) const {
   const lithe_tangent_weights w{weights.position, weights.velocity, weights.acceleration};
   const lithe_body_tangent out{sizeof out,
@@ -144,7 +144,7 @@ void LoadedBody::add_tangent(const BodyState& state, const double* v_dot, const 
   });
 }
 
-void LoadedBody::marker_kinematics(const BodyState& state, int marker, Level level, MarkerKinematics& k) const {
+void BodyFromC::marker_kinematics(const BodyState& state, int marker, Level level, MarkerKinematics& k) const {
   lithe_marker_kinematics out{};
   out.struct_size = sizeof out;
   const bool fine = call(state, [&](const lithe_body_state* s) {
@@ -165,13 +165,13 @@ void LoadedBody::marker_kinematics(const BodyState& state, int marker, Level lev
   k.bias_w = read(out.bias_w);
 }
 
-BodyEnergy LoadedBody::energy(const BodyState& state, const Vector3& gravity) const {
+BodyEnergy BodyFromC::energy(const BodyState& state, const Vector3& gravity) const {
   lithe_body_energy e{};
   if (!call(state, [&](const lithe_body_state* s) { return table_.energy(object_.get(), s, gravity.data(), &e); }))
     e.kinetic = kNaN;
   return {.kinetic = e.kinetic, .elastic = e.elastic, .gravity = e.gravity};
 }
 
-template std::unique_ptr<BodyBatch> make_body_batch<LoadedBody>();
+template std::unique_ptr<BodyBatch> make_body_batch<BodyFromC>();
 
 }  // namespace lithe
