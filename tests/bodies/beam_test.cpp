@@ -9,7 +9,7 @@
 #include "engine/analysis/equilibrium.h"
 #include "engine/analysis/linearization.h"
 #include "engine/run/simulation.h"
-#include "joints/angle_driver.h"
+#include "joints/coordinate_drive.h"
 #include "joints/fixed_joint.h"
 #include "joints/forces/user_force.h"
 #include "joints/revolute_joint.h"
@@ -256,8 +256,9 @@ std::vector<double> rotating_frequencies(const nlohmann::json& c, double omega, 
   const State stretched = find_equilibrium(at_rest, at_rest.initial_state()).state;
 
   Beam beam = draw(turning, {0, 0, omega});
-  turning.add<RevoluteJoint>("hub", {turning.ground().marker(), beam.marker(0, {-hub, 0, 0})});
-  turning.add<AngleDriver>("drive", {turning.ground().marker(), beam.marker(0, {-hub, 0, 0})}, {ramp(0, omega)});
+  const Marker hub_marker = beam.marker(0, {-hub, 0, 0});
+  auto& pin = turning.add<RevoluteJoint>("hub", {turning.ground().marker(), hub_marker});
+  turning.add<CoordinateDrive>("drive", {pin.angle()}, {.motion = ramp(0, omega)});
   const System system = assemble(turning);
   State state = system.initial_state();
   state.q = stretched.q;
