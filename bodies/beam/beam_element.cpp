@@ -1,5 +1,6 @@
 #include "bodies/beam/beam_element.h"
 
+#include <algorithm>
 #include <numbers>
 
 #include "engine/assembly/batch_of.h"
@@ -95,6 +96,18 @@ void BeamElement::initialize(std::span<const MarkerView> m) {
 
 Vector6 BeamElement::strain(const MarkerView& A, const MarkerView& B) const {
   return (relative_log(A, B) - reference_) / length_;
+}
+
+std::vector<DrawnShape> BeamElement::drawn_shapes(int marker) const {
+  const double mass = section_.mass_per_length(), thinnest = 0.01 * length_;
+  const Vector3 center = section_.mass_center();
+  const Matrix3 inertia = section_.mass.bottomRightCorner<3, 3>() + mass * skew(center) * skew(center);
+  // Of a rectangle b2 by b3: b3² / 12 about axis 2, b2² / 12 about axis 3.
+  const auto edge = [&](int about) {
+    return std::max(thinnest, std::sqrt(12 * std::max(0.0, inertia(about, about)) / mass));
+  };
+  const double middle = (marker == 0 ? 0.25 : -0.25) * length_;
+  return {visual::box({0.5 * length_, edge(2), edge(1)}).at(Vector3(middle, center[1], center[2]))};
 }
 
 template std::unique_ptr<ForceBatch> make_force_batch<BeamElement>();

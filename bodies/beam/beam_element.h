@@ -2,6 +2,7 @@
 
 #include "bodies/beam/beam_section.h"
 #include "engine/assembly/batch.h"
+#include "engine/model/appearance.h"
 #include "engine/model/force_element.h"
 
 namespace lithe {
@@ -16,7 +17,7 @@ namespace lithe {
 /// Voigt damping acts row by row, that is, strain by strain where C is diagonal.
 /// V. Sonneville, A. Cardona, O. Brüls, Comput. Methods Appl. Mech. Engrg. 268 (2014) 451; docs/equations.md section
 /// 4.6. It has no mass: Beam (bodies/beam/beam.h) makes the bodies that it ties.
-class BeamElement final : public Force</*markers=*/2, /*rows=*/6> {
+class BeamElement final : public Force</*markers=*/2, /*rows=*/6>, public DrawableConnector {
  public:
   struct Parameters {
     BeamSection section;
@@ -35,6 +36,8 @@ class BeamElement final : public Force</*markers=*/2, /*rows=*/6> {
   Vector6 strain(const MarkerView& A, const MarkerView& B) const;
   /// (n, m) = C ε: what the part behind B does to the part before A, N and N m, axes of the section half-way.
   Vector6 resultants(const MarkerView& A, const MarkerView& B) const { return section_.stiffness * strain(A, B); }
+  /// Half of it at either end: the solid bar whose mass and inertia are those of the section.
+  std::vector<DrawnShape> drawn_shapes(int marker) const override;
   const BeamSection& section() const { return section_; }
   double length() const { return length_; }  // after assemble()
 

@@ -186,6 +186,22 @@ TEST(Beam, HasNodesWhereMarkersAreWanted) {
   EXPECT_NE(refused([&] { beam.marker(0.77); }).find(".stations"), std::string::npos);
 }
 
+/// Pages show each element in halves on its two nodes, thick as its section is.
+TEST(Beam, IsDrawnAsThickAsItsSections) {
+  SystemGraph graph;
+  const BeamSection section = BeamSection::rectangle(0.04, 0.01, kSteel).moved(0.02, -0.03);
+  const Beam beam(graph, "beam", {.axis = along_x(1), .sections = {{0, section}}, .elements = 4});
+  const System system = assemble(graph);
+  for (const int end : {0, 1}) {
+    const std::vector<DrawnShape> shapes = beam.element(2).drawn_shapes(end);
+    ASSERT_EQ(shapes.size(), 1u);
+    ASSERT_EQ(shapes[0].kind, DrawnShape::Kind::box);
+    const Vector3 edges(shapes[0].size[0], shapes[0].size[1], shapes[0].size[2]);
+    EXPECT_LT((edges - Vector3(0.125, 0.04, 0.01)).norm(), 1e-12);
+    EXPECT_LT((shapes[0].position - Vector3(end == 0 ? 0.0625 : -0.0625, 0.02, -0.03)).norm(), 1e-12);
+  }
+}
+
 TEST(Beam, RefusesWhatCannotBeDrawn) {
   const BeamSection section = BeamSection::circle(0.1, kSteel);
   const auto message = [&](Beam::Parameters p) {
