@@ -39,7 +39,7 @@ Vector3 tip_displacement(Beam::Parameters table, int elements, const Wrench& loa
     state = find_equilibrium(system, state).state;
   }
   Snapshot now(system, state);
-  return now.marker(beam.marker(table.axis.length)).position - table.axis.pose(table.axis.length).position;
+  return now.marker(beam.marker(table.axis.length)).p - table.axis.pose(table.axis.length).position;
 }
 
 /// Without the error of second order.
@@ -57,22 +57,22 @@ void expect_near(const std::string& what, const Vector3& found, const Vector3& e
 TEST(BeamTable, GravityBendsB01) {
   const Beam::Parameters table = beam_table(data("B01.inp"));
   const auto tip = [&](int n) { return tip_displacement(table, n, {}, {9.806, 0, 0}, 20); };
-  expect_near("B01", extrapolated(tip, 40), {9.417614981449768, 0, -8.389151489124865}, 1e-3);
+  expect_near("B01", extrapolated(tip, 40), {9.417614981449768, 0, -8.389151489124865}, 1e-5);
 }
 
 TEST(BeamTable, MomentRollsUpB03) {
   const Wrench moment{Vector3::Zero(), {-12.5664, 0, 0}};
   const Vector3 exact(0, 5.4986774284354, -2.4317431853411637);
-  expect_near("B03", tip_displacement(beam_table(data("B01.inp")), 16, moment), exact, 1e-8);
+  expect_near("B03", tip_displacement(beam_table(data("B01.inp")), 16, moment), exact, 1e-10);
   const Beam::Parameters blade_alone = beam_table(data("B01_blade.inp"), {.length = 10});
-  expect_near("B03, blade file", tip_displacement(blade_alone, 16, moment), exact, 1e-8);
+  expect_near("B03, blade file", tip_displacement(blade_alone, 16, moment), exact, 1e-10);
 }
 
 TEST(BeamTable, ForceBendsTheSplineOfB02) {
   const Beam::Parameters table = beam_table(data("B02.inp"));
   const auto tip = [&](int n) { return tip_displacement(table, n, {{0, 600, 0}, Vector3::Zero()}, {0, 0, 0}, 4); };
   const Vector3 found = extrapolated(tip, 20);
-  expect_near("B02", found, {-13.46875979092156, 53.34719535419496, -23.57235653924552}, 1e-3);
+  expect_near("B02", found, {-13.46875979092156, 53.34719535419496, -23.57235653924552}, 1e-5);
   expect_near("B02, peer", found, {-13.46, 53.35, -23.58}, 0.015);
 }
 
@@ -80,7 +80,7 @@ TEST(BeamTable, ForceBendsTheTwistedB04) {
   const Beam::Parameters table = beam_table(data("B04.inp"));
   const auto tip = [&](int n) { return tip_displacement(table, n, {{0, -4e6, 0}, Vector3::Zero()}, {0, 0, 0}, 4); };
   const Vector3 found = extrapolated(tip, 20);
-  expect_near("B04", found, {1.7180533464648777, -3.593213240271939, -1.1415259995405016}, 4e-4);
+  expect_near("B04", found, {1.7180533464648777, -3.593213240271939, -1.1415259995405016}, 1e-5);
   expect_near("B04, peer", found, {1.71810805, -3.59245231, -1.14114462}, 2e-3);
 }
 
@@ -117,7 +117,7 @@ const std::string kValues = "1e4,1e4,1e4,200,100,100,1,0.02,0.01,0.01";
 TEST(BeamTable, ColumnsGiveTheSameBeam) {
   const std::string path = written("# roll-up\nz," + kNames + "\n0," + kValues + "\n10," + kValues + "\n");
   expect_near("B03, csv", tip_displacement(beam_table(path), 16, {Vector3::Zero(), {-12.5664, 0, 0}}),
-              {0, 5.4986774284354, -2.4317431853411637}, 1e-8);
+              {0, 5.4986774284354, -2.4317431853411637}, 1e-10);
 }
 
 TEST(BeamTable, ColumnsTakeCouplingsAndDamping) {
