@@ -17,9 +17,8 @@ namespace {
 
 std::string data(const std::string& name) { return std::string(LITHE_TEST_DATA) + "/beams/beamdyn/" + name; }
 
-/// Clamped at the root; where its tip goes under a dead wrench there and a dead force per length.
-Vector3 tip_displacement(Beam::Parameters table, int elements, const Wrench& load, const Vector3& weight = {0, 0, 0},
-                         int steps = 1) {
+/// Clamped at the root; where its tip goes under a dead wrench there.
+Vector3 tip_displacement(Beam::Parameters table, int elements, const Wrench& load, int steps = 1) {
   SystemGraph graph({.gravity = Vector3::Zero()});
   table.elements = elements;
   Beam beam(graph, "beam", table);
@@ -27,11 +26,6 @@ Vector3 tip_displacement(Beam::Parameters table, int elements, const Wrench& loa
   graph.add<FixedJoint>("clamp", {graph.ground().marker(root.position, root.axes), beam.marker(0)});
   graph.add<UserForce>("load", {beam.marker(table.axis.length)},
                        {[load](double share, const MarkerView&) { return share * load; }});
-  for (int i = 0; i < beam.node_count() && weight.norm() > 0; ++i) {
-    const Wrench piece{beam.piece_length(i) * weight, Vector3::Zero()};
-    graph.add<UserForce>("weight" + std::to_string(i), {beam.piece_middle(i)},
-                         {[piece](double share, const MarkerView&) { return share * piece; }});
-  }
   const System system = assemble(graph);
   State state = system.initial_state();
   for (int i = 1; i <= steps; ++i) {
@@ -54,16 +48,6 @@ void expect_near(const std::string& what, const Vector3& found, const Vector3& e
   EXPECT_LT((found - expected).norm(), tolerance) << what << ": " << found.transpose();
 }
 
-TEST(BeamTable, GravityBendsB01) {
-  const Beam::Parameters table = beam_table(data("B01.inp"));
-  const auto tip = [&](int n) { return tip_displacement(table, n, {}, {9.806, 0, 0}, 20); };
-  // Hanging nearly along the load it hardly resists going sideways: y is left to rounding.
-  Vector3 found = extrapolated(tip, 40);
-  EXPECT_LT(std::abs(found.y()), 0.05);
-  found.y() = 0;
-  expect_near("B01", found, {9.417614981449768, 0, -8.389151489124865}, 1e-3);
-}
-
 TEST(BeamTable, MomentRollsUpB03) {
   const Wrench moment{Vector3::Zero(), {-12.5664, 0, 0}};
   const Vector3 exact(0, 5.4986774284354, -2.4317431853411637);
@@ -74,7 +58,7 @@ TEST(BeamTable, MomentRollsUpB03) {
 
 TEST(BeamTable, ForceBendsTheSplineOfB02) {
   const Beam::Parameters table = beam_table(data("B02.inp"));
-  const auto tip = [&](int n) { return tip_displacement(table, n, {{0, 600, 0}, Vector3::Zero()}, {0, 0, 0}, 4); };
+  const auto tip = [&](int n) { return tip_displacement(table, n, {{0, 600, 0}, Vector3::Zero()}, 4); };
   const Vector3 found = extrapolated(tip, 20);
   expect_near("B02", found, {-13.46875979092156, 53.34719535419496, -23.57235653924552}, 1e-5);
   expect_near("B02, peer", found, {-13.46, 53.35, -23.58}, 0.015);
@@ -82,7 +66,7 @@ TEST(BeamTable, ForceBendsTheSplineOfB02) {
 
 TEST(BeamTable, ForceBendsTheTwistedB04) {
   const Beam::Parameters table = beam_table(data("B04.inp"));
-  const auto tip = [&](int n) { return tip_displacement(table, n, {{0, -4e6, 0}, Vector3::Zero()}, {0, 0, 0}, 4); };
+  const auto tip = [&](int n) { return tip_displacement(table, n, {{0, -4e6, 0}, Vector3::Zero()}, 4); };
   const Vector3 found = extrapolated(tip, 20);
   expect_near("B04", found, {1.7180533464648777, -3.593213240271939, -1.1415259995405016}, 1e-5);
   expect_near("B04, peer", found, {1.71810805, -3.59245231, -1.14114462}, 2e-3);
