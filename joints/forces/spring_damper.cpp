@@ -5,7 +5,8 @@
 
 namespace lithe {
 
-SpringDamper::SpringDamper(Parameters parameters) : parameters_(parameters) {
+SpringDamper::SpringDamper(Parameters parameters)
+    : parameters_(parameters), natural_length_(parameters.natural_length.value_or(0)) {
   require::not_negative(parameters.stiffness, "stiffness");
   require::not_negative(parameters.damping, "damping");
   if (parameters.natural_length) require::not_negative(*parameters.natural_length, "natural_length");

@@ -11,7 +11,7 @@
 namespace lithe::test::loaded_method_linkage_test {
 namespace {
 
-constexpr double kTolerance = 1e-8;
+constexpr double kTolerance = 1e-11;
 
 /// A method of the library, as a plug-in has it.
 template <class Method>
