@@ -6,8 +6,8 @@
 
 namespace lithe {
 
-/// A number with memory, for controllers: one coordinate of unit mass that nothing but its controller pushes, so that
-/// its rate is the integral of that force over time. It has no energy and feels no gravity.
+/// The integral of a signal, for controllers: one coordinate of unit mass on which only its controller acts, so that
+/// its rate is the integral of that force over time. It has no energy and is not affected by gravity.
 class IntegralState final : public Body {
  public:
   struct Parameters {

@@ -7,9 +7,9 @@
 
 namespace lithe {
 
-/// A particle: three coordinates, the place of its mass in the world, and no axes.
+/// A particle: three coordinates, the position of its mass in the world, and no axes.
 ///   m (p̈ - g) = f
-/// Joints and forces that act at its place alone may hold it; what would turn it is refused
+/// Joints and forces must act at its position without a moment; assemble() refuses others
 /// (engine/model/point_body.h).
 class PointMass final : public PointBody {
  public:

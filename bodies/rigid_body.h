@@ -13,7 +13,7 @@ struct Inertia {
   Inertia(const Matrix3& full) : matrix(full) {}                         // NOLINT
 };
 
-/// Rigid body; its frame sits at the centre of mass.
+/// Rigid body; its frame is at the centre of mass.
 ///   m (p̈ - g) = f,   J ω̇ + ω × (J ω) = t   (J, ω, t in body axes; engine/model/rigid_frame_body.h)
 class RigidBody final : public RigidFrameBody {
  public:
@@ -25,7 +25,7 @@ class RigidBody final : public RigidFrameBody {
     Vector3 velocity{0, 0, 0};                  // of the centre of mass, world axes, m/s
     Vector3 angular_velocity{0, 0, 0};          // body axes, rad/s
   };
-  /// Throws SceneError for mass <= 0, an inertia of no real body, a matrix that is no rotation, NaN.
+  /// Throws SceneError for mass <= 0, an inertia that no real body has, a matrix that is not a rotation, NaN.
   explicit RigidBody(Parameters parameters);
 
   const Parameters& parameters() const { return parameters_; }

@@ -10,10 +10,10 @@ namespace lithe {
 /// Variable-order, variable-step Adams-Moulton method of SUNDIALS (CVODE; Hindmarsh et al. 2005) with functional
 /// iteration, on the index-1 form behind projection (Eich 1993; docs/equations.md 8.3):
 ///   ẏ = f(t, P(y)),   y = (q, v) with quaternions as four plain numbers e, ė = ½ e ∘ (0, ω).
-/// P makes e/|e| and moves q and v onto g = 0 and ġ = 0 along M⁻¹Gᵀ. What y drifts off the constraints in a step is set
-/// aside at its end, which a multistep method does not notice: its history is made of rates. So drift neither feeds
-/// back nor grows. One factorisation an evaluation, hardly more than one evaluation a step: the choice for smooth
-/// scenes that are dear to evaluate. Stiff ones make the iteration diverge and the step collapse.
+/// P makes e/|e| and moves q and v onto g = 0 and ġ = 0 along M⁻¹Gᵀ. The drift of y off the constraints in a step is
+/// removed at its end, which does not disturb the multistep method: its history consists of rates. So drift neither
+/// feeds back nor grows. One factorisation per evaluation, hardly more than one evaluation per step: the choice for
+/// smooth scenes that are expensive to evaluate. In stiff scenes the iteration diverges and the step collapses.
 class Adams final : public Integrator {
  public:
   struct Parameters {

@@ -12,20 +12,20 @@ class ExplicitRungeKutta;
 class LieBdf;
 class Radau;
 
-/// The default: needs no option but a tolerance. Three methods stand ready, and the state passes from one to the other:
+/// The default: needs no option but a tolerance. It switches between three methods:
 ///   explicit Runge-Kutta 8(5,3)   while the scene is not stiff;
 ///   Lie-group BDF                 stiff and damped;
-///   Radau IIA of order 5          stiff at tight tolerances, or with stiff modes that nothing damps.
-/// It begins with the first. Now and then, and soon where stability holds its step (the estimate of h |λ| stays near
-/// the limit), the others are tried for a few steps each; the one that gets furthest in time for the same work keeps
-/// the scene, and the next trials come after twice as many steps. Work is counted (evaluations, Newton iterations,
-/// factorisations), not measured, so that runs repeat bit for bit. Each is held to the tolerance at which its error is
-/// like that of the others. Where one fails, the next is tried. After LSODA (Petzold 1983), which compares the steps
+///   Radau IIA of order 5          stiff at tight tolerances, or with undamped stiff modes.
+/// It begins with the first. From time to time, and early if stability limits the step (the estimate of h |λ| stays
+/// near the limit), the others are tried for a few steps each; the one that advances furthest in time for the same work
+/// is used, and the next trials come after twice as many steps. Work is counted (evaluations, Newton iterations,
+/// factorisations), not measured, so that runs repeat bit for bit. Each method runs at a tolerance that makes its error
+/// similar to that of the others. If one fails, the next is tried. After LSODA (Petzold 1983), which compares the steps
 /// that Adams and BDF would take.
 class Automatic final : public Integrator {
  public:
   struct Parameters {
-    /// Of the motion, not of a step: steps are controlled more sharply, so that over some ten periods of a motion that
+    /// Of the motion, not of a step: steps are controlled more tightly, so that over some ten periods of a motion that
     /// does not amplify errors the error stays within it.
     Tolerance tolerance{};
     double first_step = 0;  // s; 0: guessed
@@ -42,7 +42,7 @@ class Automatic final : public Integrator {
   const IntegratorStatistics& statistics() const override { return statistics_; }
   bool approximates_accelerations() const override { return at_work().approximates_accelerations(); }
   Method method() const { return method_; }
-  /// How often the scene passed to another method for good, since start().
+  /// Number of changes to another method that were kept, since start().
   int switches() const { return switches_; }
 
   void interpolate(const Layout& layout, const State& from, const State& to, double time, State& out) const override;

@@ -21,15 +21,15 @@ enum class Impacts {
 };
 
 /// The contact part of a time-stepping method (Moreau 1999; Acary & Brogliato 2008): impulses r at the end of a step
-/// that has been made without contact, from v to v_free along the displacement d. Impulses act where gaps close: of
-/// contact i, whose gap and its rate within the step are known, an impulse of an impact works for the rest of the step,
+/// that was computed without contact, from v to v_free along the displacement d. Impulses act when gaps close: for
+/// contact i, whose gap and its rate within the step are known, the impulse of an impact acts for the rest of the step,
 /// one that keeps surfaces at rest for half of it: w_i. So
 ///   v' = v_free + Σ Y r,   d' = d + Σ w_i Y r_across + Σ Y p,   gap' >= aim ⊥ p >= 0,   p near w_i r_normal,
-/// where the gaps aimed at are those after a bounce at its time, or zero, and what is aimed at in v' is the velocity
-/// along H at the step's end. What holds a body that meets another within the step pushes up to then. A ball in free
-/// flight bounces at the time of its impact, to round-off; bodies at rest, and those that others fall upon, neither
-/// sink nor float. A gap that an impact of others closes takes part in that impact as surfaces in touch do, u' >= -e u:
-/// elastic bodies keep their energy however near they are. Impacts, meeting and parting are told of by pair
+/// where the target gaps are those after a bounce at its time, or zero, and the target of v' is the velocity along H
+/// at the step's end. Contacts that hold a body which hits another within the step act up to that time. A ball in free
+/// flight bounces at the time of its impact, to round-off; bodies at rest, and bodies hit by others, neither
+/// sink nor float. A gap that an impact of others closes takes part in that impact like surfaces in touch, u' >= -e u:
+/// elastic bodies keep their energy however near they are. Impacts, touches and separations are reported by pair
 /// (RigidContacts::happenings).
 class ContactImpulses {
  public:
@@ -48,7 +48,7 @@ class ContactImpulses {
   void remember(EquationsOfMotion& equations, const VectorX& v, double h, ContactMemory& memory) const;
   /// Iterations of the solver in the last step: sweeps, factorisations.
   int iterations() const { return iterations_; }
-  /// Steps whose impulses the solver left above the tolerance; the first one is warned of.
+  /// Number of steps whose impulses stayed above the tolerance; the first one gives a warning.
   long unconverged() const { return unconverged_; }
   void history(Archive& archive);
 

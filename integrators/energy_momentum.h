@@ -13,15 +13,15 @@ namespace lithe {
 ///   R' l' - R l + (x' - x) × ½ (P + P') = h R_m τ_m
 ///   π' - π = h (∂T/∂η + F_η)_m - c M_ηη η̇_m
 ///   g(q', t') = 0
-/// What is exact, to the tolerance of Newton: linear momentum; angular momentum, where no joint is at work; and the
+/// Exact, to the tolerance of Newton: linear momentum; angular momentum, if no joint acts; and the
 /// balance of energy with the work of constant forces (weight of rigid bodies), of elastic bodies (linear in η) and
 /// of reactions whose rows are linear in points and axes of each body: points held together, axes held to the ground,
 /// hinges of planar mechanisms, all by the choice of θ. c, a scalar a body, gives an elastic body's kinetic energy its
 /// exact change.
-/// What is not: springs that stretch and turn, axes of two bodies that both turn, rolling, joints on modes. Their
-/// forces work as at the middle; energy is off by O(h²), bounded where the motion is resolved. A stiff spring that
-/// turns makes it explode (stability laboratory S24): take a method that damps. Joints gape by O(h²) in the middle of a
-/// step, so the angular momentum of bodies held together is off by O(h²) too, bounded (Rattle keeps it).
+/// Not exact: springs that stretch and rotate, axes of two bodies that both rotate, rolling, joints on modes. Their
+/// work is that of the forces at the middle; energy errs by O(h²), bounded if the motion is resolved. A stiff rotating
+/// spring makes it unstable (stability laboratory S24): use a method that damps. Joints open by O(h²) in the middle of
+/// a step, so the angular momentum of bodies held together errs by O(h²) too, bounded (Rattle conserves it).
 ///
 /// Order 2 in q, v, λ; fixed step; no damping. G v = 0 holds for v_m, thus for v' within O(h²). A body turns less than
 /// half a turn a step: h |ω| < 2.

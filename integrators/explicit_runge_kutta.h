@@ -33,8 +33,8 @@ class ExplicitRungeKutta final : public Integrator {
   const IntegratorStatistics& statistics() const override { return statistics_; }
   double current_step() const { return h_; }
 
-  /// h |λ| of the fastest motion within the last step taken, as far as its last two stages tell (Hairer & Wanner II,
-  /// IV.2); 0 where they do not. The scene is stiff for this method where it keeps near stability_limit().
+  /// Estimate of h |λ| of the fastest motion within the last step taken, from its last two stages (Hairer & Wanner II,
+  /// IV.2); 0 if they give none. The scene is stiff for this method if the value stays near stability_limit().
   double stiffness() const { return stiffness_; }
   double stability_limit() const { return tableau_->stability_limit; }
 
@@ -56,7 +56,7 @@ class ExplicitRungeKutta final : public Integrator {
   const RungeKuttaTableau* tableau_;
   IntegratorStatistics statistics_;
 
-  double h_ = 0;           // the step wished for
+  double h_ = 0;           // step proposed by the error control
   double ratio_last_ = 0;  // error over allowance of the last step taken
   double stiffness_ = 0;
   std::unique_ptr<RungeKuttaStep> step_;  // of the equations met last; its scratch serves interpolate() too

@@ -26,7 +26,7 @@ class GeneralizedAlpha : public Integrator {
     bool correct_start = true;    // index 3: start values without transient of the multipliers
   };
 
-  /// Members of the family that no spectral radius names (Hht).
+  /// Members of the family that are not given by a spectral radius (Hht).
   struct Coefficients {
     double am, af;
   };
@@ -44,7 +44,7 @@ class GeneralizedAlpha : public Integrator {
   void prepare(EquationsOfMotion& equations, State& state) override;
   StepResult advance(EquationsOfMotion& equations, State& state, double t_stop) override;
   bool keep(Archive& archive, EquationsOfMotion& equations, const State& state) override;
-  /// Consistent accelerations and a history that begins here, as prepare() but for the statistics.
+  /// Consistent accelerations and a history that begins here; like prepare(), but keeps the statistics.
   void restart(EquationsOfMotion& equations, State& state);
   const Parameters& parameters() const { return parameters_; }
   double beta() const { return beta_; }

@@ -5,12 +5,12 @@
 
 namespace lithe {
 
-/// HHT-I3, the method of Hilber, Hughes & Taylor on index 3 (Negrut, Rampalli, Ottarsson & Sajdak 2007), which
-/// commercial codes know by that name: Newmark with γ = ½ - α, β = (1 - α)²/4 on the increments of the group, and
+/// HHT-I3, the method of Hilber, Hughes & Taylor on index 3 (Negrut, Rampalli, Ottarsson & Sajdak 2007), known by that
+/// name in commercial codes: Newmark with γ = ½ - α, β = (1 - α)²/4 on the increments of the group, and
 ///   1/(1 + α) M a' + (Gᵀ λ - f)' - α/(1 + α) (Gᵀ λ - f) = 0,   g(q') = 0.
 /// Second order; α = -1/3 damps most (spectral radius ½ at infinite frequency), α = 0 is the trapezoidal rule, whose
 /// multipliers oscillate and grow. Here the force at the step's start is carried as M' v̇, which is the same while M
-/// stays; where it does not (flexible bodies), a force carried unturned would cost an order. So it is the member
+/// is constant; if it is not (flexible bodies), an unrotated force would cost an order. So it is the member
 /// am = 0, af = -α of the generalized-alpha family and shares its treatment of starts and of changed steps
 /// (stability laboratory S30).
 class Hht final : public Integrator {

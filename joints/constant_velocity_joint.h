@@ -6,9 +6,10 @@
 namespace lithe {
 
 /// Homokinetic joint of two shafts along z (Rzeppa, Tripod): the markers share their position, and B does not twist
-/// against A about the line that halves the angle of the shafts, so both turn alike at any bend; two freedoms are left.
-///   g = (p_B - p_A, y_A · x_B - x_A · y_B), four rows: the relative rotation has no part about z. Bend below a right
-///   angle.
+/// against A about the line that bisects the angle of the shafts, so both turn at the same speed at any bend angle; two
+/// degrees of freedom are left.
+///   g = (p_B - p_A, y_A · x_B - x_A · y_B), four rows: the relative rotation has no component about z. The bend
+///   angle must be below a right angle.
 class ConstantVelocityJoint final : public Joint</*markers=*/2, /*rows=*/4> {
  public:
   bool depends_on_time() const override { return false; }

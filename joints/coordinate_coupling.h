@@ -11,14 +11,14 @@ namespace lithe {
 /// Ties joint coordinates linearly: gears, belts, differentials, mirrored slides.
 ///   g = Σ_i c_i x_i - offset, one row; angles with their turns.
 ///   graph.add<CoordinateCoupling>("belt", {motor.angle(), fan.angle()}, {.factors = {1, -2.5}});
-/// Its forces are what the coordinates' own wrenches say: between angles pure torques, those of belts that pull at no
-/// shaft. For gears that load their bearings take a GearPair.
+/// Its forces act along the coordinates: between angles pure torques, as of belts that do not load their shafts. For
+/// gears that load their bearings use a GearPair.
 class CoordinateCoupling final : public Constraint {
  public:
   static constexpr int kRows = 1;
   struct Parameters {
     std::vector<double> factors;     // c_i, one a coordinate
-    std::optional<double> offset{};  // Σ c_i x_i to be kept; none: as drawn
+    std::optional<double> offset{};  // value of Σ c_i x_i; none: as drawn
   };
   /// Throws SceneError for factors that do not fit the coordinates, and for more than four coordinates.
   CoordinateCoupling(CoordinateSet coordinates, Parameters parameters);

@@ -7,7 +7,7 @@
 
 namespace lithe {
 
-/// Prescribes a joint coordinate: a motor that nothing stops.
+/// Prescribes a joint coordinate as a function of time, whatever force that takes.
 ///   g = x - f(t), one row. For angles whole turns do not count, so f may start anywhere near the drawing.
 ///   graph.add<CoordinateDrive>("motor", {crank.angle()}, {.motion = ramp(0, 150)});
 /// Its multiplier is minus the force (N) or torque (N m) that it needs: drive_force(drive)

@@ -8,7 +8,7 @@
 
 namespace lithe {
 
-/// Massless rod with a ball at each end: the markers keep their distance; five freedoms are left.
+/// Massless rod with a ball at each end: the markers keep their distance; five degrees of freedom are left.
 ///   g = ½ (d · d - L²), d = p_B - p_A, one row, L constant or L(t). Its multiplier is the rod's tension over L.
 ///   (docs/equations.md 7.3)
 class DistanceJoint final : public Joint</*markers=*/2, /*rows=*/1> {

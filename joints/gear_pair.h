@@ -6,9 +6,9 @@
 namespace lithe {
 
 /// Two spur gears on parallel z axes in mesh; it ties nothing else: hold each by a bearing on ground, or on a carrier
-/// that may turn itself (planetary trains). The force acts in the pitch point, so bearings feel it.
+/// that may turn itself (planetary trains). The force acts at the pitch point, so it loads the bearings.
 ///   g = r_A φ_A + r_B φ_B - offset, φ the angle of the line of centres against each gear about its z axis, one row. A
-///   ring gear has a negative radius. The offset is that of the drawing. Helix and pressure angles are left out: the
+///   ring gear has a negative radius. The offset is that of the drawing. Helix and pressure angles are neglected: the
 ///   force is tangential. For bevel and worm gears couple the angles: CoordinateCoupling.
 class GearPair final : public Joint</*markers=*/2, /*rows=*/1> {
  public:

@@ -6,9 +6,9 @@
 
 namespace lithe {
 
-/// The markers keep equal axes; B translates as it likes.
+/// The markers keep equal axes; B translates freely, three degrees of freedom.
 ///   g = (x_A · y_B, y_A · z_B, z_A · x_B), three rows. (docs/equations.md 7.3, the rows of a slider that hold its
-// axes)
+///   axes)
 class OrientationJoint final : public Joint</*markers=*/2, /*rows=*/3> {
  public:
   /// Displacement of B along the axes of A.

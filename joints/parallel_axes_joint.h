@@ -6,7 +6,7 @@
 
 namespace lithe {
 
-/// The z axes of the markers stay parallel; all translations and the turn about z are left, four freedoms.
+/// The z axes of the markers stay parallel; all translations and the rotation about z are free.
 ///   g = (x_A · z_B, y_A · z_B), two rows. (docs/equations.md 7.3, the rows of a hinge that hold its axis)
 class ParallelAxesJoint final : public Joint</*markers=*/2, /*rows=*/2> {
  public:

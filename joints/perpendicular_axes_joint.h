@@ -6,7 +6,7 @@
 
 namespace lithe {
 
-/// The z axes of the markers stay at right angles; five freedoms are left.
+/// The z axes of the markers stay at right angles; five degrees of freedom are left.
 ///   g = z_A · z_B, one row.
 class PerpendicularAxesJoint final : public Joint</*markers=*/2, /*rows=*/1> {
  public:

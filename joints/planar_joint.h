@@ -6,8 +6,8 @@
 
 namespace lithe {
 
-/// Block on a table: B keeps in the plane through A normal to z_A, and its z axis along z_A; two slidings and the turn
-/// about z are left.
+/// Block on a table: B stays in the plane through A normal to z_A, with its z axis along z_A; two translations and the
+/// rotation about z are free.
 ///   g = (x_A · z_B, y_A · z_B, z_A · d), d = p_B - p_A, three rows. (docs/equations.md 7.3)
 class PlanarJoint final : public Joint</*markers=*/2, /*rows=*/3> {
  public:

@@ -21,11 +21,11 @@ struct BeamAxis {
   static BeamAxis curved(const FramePose& start, const Vector3& curvature, double length);
 };
 
-/// A geometrically exact beam: rigid bodies as nodes, a BeamElement between each two. A maker, not an element: what it
-/// adds to the graph is called "blade.node0", "blade.element0" and so on, and outlives it.
+/// A geometrically exact beam: rigid bodies as nodes, a BeamElement between each two. It is not an element itself: the
+/// elements that it adds to the graph are named "blade.node0", "blade.element0" and so on, and outlive it.
 ///   Beam blade(graph, "blade", {.axis = BeamAxis::straight({0, 0, 0}, {8, 0, 0}), .sections = {{0, section}}});
 ///   graph.add<FixedJoint>("root", {graph.ground().marker({0, 0, 0}, blade.axes(0)), blade.marker(0)});
-/// Mass is lumped: each node carries what lies between the middles of its elements as one rigid piece, so that mass,
+/// Mass is lumped: each node carries the beam between the middles of its elements as one rigid piece, so that mass,
 /// mass centre and inertia of a rigid motion of the undeformed beam are exact, and so are weight and its moments.
 /// Elements and lumping have an error of second order in the elements' length.
 class Beam {
@@ -42,8 +42,8 @@ class Beam {
     Vector3 velocity{0, 0, 0};          // of the point at arc 0, world axes, m/s
     Vector3 angular_velocity{0, 0, 0};  // of the whole beam, world axes, rad/s
   };
-  /// Throws SceneError for an axis without length, stations out of order or beyond the ends, no section, and what
-  /// BeamSection::check says of them.
+  /// Throws SceneError for an axis without length, stations out of order or beyond the ends, no section, and sections
+  /// that BeamSection::check refuses.
   Beam(SystemGraph& graph, Located name, const Parameters& parameters);
 
   /// At a node on the axis, with the section's axes; `arc` is 0, the length, a station or the place of another node.

@@ -10,20 +10,20 @@ namespace lithe {
 /// A stretch of geometrically exact (Simo-Reissner) beam between two frames whose axes are those of the section: 1
 /// along the beam. Its axis is the helix from one to the other, the geodesic of SE(3); its strain is constant along it:
 ///   ε = (log(H_A⁻¹ H_B) - that of the drawing) / L,   V = ½ L εᵀ C ε
-/// Rigid motions drop out of H_A⁻¹ H_B, so strains are objective; pure bending, torsion and stretch are exact at any
-/// length; nothing locks. As drawn it is free of stress: drawn curvature and twist are those of the undeformed beam.
-/// Its error is of second order in L. It turns by less than half a turn from end to end.
+/// Rigid motions cancel in H_A⁻¹ H_B, so strains are objective; pure bending, torsion and stretch are exact at any
+/// length; there is no locking. It is stress-free as drawn: drawn curvature and twist are those of the undeformed beam.
+/// Its error is of second order in L. The ends must be turned against each other by less than half a turn.
 /// C = Uᵀ D U (U unit upper triangular) gives six compliant rows with the lengths L U ε and stiffnesses D / L; Kelvin-
 /// Voigt damping acts row by row, that is, strain by strain where C is diagonal.
 /// V. Sonneville, A. Cardona, O. Brüls, Comput. Methods Appl. Mech. Engrg. 268 (2014) 451; docs/equations.md section
-/// 4.6. It has no mass: Beam (bodies/beam/beam.h) makes the bodies that it ties.
+/// 4.6. It has no mass: Beam (bodies/beam/beam.h) makes the bodies that it connects.
 class BeamElement final : public Force</*markers=*/2, /*rows=*/6>, public DrawableConnector {
  public:
   struct Parameters {
     BeamSection section;
     double length = 0;  // m, along the axis; 0: that of the helix drawn
   };
-  /// Throws SceneError for a section that is none (BeamSection::check) and a negative length; assemble() throws for a
+  /// Throws SceneError for an invalid section (BeamSection::check) and a negative length; assemble() throws for a
   /// length that differs from that of the helix by more than 5 %, for axes 1 that do not point from A to B, and for
   /// ends turned against each other by more than a right angle.
   explicit BeamElement(Parameters parameters);
@@ -34,7 +34,7 @@ class BeamElement final : public Force</*markers=*/2, /*rows=*/6>, public Drawab
 
   /// (Γ, K): axial strain, shears; torsion, curvatures (1/m), with the drawn ones subtracted.
   Vector6 strain(const MarkerView& A, const MarkerView& B) const;
-  /// (n, m) = C ε: what the part behind B does to the part before A, N and N m, axes of the section half-way.
+  /// (n, m) = C ε: force (N) and moment (N m) of the part behind B on the part before A, axes of the middle section.
   Vector6 resultants(const MarkerView& A, const MarkerView& B) const { return section_.stiffness * strain(A, B); }
   /// Half of it at either end: the solid bar whose mass and inertia are those of the section.
   std::vector<DrawnShape> drawn_shapes(int marker) const override;

@@ -5,7 +5,7 @@
 
 namespace lithe {
 
-/// A cross-section of a beam: what resists strains and what has mass, per length. Section axes: 1 along the beam, 2 and
+/// A cross-section of a beam: stiffness and mass per length. Section axes: 1 along the beam, 2 and
 /// 3 in the section, origin on the beam's axis, SI units.
 ///   strains ε = (Γ1, Γ2, Γ3, K1, K2, K3): axial, two shears; torsion, two bendings, from the drawn shape
 ///   stress resultants (n, m) = stiffness · (ε + damping ∘ ε̇)        N, N m

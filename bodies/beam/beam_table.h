@@ -6,7 +6,7 @@
 
 namespace lithe {
 
-/// Where the blade of a table stands, and what the table may leave open.
+/// Pose of the blade of a table, and data that the table may not contain.
 struct BeamTablePlace {
   FramePose root{};   // of the blade frame: origin and axes x flapwise, y edgewise, z along the blade; world axes
   double length = 0;  // m, of the straight axis of a BeamDyn blade file that is read without its primary input
@@ -29,8 +29,8 @@ struct BeamTablePlace {
 /// Any other name: a BeamDyn primary input (key points, BldFile) or a BeamDyn blade file; damp_type 0 or 1.
 /// Format: BeamDyn user's guide, OpenFAST documentation.
 ///
-/// Throws FileError, with file and line, for what it cannot read; SceneError for stations out of order and for what
-/// BeamSection::check says of a section.
+/// Throws FileError, with file and line, for input that it cannot read; SceneError for stations out of order and for a
+/// section that BeamSection::check refuses.
 Beam::Parameters beam_table(const std::string& path, const BeamTablePlace& place = {});
 
 }  // namespace lithe

@@ -9,8 +9,8 @@
 namespace lithe {
 
 /// Stresses and strains of a flexible body in a scene, as observers read them off its states: 6 x n, xx yy zz xy xz yz
-/// as in StressRecovery, in the axes of the mesh, which turn with the body frame: those in which the finite-element
-/// code shows them.
+/// as in StressRecovery, in the axes of the mesh, which turn with the body frame, as the finite-element code shows
+/// them.
 class BodyStress {
  public:
   /// By the elements of the body's basis: with small strain, or, where the deflection is quadratic, Green-Lagrange

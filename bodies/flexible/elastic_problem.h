@@ -26,8 +26,8 @@ void orthonormalise(const SparseMatrix& M, MatrixX& X);
 /// The columns of both.
 MatrixX beside(const MatrixX& left, const MatrixX& right);
 
-/// K x = f and K a = λ M a of a body whose `rigid` motions (n x k, maybe no column) alone meet no stiffness: one sparse
-/// factor of K + shift M, shift = 1e-10 tr K / tr M, for all that is asked of it. Refers to K and M.
+/// K x = f and K a = λ M a of a body whose `rigid` motions (n x k, maybe no column) alone have no stiffness: one sparse
+/// factor of K + shift M, shift = 1e-10 tr K / tr M, serves all solutions. Refers to K and M.
 /// SceneError if K + shift M is not positive definite (a mechanism); `where` names model and support.
 /// With held means (docs/equations.md 6, fixed interfaces): the free coordinates have Fᵀ x = 0, and K x = f + F λ.
 class ElasticProblem {
@@ -55,7 +55,8 @@ class ElasticProblem {
   /// K x = f - M D Dᵀ f (inertia relief), x M-orthogonal to the rigid motions. The shift's error is iterated away.
   /// Without regard to held means.
   MatrixX static_deflections(const MatrixX& loads) const;
-  /// With held means: K x = f + F λ, Fᵀ x = 0, what holds them bears the load. Without, the same as static_deflections.
+  /// With held means: K x = f + F λ, Fᵀ x = 0, their constraint forces carry the load. Without, the same as
+  /// static_deflections.
   MatrixX deflections(const MatrixX& loads) const;
 
  private:

@@ -32,7 +32,7 @@ struct StressStiffness {
   SparseMatrix matrix;  // dofs x dofs, N/m, both triangles
 };
 
-/// What a finite-element code hands over at t = 0: nodes, M_A and K_A in the axes of the mesh (Vlasenko & Kasper,
+/// A finite-element model at t = 0: nodes, M_A and K_A in the axes of the mesh (Vlasenko & Kasper,
 /// I-II). Degree of freedom 3 * node + axis for translations, then one for each of `rotations`; no support is applied:
 /// K has six zero eigenvalues.
 struct FiniteElementModel {
@@ -55,7 +55,7 @@ struct FiniteElementModel {
   const std::vector<int>& node_set(const std::string& set) const;
 };
 
-/// What is wrong or right with a model, each figure on its natural scale (docs/equations.md section 2.1).
+/// The results of checking a model, each figure on its natural scale (docs/equations.md section 2.1).
 struct ModelCheck {
   std::string name;  // of the model
   int nodes = 0;
@@ -84,11 +84,11 @@ SparseMatrix scalar_mass(const SparseMatrix& mass);
 /// Rigid motions of nodes about a point c, 3n x 6: three unit translations e, three unit rotations e x (r - c).
 MatrixX rigid_motions(const Matrix3X& nodes, const Vector3& center);
 
-/// Whether check() factorises K to count its negative eigenvalues; one who factorises it next need not.
+/// Whether check() factorises K to count its negative eigenvalues; not needed if the caller factorises K next.
 enum class Definiteness { counted, not_looked_at };
-/// Measures a model. Throws SceneError only for what cannot be measured (sizes that do not match, NaN, unknown labels).
+/// Checks a model. Throws SceneError only if it cannot be checked (sizes that do not match, NaN, unknown labels).
 ModelCheck check(const FiniteElementModel& model, Definiteness definiteness = Definiteness::counted);
-/// check(), then throws SceneError on what makes a model unusable: asymmetry, mass <= 0, a rigid motion with
+/// check(), then throws SceneError if the model is unusable: asymmetry, mass <= 0, a rigid motion with
 /// stiffness, indefinite M or K, asymmetric damping. Names the figure, the bound and how to fix it.
 ModelCheck require_sound(const FiniteElementModel& model, Definiteness definiteness = Definiteness::counted);
 

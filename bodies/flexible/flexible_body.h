@@ -16,7 +16,7 @@ namespace lithe {
 
 struct NodeAverage;
 
-/// Damping of deformation alone; rigid motion feels none.
+/// Damping of deformation alone; rigid motion is not damped.
 ///   D = mass_proportional Mff + stiffness_proportional K^ + diag(2 ζ_k ω_k)
 struct FlexibleDamping {
   double mass_proportional = 0;        // 1/s, Rayleigh's alpha
@@ -30,14 +30,14 @@ struct NodalLoad {
   std::vector<Vector3> forces;  // N
 };
 
-/// Flexible body in the floating frame of reference: a frame that moves far, and small deformation in it.
+/// Flexible body in the floating frame of reference: large motion of the frame, small deformation in it.
 ///   q_i = x0 + A (r0_i + B_i η),   M v̇ = f_v + f_gravity - K^ η - D η̇     (Vlasenko & Kasper eqs. 7-10, 23, 40;
 ///   M and f_v with every coupling as corrected in docs/equations.md 2.3, 3.2)
 /// Three fidelities by one number, mode_count: all coordinates of a nodal basis, the first modes of a reduced one, or
 /// 0: rigid. Stiffening by spin and load, and moderately large deflection, come with the basis (Reduction::deflection):
 ///   u = [B, Ψ] ξ(η), so that each B above becomes [B, Ψ] P, P = ∂ξ/∂η (deflection_map.h).
-/// The modes of an eigenmode basis are candidates: set_fidelity(), or solve(), takes those that a scene needs.
-/// Its cost a step does not depend on the mesh.
+/// The modes of an eigenmode basis are candidates: set_fidelity(), or solve(), selects those that a scene needs.
+/// The cost per step does not depend on the mesh.
 class FlexibleBody final : public DeformableBody, public DrawableBody {
  public:
   static constexpr int kAll = std::numeric_limits<int>::max();

@@ -27,8 +27,8 @@ struct InertiaTerms {
   explicit InertiaTerms(int modes);
 };
 
-/// Inertia of a flexible body as a function of its deformation. Two forms of the same thing: invariants, whose cost
-/// does not know the mesh, and nodes, for a body that keeps all its nodal coordinates.
+/// Inertia of a flexible body as a function of its deformation, in two forms: by invariants, whose cost does not
+/// depend on the mesh, and by nodes, for a body that keeps all its nodal coordinates.
 class FlexibleInertia {
  public:
   virtual ~FlexibleInertia() = default;

@@ -29,7 +29,7 @@ struct MotionBounds {
   /// Widened by a state of a flexible body.
   void include(Snapshot& now, const Body& body);
 };
-/// Bounds of a motion as it was run: simulation.observe(watch, every_step()).
+/// Bounds of the motion of a run: simulation.observe(watch, every_step()).
 class MotionWatch final : public Observer {
  public:
   explicit MotionWatch(const Body& body) : body_(body) {}
@@ -45,7 +45,7 @@ class MotionWatch final : public Observer {
 /// frequency.
 MotionBounds motion_of_displacement(const ModalBasis& basis, double displacement);
 
-/// What the terms of a group are at most within the bounds, as parts of the whole.
+/// Upper bounds of the terms of a group within the motion's bounds, relative to all terms.
 struct InertiaEffect {
   InertiaGroup group;
   double force = 0;       // on the frame, of all that act along

@@ -26,7 +26,7 @@ struct InertiaIntegrals {
   int mode_count() const { return static_cast<int>(Ct.cols()); }
 };
 
-/// How deformation of the second order moves the nodes and stores energy (docs/equations.md 4.5, 6). With the pairs
+/// Second-order deflection: displacements of the nodes and strain energy (docs/equations.md 4.5, 6). With the pairs
 /// w = ½ ηηᵀ packed by columns of the upper triangle (pair k <= l at l (l + 1)/2 + k; w_kk = ½ η_k², w_kl = η_k η_l):
 ///   u = [B, Ψ] ξ,   ξ = (η, 0) + C w,   V = ½ ηᵀ K^ η + ⅙ wᵀ Q w
 /// The body is the linear one of the modes [B, Ψ] whose coordinates follow η.

@@ -26,9 +26,9 @@ struct NodeAverage {
   MatrixX unit_loads(int dof_count) const;
 };
 
-/// What the frame and rigid sets (node indices) leave free: u = T z, the columns of T orthonormal. A coordinate z each
-/// for the free degrees of freedom of nodes in no set, `loose` of them, then up to six for each set: the motions as one
-/// rigid piece that the frame allows (RBE2).
+/// The motions that the frame and rigid sets (node indices) leave free: u = T z, the columns of T orthonormal. One
+/// coordinate z for each free degree of freedom of nodes in no set, `loose` of them, then up to six for each set: the
+/// motions as one rigid piece that the frame allows (RBE2).
 struct FreeMotions {
   SparseMatrix T;
   int loose = 0;

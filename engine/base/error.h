@@ -17,7 +17,7 @@ struct Located {
 };
 
 /// A mistake in a scene, a file or an argument: what is wrong, where, and how to fix it.
-/// Thrown by the call that saw it; nothing that was computed before is lost.
+/// Thrown by the call that detects it; earlier results are kept.
 class Error : public std::runtime_error {
  public:
   Error(std::string what, std::string where, std::string fix);
@@ -35,20 +35,20 @@ class SceneError : public Error {
  public:
   using Error::Error;
 };
-/// A file is missing, truncated or means something else than it should.
+/// A file is missing, truncated or has the wrong content.
 class FileError : public Error {
  public:
   using Error::Error;
 };
-/// Time integration could not go on; the state reached so far is kept.
+/// Time integration could not continue; the state reached so far is kept.
 class SimulationError : public Error {
  public:
   using Error::Error;
 };
 
-/// Within a handler: throws what is being handled as an Error. One of Lithe's own passes as it is; lack of memory and
-/// what other code throws become a SimulationError: "`who` threw: ...", with the original nested in it
-/// (std::rethrow_if_nested). Where memory does not even suffice for that, std::bad_alloc passes.
+/// Within a handler: rethrows the current exception as an Error. Lithe's own errors pass unchanged; lack of memory and
+/// exceptions of other code become a SimulationError: "`who` threw: ...", with the original nested in it
+/// (std::rethrow_if_nested). If memory is too short even for that, std::bad_alloc passes.
 [[noreturn]] void rethrow_as_error(const std::string& who, const std::string& where, const std::string& fix);
 
 /// "file.cpp:12", the last path component only, as errors print it.

@@ -4,12 +4,12 @@
 
 namespace lithe {
 
-/// While one lives, SIGINT and SIGTERM do not kill the program: runs of Simulation end after their present step with
-/// SimulationError "interrupted", their state kept and observers told of it. A second signal kills as usual. A signal
-/// that no run has seen takes effect when the last guard is gone. Signals that the program ignores stay ignored.
+/// While a guard exists, SIGINT and SIGTERM do not kill the program: runs of Simulation end after the current step with
+/// SimulationError "interrupted"; the state is kept and observers receive it. A second signal kills as usual. A signal
+/// that no run has seen takes effect when the last guard is destroyed. Signals that the program ignores stay ignored.
 ///   const InterruptGuard guard;
 ///   try { simulation.run(state, 10); } catch (const SimulationError&) { recorder.write_csv("so_far.csv"); throw; }
-/// The one global of the engine: signals come to a process, not to an object.
+/// The only global of the engine: signals are sent to a process, not to an object.
 class InterruptGuard {
  public:
   InterruptGuard();

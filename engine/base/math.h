@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-/// What Eigen does not say already. SI units, right-handed axes, quaternions stored w, x, y, z.
+/// Rotation formulas that Eigen does not provide. SI units, right-handed axes, quaternions stored w, x, y, z.
 namespace lithe {
 
 using Vector3 = Eigen::Vector3d;

@@ -10,7 +10,7 @@
 
 #include "engine/base/math.h"
 
-/// Parameters by name: what a scene gives to a type that it knows by name alone, and how a type lists its own.
+/// Parameters by name: how a scene sets those of a type that it knows only by name, and how a type lists its own.
 namespace lithe {
 
 /// {"length", 0.5}, {"mesh", "brick.inp"}, {"axis", {0, 0, 1}}: a number (or true, false), a text, or a vector.

@@ -2,13 +2,13 @@
 
 #include "engine/base/math.h"
 
-/// Rotation matrices from what drawings and other programs give. Each takes components along the rotated axes to
+/// Rotation matrices from the data of drawings and other programs. Each takes components along the rotated axes to
 /// components along the fixed ones, as marker and body orientations do; angles in radians.
 namespace lithe {
 
 /// Euler angles 3-1-3 (precession, nutation, spin): about z, then about the new x, then about the new z.
 ///   R = Rz(precession) Rx(nutation) Rz(spin)
-/// What Adams calls B313, and engineers' Euler angles.
+/// Adams' B313; the usual Euler angles.
 Matrix3 rotation_from_euler_313(double precession, double nutation, double spin);
 /// Euler angles 3-2-1 (yaw, pitch, roll; Tait-Bryan, Cardan): about z, then about the new y, then about the new x.
 ///   R = Rz(yaw) Ry(pitch) Rx(roll)

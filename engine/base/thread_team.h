@@ -6,7 +6,7 @@
 
 namespace lithe {
 
-/// Threads that share short pieces of work many times over: they wait awake for a moment, then asleep.
+/// Threads that share many short pieces of work: between them they spin for a moment, then sleep.
 class ThreadTeam {
  public:
   /// So many threads in all, the caller's among them.

@@ -6,9 +6,9 @@ namespace lithe {
 
 /// Primal-dual interior point method on the second-order cones, Nesterov and Todd's scaling, Mehrotra's predictor and
 /// corrector. Coulomb's law enters by De Saxcé's change of variables (De Saxcé and Feng, 1998): y_n + Σ limit |y_d| in
-/// place of y_n makes it a complementarity of cones. From no start at all to the neighbourhood of a solution in some 15
-/// factorisations, however redundant the contacts and unequal the masses. That term makes it a problem without
-/// convexity: it may stall.
+/// place of y_n makes it a complementarity of cones. Without a start value it reaches the neighbourhood of a solution
+/// in some 15 factorisations, for redundant contacts and unequal masses too. That term makes the problem nonconvex: the
+/// method may stall.
 class ConeInterior {
  public:
   enum class SlipTerm {

@@ -7,8 +7,9 @@
 namespace lithe {
 
 /// Semismooth Newton method on the natural map of all contacts (Alart and Curnier, 1991): a step takes each as
-/// separate, sticking or sliding by where it is, and solves those equations. Exact in its last step; from afar it may
-/// fail. A compliance of 1e-9 of the contacts' own makes its steps those of least norm where contacts are redundant.
+/// separate, sticking or sliding by where it is, and solves those equations. Exact in its last step; far from a
+/// solution it may fail. A compliance of 1e-9 of the contacts' own makes its steps those of least norm where contacts
+/// are redundant.
 class ConeNewton {
  public:
   /// At most so many steps, until `solved(x)`. Returns how many; x: the best point of all, of least |map|.

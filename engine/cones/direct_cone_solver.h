@@ -6,19 +6,20 @@
 
 namespace lithe {
 
-/// For what Gauss-Seidel takes thousands of sweeps over: stacks, heavy on light, redundant contacts. Each island of
-/// contacts by itself, with its dense operator: the given impulses if they solve it; else Newton's method from there,
-/// from where an interior point method ends, from some sweeps of Gauss-Seidel, from interior points by other ways, and
-/// last from many sweeps, until one of them does. Exact to round-off. Cost: the cube of an island's rows.
+/// For problems that take Gauss-Seidel thousands of sweeps: stacks, heavy on light bodies, redundant contacts. Solves
+/// each island of contacts with its dense operator. It keeps the given impulses if they solve the island; otherwise it
+/// starts Newton's method from these, from the result of an interior point method, from some sweeps of Gauss-Seidel,
+/// from other interior points, and last from many sweeps, until one succeeds. Exact to round-off. Cost: the cube of an
+/// island's rows.
 ///
-/// Where contacts are redundant (a box on four corners) the impulses are not unique, what they do to the bodies is:
-/// those of least Σ W_ii r_i² among those with the found sets of sticking, sliding and open contacts, if they lie in
-/// the cones; else those found. Impulses given that solve the problem stay.
+/// If contacts are redundant (a box on four corners), the impulses are not unique, but their effect on the bodies is.
+/// The result has the least Σ W_ii r_i² among those with the found sets of sticking, sliding and open contacts, if they
+/// lie in the cones; else those found. Impulses given that solve the problem stay.
 class DirectConeSolver final : public ConeSolver {
  public:
   struct Parameters {
-    int most_rows = 1500;  // larger islands are Gauss-Seidel's alone
-    int sweeps = 1000;     // of Gauss-Seidel, where nothing else helps
+    int most_rows = 1500;  // larger islands are solved by Gauss-Seidel alone
+    int sweeps = 1000;     // of Gauss-Seidel, if the other methods fail
   };
   DirectConeSolver() = default;
   explicit DirectConeSolver(Parameters parameters) : parameters_(parameters) {}

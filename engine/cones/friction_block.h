@@ -29,7 +29,7 @@ Vector project_on_disc(const Vector& x, double radius) {
   return length <= radius ? x : Vector(x * (radius / length));
 }
 
-/// Impulse r of one contact under u = W r + q and Coulomb's law: separate if it parts without (q_n >= 0), else stick if
+/// Impulse r of one contact under u = W r + q and Coulomb's law: separate if q_n >= 0, else stick if
 /// the impulse that stops it lies in the cone, else slide in the direction that r itself brings about (Bonnefon and
 /// Daviet, Quartic formulation of Coulomb 3D frictional contact, 2011; here Newton's method on the angle). Stick before
 /// slide also answers Painlevé's rod, whose sliding impulse would have to pull. W may be singular.

@@ -5,8 +5,9 @@
 namespace lithe {
 
 /// Contact by contact, each solved exactly while the others are held, until none moves: nonsmooth Gauss-Seidel (Jean
-/// and Moreau, 1992). Cost is linear in the contacts; what a sweep sees of a stack is one layer, so tall ones and heavy
-/// on light need very many sweeps: there, DirectConeSolver. In the order of the contacts: the same bits each time.
+/// and Moreau, 1992). Cost is linear in the contacts; a sweep transmits forces by one layer of a stack, so tall stacks
+/// and heavy on light bodies need very many sweeps: use DirectConeSolver. Contacts are solved in order: the same bits
+/// each time.
 class GaussSeidel final : public ConeSolver {
  public:
   struct Parameters {

@@ -19,8 +19,8 @@ class BlockFactorOf {
 
   /// Leaves rows (by number) out from the next factorisation on: their solution is zero.
   void drop_rows(const std::vector<int>& rows);
-  /// Where branches of the motion of closed loops meet, rows give way whose pivot nears round-off:
-  /// the motion goes on as its velocity tells, and the next step, off that position, is on the constraints again.
+  /// Where branches of the motion of closed loops meet, rows whose pivot is near round-off yield: the motion continues
+  /// along its velocity, and the next step, away from that position, satisfies the constraints again.
   void factorize(const std::vector<Scalar>& values);
   /// Whether joints close loops: rows may lose rank on the way.
   bool guarded() const { return guarded_; }

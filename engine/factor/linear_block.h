@@ -13,13 +13,12 @@
 
 namespace lithe {
 
-/// One body's linear coordinates, eliminated before all else: with D their block (diagonal, full, or sparse), Y the
-/// columns of everything they touch and X its rows, D goes out and -X D⁻¹ Y is left for the rest. A reduced body costs
+/// One body's linear coordinates, eliminated first: with D their block (diagonal, full, or sparse), Y the columns of
+/// everything they couple to and X its rows, eliminating D adds -X D⁻¹ Y to the rest. A reduced body costs
 /// O(n m²) here, m = 6 + rows at its markers: nothing that grows with the nodes of its mesh.
 ///
 /// Load and spin may soften D = K + M/h² until it is indefinite: a sparse D then goes to LU with pivots instead of
-/// Cholesky. Where D is singular but for round-off, every solution is NaN: to an integrator that is a step which
-/// failed.
+/// Cholesky. If D is singular to round-off, every solution is NaN, which an integrator treats as a failed step.
 template <class Scalar>
 class LinearBlock {
  public:

@@ -8,7 +8,7 @@
 namespace lithe {
 
 /// Rigid bodies that their joints hold in planes normal to one world axis, loops included: three velocities a body,
-/// two rows a joint, and nothing of what happens out of the plane. The joint forces Λ of a state follow from
+/// two rows a joint, and no rows or forces out of the plane. The joint forces Λ of a state follow from
 ///   (G M⁻¹ Gᵀ) Λ = G M⁻¹ f - γ,   M = diag(m, m, J),
 /// by L D Lᵀ in 2 x 2 blocks, joint by joint in an order of least fill: linear cost for chains, trees of few joints a
 /// body and their loops.

@@ -11,8 +11,8 @@ namespace lithe {
 /// Rigid bodies in a tree of lower pairs: articulated-body recursion (Featherstone, Rigid Body Dynamics Algorithms,
 /// 2008, ch. 7), in world axes, from the leaves to the roots and back; cost linear in the bodies. What a joint leaves
 /// free is solved for at the joint's point, so that neither multipliers nor relative coordinates are ever formed; the
-/// state stays the absolute one. Branches and islands are worked on apart from what they hang on, by several threads if
-/// there are; what they hand inwards is added in one order, so that the bits are the same for any number.
+/// state stays the absolute one. Several threads, if available, work on branches and islands separately; their
+/// contributions are added in one order, so that the bits are the same for any number of threads.
 ///   F = I a + b of the subtree at that point,  Sᵀ F = 0 for the free motions S,  a = a_parent + S y + c
 class TreeDynamics final : public ForwardKernel {
  public:
@@ -21,7 +21,7 @@ class TreeDynamics final : public ForwardKernel {
 
   ForwardMethod method() const override { return ForwardMethod::tree; }
   void accelerations(const double* q, const double* v, const double* load, double* v_dot) override;
-  /// Each body onto its parent, from the roots on: turned by the small angle by which axes differ, then moved.
+  /// Places each body on its parent, from the roots on: rotated by the small angle between the axes, then moved.
   bool project(double* q, double* v, double tolerance) override;
 
  private:

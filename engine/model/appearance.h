@@ -8,7 +8,7 @@
 
 namespace lithe {
 
-/// A shape to be seen, in the axes of what it sits on. Made by the functions of namespace visual.
+/// A shape to be drawn, in the axes of the frame that carries it. Made by the functions of namespace visual.
 struct DrawnShape {
   enum class Kind { sphere, box, cylinder, capsule, cone, half_space, mesh };
   Kind kind = Kind::sphere;
@@ -57,8 +57,8 @@ struct DrawnMesh {
   MatrixX stress{};
 };
 
-/// A body that knows its own surface. Others are drawn by their contacts' shapes, by what Run::draw() was given, or by
-/// sticks between their markers.
+/// A body that provides its own surface. Others are drawn by their contacts' shapes, by the shapes given to
+/// Run::draw(), or by sticks between their markers.
 class DrawableBody {
  public:
   virtual ~DrawableBody() = default;

@@ -19,7 +19,7 @@ struct Coordinates {
   int v_count() const { return (frame ? 6 : 0) + linear; }
 };
 
-/// What a body computes once a state and then shares among its residual, tangent and markers. Bodies derive their own.
+/// Terms that a body computes once per state and shares among residual, tangent and markers. Bodies derive their own.
 struct BodyCache {
   Matrix3 A = Matrix3::Identity();  // body axes to world axes
   virtual ~BodyCache() = default;
@@ -52,8 +52,8 @@ struct BodyEnergy {
   double total() const { return kinetic + elastic + gravity; }
 };
 
-/// What has mass. A body answers for its share of  M v_dot - f = 0  (f: quadratic velocity force, internal forces,
-/// gravity) and for the motion of its markers. Nothing here is called before evaluate() has filled the cache.
+/// A body has mass. It computes its share of  M v_dot - f = 0  (f: quadratic velocity force, internal forces,
+/// gravity) and the motion of its markers. evaluate() fills the cache before any other function is called.
 class Body : public Element {
  public:
   virtual Coordinates coordinates() const = 0;

@@ -10,7 +10,7 @@
 
 namespace lithe {
 
-/// An angle that a connector measures and whose whole turns the engine is to count: about axis `axis` of its marker
+/// An angle that a connector measures and whose whole turns the engine counts: about axis `axis` of its marker
 /// number A, from the next axis (z: from x) to that of marker B, or to the point of B.
 struct MeasuredAngle {
   int A, B, axis;
@@ -34,11 +34,11 @@ class AngleMemory {
   const double* quarter_turns_ = nullptr;
 };
 
-/// What ties markers: a constraint or a force element.
+/// An element between markers: a constraint or a force element.
 class Connector : public Element {
  public:
   virtual int marker_count() const = 0;
-  /// Called once by assemble() with the markers as drawn: for what the drawing fixes (a distance, an offset).
+  /// Called once by assemble() with the markers as drawn, to set values taken from the drawing (a distance, an offset).
   virtual void initialize(std::span<const MarkerView> /*markers*/) {}
   /// Angles whose turns are to be counted; asked once, by assemble().
   virtual std::vector<MeasuredAngle> angles() const { return {}; }

@@ -20,25 +20,25 @@ struct ContactMotion {
   double impact_speed = 0;  // with which the surfaces met, m/s; 0: they meet now
 };
 
-/// What a contact law does to B, about the point, in the contact's frame; the opposite to A.
+/// Load of a contact law on B, about the point, in the contact's frame; the opposite acts on A.
 struct ContactLoad {
   Vector3 force, moment;  // N, N m; force[0] >= 0: surfaces push
   double energy = 0;      // stored, J
   Vector3 bristle;        // new deflection, m
 };
 
-/// What rigid surfaces do to each other.
+/// Parameters of contact between rigid surfaces.
 struct RigidContact {
   double restitution = 0;      // of Newton: normal speed after over that before, reversed
-  double rest_speed = 0;       // m/s: closing more slowly they do not bounce
+  double rest_speed = 0;       // m/s: below this approach speed they do not bounce
   double friction = 0;         // Coulomb's μ, of surfaces that slide
   double static_friction = 0;  // of those that do not, at least as much
   double rolling = 0;          // m: largest rolling moment over normal force
   double spinning = 0;         // m: largest moment about the normal over normal force
 };
 
-/// Surfaces that push where they meet: as many markers as colliders. A force element of its own kind: its points are
-/// found anew at every state, and act wherever they are. User's type: joints/contact/contact.h.
+/// Surfaces that push where they touch: one marker per collider. A special force element: its contact points are
+/// found again at every state, and loads act at them. User's type: joints/contact/contact.h.
 class ContactElement : public ForceElement {
  public:
   enum class Law {
@@ -56,7 +56,7 @@ class ContactElement : public ForceElement {
   virtual bool has_moments() const = 0;
   /// Of a rigid law.
   virtual RigidContact rigid() const = 0;
-  /// Pairs of colliders whose meeting, parting and impacts simulations tell of as events.
+  /// Pairs of colliders whose touches, separations and impacts simulations report as events.
   virtual std::vector<std::pair<int, int>> located_pairs() const = 0;
 
   int row_count() const final { return 0; }

@@ -7,7 +7,7 @@
 
 namespace lithe {
 
-/// What a contact point carries from one accepted state to the next: plain data, part of State. Sorted by element, A, B
+/// Memory of a contact point from one accepted state to the next: plain data, part of State. Sorted by element, A, B
 /// (colliders) and feature.
 struct ContactTrace {
   int element = 0;          // of the graph's contact elements

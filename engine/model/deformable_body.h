@@ -13,7 +13,7 @@ enum class Deflection {
   quadratic,  // and with the strain energy to fourth order: moderately large deflection
 };
 
-/// How much of a deformable body a scene models: of the body's candidate modes some, none for a rigid body. The
+/// The detail in which a scene models a deformable body: a selection of its candidate modes, none for a rigid body. The
 /// coordinate of a mode means the same at every fidelity, as does the body's frame.
 struct Fidelity {
   std::vector<int> modes{};  // from 0, rising
@@ -21,7 +21,7 @@ struct Fidelity {
   bool operator==(const Fidelity&) const = default;
 };
 
-/// A body that can be modelled in more or less detail; what solve() chooses from (engine/study/solve.h). Its candidate
+/// A body that can be modelled in more or less detail, from which solve() chooses (engine/study/solve.h). Its candidate
 /// modes are orthonormal in mass and orthogonal in stiffness: M = E, K = diag(ω²).
 class DeformableBody : public Body {
  public:
@@ -29,7 +29,7 @@ class DeformableBody : public Body {
   virtual VectorX candidate_stiffness() const = 0;
   /// 2 ζ ω of each, 1/s.
   virtual VectorX candidate_damping() const = 0;
-  /// The finest there is data for.
+  /// The highest order for which there are data.
   virtual Deflection finest_deflection() const = 0;
   virtual const Fidelity& fidelity() const = 0;
   /// Takes effect with the next assemble(); systems assembled before must not be used any more. Markers stay valid.

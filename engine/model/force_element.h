@@ -10,15 +10,15 @@
 
 namespace lithe {
 
-/// A force law changes its form where a coordinate passes a value: a stop is met or left. Simulation puts the end of a
-/// step there.
+/// A force law changes its form where a coordinate passes a value, such as a stop that is reached or left. Simulation
+/// ends a step there.
 struct CoordinateSwitch {
   JointCoordinate coordinate;
   double value;  // m or rad
 };
 
-/// What a force element does to its markers at one state: loads (wrenches given outright) and compliant rows, which act
-/// like the rows of a joint with a multiplier that is a law of the row's own length and speed:
+/// The action of a force element on its markers at one state: loads (wrenches given directly) and compliant rows, which
+/// act like the rows of a joint with a multiplier that is a function of the row's own length and speed:
 ///   length' = Σ W·V,   generalized force = -Σ Jᵀ W σ(length, length').
 /// Rows keep stiff springs out of the bodies' blocks: Newton solves them as constraints with compliance.
 class ForceRows : public AngleMemory {
@@ -48,8 +48,8 @@ class ForceRows : public AngleMemory {
     ++count_;
   }
 
-  /// What the joint named by ForceElement::reaction_of() does to the body at its second marker, about that marker's
-  /// point: force and moment, world axes.
+  /// Reaction of the joint named by ForceElement::reaction_of() on the body of its second marker: force and moment
+  /// about that marker's point, world axes.
   const Wrench& reaction() const { return reaction_; }
   /// The last row's tension also depends on that reaction: its derivatives ∂σ/∂force, ∂σ/∂moment.
   void depends_on_reaction(const Wrench& by) { by_reaction_[count_ - 1] = by; }
@@ -77,12 +77,12 @@ class ForceRows : public AngleMemory {
   Wrench reaction_, by_reaction_[kMaxRows];
 };
 
-/// Wrenches at markers, and their potential where they have one.
+/// Wrenches at markers, and their potential if they have one.
 class ForceElement : public Connector {
  public:
   virtual int row_count() const = 0;  // compliant rows
   virtual void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const = 0;
-  /// The joint whose reaction this element wants (friction); null: none. Such an element acts by rows, not by loads.
+  /// The joint whose reaction this element needs (friction); null: none. Such an element acts by rows, not by loads.
   virtual const Constraint* reaction_of() const { return nullptr; }
   virtual std::vector<CoordinateSwitch> switches() const { return {}; }
   /// Whether its force may change while the bodies rest. Where nothing does, a scene at rest sleeps

@@ -5,11 +5,11 @@
 #include "engine/base/math.h"
 #include "engine/model/marker.h"
 
-/// What joints make of their markers as drawn.
+/// Checks and measures of the markers of joints as drawn.
 namespace lithe::initial {
 
-/// An angle, or a count of quarter turns, as drawn: half a turn counts as +1/2, though round-off calls it -1/2 as
-/// often. What a connector's initialize() measures and what the engine's count begins with must agree on that.
+/// An angle, or a count of quarter turns, as drawn: half a turn counts as +1/2, since round-off may give -1/2 as
+/// well. A connector's initialize() and the start of the engine's count must agree on the sign.
 double angle(double measured);
 double quarter_turns(double counted);
 

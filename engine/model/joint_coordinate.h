@@ -7,7 +7,7 @@
 
 namespace lithe {
 
-/// A scalar between two markers A and B, and what it grows with:
+/// A scalar between two markers A and B:
 ///   angle         about axis k of A, from the next axis of A (k = z: x) to the same axis of B; rad
 ///   bearing       about axis k of A, from the next axis of A to the line from A to B; rad
 ///   displacement  of B from A along axis k of A; m
@@ -21,7 +21,7 @@ struct JointCoordinate {
   JointCoordinate operator-() const { return {kind, A, B, axis, -sign}; }
 };
 
-/// The angle about, the displacement along an axis of A, from A to B: for markers that no joint tells coordinates of.
+/// The angle about, the displacement along an axis of A, from A to B: for markers without a joint that provides one.
 inline JointCoordinate angle_between(const Marker& A, const Marker& B, int axis = 2) {
   return {JointCoordinate::Kind::angle, A, B, axis};
 }

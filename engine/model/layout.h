@@ -8,7 +8,7 @@
 
 namespace lithe {
 
-/// Who owns which slice of q, v and lambda.
+/// The slices of q, v and lambda of each body and constraint.
 class Layout {
  public:
   struct BodySlice {

@@ -25,7 +25,7 @@ struct Marker {
   bool operator==(const Marker&) const = default;
 };
 
-/// Of a marker whose elastic columns change with the deformation: what a wrench on it adds to the tangent.
+/// For a marker whose elastic columns change with the deformation: the contribution of a wrench on it to the tangent.
 class DeflectedMarker {
  public:
   virtual ~DeflectedMarker() = default;
@@ -34,7 +34,7 @@ class DeflectedMarker {
   virtual void add_load_stiffness(const Vector3& force, const Vector3& torque, double* linear) const = 0;
 };
 
-/// Motion of a marker in world axes, and what its body's velocities do to it.
+/// Motion of a marker in world axes, and its Jacobian by the velocities of its body.
 ///   (v, w) = J v_body,   (v_dot, w_dot) = J v_body_dot + (bias_v, bias_w)
 /// J is never stored: for a body with a frame (rotation A, marker at r in body axes) and linear coordinates eta
 ///   J = [E, -A r~, A B; 0, A, A T],   elastic = [B; T] (6 x n, body axes, column-major; null if eta does not move it).
@@ -50,7 +50,7 @@ struct MarkerKinematics {
   Vector3 bias_v, bias_w;
 };
 
-/// What a joint or force sees of one of its markers; `index` is its place in the element's marker list.
+/// A marker as a joint or force sees it; `index` is its place in the element's marker list.
 struct MarkerView {
   const Vector3& p;
   const Matrix3& R;

@@ -4,8 +4,8 @@
 
 namespace lithe {
 
-/// A rigid body that moves in a plane: q = (x, y, θ), its centre of mass along two axes of the plane, counted from the
-/// origin of the world, and its turn about the normal.
+/// A rigid body that moves in a plane: q = (x, y, θ), its centre of mass along two axes of the plane, measured from the
+/// origin of the world, and its rotation about the normal.
 class PlanarBody : public Body {
  public:
   struct Plane {

@@ -4,9 +4,9 @@
 
 namespace lithe {
 
-/// A body that has a place and no axes. Its markers keep their directions in the world and bear forces alone: a moment
-/// on it would turn nothing, and a joint that held its axes would hold the other body against the world. assemble()
-/// refuses both.
+/// A body with a position and no axes. Its markers keep their directions in the world and transmit forces only: a
+/// moment on it would have no effect, and a joint that held its axes would fix the other body's axes in the world.
+/// assemble() refuses both.
 class PointBody : public Body {};
 
 }  // namespace lithe

@@ -18,7 +18,7 @@ struct RigidInertia {
   Matrix3 inertia;  // kg m², about the origin of the body's frame, which is its centre of mass; body axes
 };
 
-/// The motion of a rigid body whose frame sits at the centre of mass; who derives from it says how it is drawn.
+/// The motion of a rigid body whose frame is at the centre of mass; derived classes define how it is drawn.
 ///   m (p̈ - g) = f,   J ω̇ + ω × (J ω) = t   (J, ω, t in body axes)
 /// Here in full, so that batches inline it.
 class RigidFrameBody : public Body {

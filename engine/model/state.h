@@ -16,7 +16,7 @@ struct State {
   VectorX lambda;  // Lagrange multipliers: M v_dot + Gᵀ lambda = f; empty: not found yet (Multipliers)
   VectorX
       quarter_turns;  // that each measured angle of a joint has passed since it was zero: where whole turns are kept
-  ContactMemory contacts;     // what surfaces in touch remember; of rigid ones, what they did in the last step
+  ContactMemory contacts;     // memory of surfaces in touch; of rigid ones, their action in the last step
   std::vector<int> left_out;  // rows that repeat others here, sorted (EquationsOfMotion::redundant_rows); empty: those
                               // that assemble() found
 };

@@ -40,7 +40,7 @@ class SystemGraph {
   SystemGraph();
   explicit SystemGraph(Parameters parameters);
 
-  /// The inertial frame; its markers tie things to the world.
+  /// The inertial frame; its markers connect elements to the world.
   Ground& ground() { return *ground_; }
   const Vector3& gravity() const { return parameters_.gravity; }
 
@@ -124,7 +124,7 @@ class SystemGraph {
   /// (engine/simplify/simplification.h).
   static std::unique_ptr<SystemGraph> part_of(SystemGraph& whole);
   void share(const BodyEntry& entry);
-  /// Tied at other markers than in the graph that owns it: of bodies that stand in for others. SceneError for markers
+  /// Attached to other markers than in the graph that owns it: those of substitute bodies. SceneError for markers
   /// of bodies that are not in this graph.
   void share(const ConstraintEntry& entry, std::vector<Marker> markers);
   void share(const ForceEntry& entry, std::vector<Marker> markers);

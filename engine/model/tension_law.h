@@ -9,7 +9,8 @@ namespace lithe {
 struct Tension {
   double force = 0, stiffness = 0, damping = 0, energy = 0;
 };
-/// A spring's law; stretch in m or rad, from the natural length on, speed its rate. The derivatives steer Newton.
+/// A spring's law; stretch in m or rad, from the natural length on, speed its rate. Newton's method uses the
+/// derivatives.
 using TensionLaw = std::function<Tension(double stretch, double speed)>;
 
 /// Natural cubic spline through a table of tension over stretch, and a linear damper; its energy counts from the first

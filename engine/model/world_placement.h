@@ -7,7 +7,7 @@
 
 namespace lithe {
 
-/// Where a joint sits in the world, in the configuration as drawn.
+/// Pose of a joint in the world, in the configuration as drawn.
 struct WorldFrame {
   Vector3 point{0, 0, 0};   // m
   Vector3 axis{0, 0, 1};    // z of its markers: the axis of the joint; any length

@@ -7,10 +7,10 @@ namespace lithe {
 /// Bullet's solvers of mixed linear complementarity problems, for comparison: w = W r + free, lo <= r <= hi, on the
 /// dense operator (Bullet's own signs: A x - b = w, with b = -free).
 /// - Friction by a pyramid: |r_1| <= μ r_n, |r_2| <= μ r_n each by itself: up to √2 too much between the axes, and not
-///   against the slip. So are rolling moments. The residual told is that of the cone, so these rarely converge.
+///   against the slip. So are rolling moments. The reported residual is that of the cone, so these rarely converge.
 /// - dantzig: the limits are taken from the normal impulses without friction. Gave up on stacks with four corners a
 ///   face, with compliance too.
-/// - lemke: knows no limits that move; they are taken from the solution before, `iterations` times. Inverts W: where it
+/// - lemke: cannot move limits; they are taken from the last solution, `iterations` times. Inverts W: where it
 ///   is singular, with compliance alone. Gives up on impulses beyond 1e5 N s.
 /// - projected_gauss_seidel: row by row, `iterations` sweeps.
 /// Where Bullet gives up or returns no finite values: r = 0, not converged.

@@ -11,12 +11,12 @@
 
 namespace lithe {
 
-/// A shape on a body (at a marker of it). Colliders of one body never meet.
+/// A shape on a body (at a marker of it). Colliders of one body never touch each other.
 struct Collider {
   Marker marker;
   Shape shape;
   int group = 0;                      // 0 ... 31
-  std::uint32_t meets = 0xffffffffu;  // groups that it meets, a bit each; both colliders of a pair must agree
+  std::uint32_t meets = 0xffffffffu;  // groups that it can touch, one bit each; both colliders of a pair must agree
 };
 /// Bits of some groups: meets = groups({0, 2}).
 std::uint32_t groups(std::initializer_list<int> numbers);
@@ -24,9 +24,9 @@ std::uint32_t groups(std::initializer_list<int> numbers);
 /// Rigid surfaces: impulses that keep them apart. For time stepping (integrators/moreau_jean.h).
 struct RigidSurfaces {
   double restitution = 0;    // of Newton
-  double rest_speed = 1e-3;  // m/s: closing more slowly they do not bounce
+  double rest_speed = 1e-3;  // m/s: below this approach speed they do not bounce
 };
-/// Surfaces that only tell where they meet.
+/// Surfaces without forces: sensors report where they touch.
 struct Sensing {};
 
 /// Contact between any of its colliders, all under one law; different laws: several contacts.
@@ -42,14 +42,14 @@ class Contact final : public ContactElement, public DrawableConnector {
   struct Parameters {
     std::variant<Compliance, RigidSurfaces, Sensing> law = RigidSurfaces{};
     ContactFriction friction{};
-    int located = 16;  // events are told of where no more pairs may meet
+    int located = 16;  // events are reported if no more pairs than this can touch
   };
   /// Throws SceneError: fewer than two colliders, a group that there is not, no pair that may meet, bad parameters.
   Contact(std::vector<Collider> colliders, Parameters parameters);
 
   const std::vector<Collider>& colliders() const { return colliders_; }
   const Parameters& parameters() const { return parameters_; }
-  /// Whether two of them may meet.
+  /// Whether two of them can touch.
   bool may_meet(int a, int b) const;
 
   int marker_count() const override { return static_cast<int>(colliders_.size()); }

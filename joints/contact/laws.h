@@ -10,8 +10,8 @@ namespace lithe {
 ///   lankarani_nikravesh D = 3/4 (1 - e²) / v                 (1990; e near 1)
 ///   flores              D = 8/5 (1 - e) / (e v)              (2011; any e above zero)
 ///   fixed               D = `damping`, s/m
-///   exact               D that reaches e (any e above zero)
-/// The restitution r that such a law reaches follows from D v alone, whatever k, n and the masses:
+///   exact               D that achieves e (any e above zero)
+/// The restitution r that such a law achieves follows from D v alone, for any k, n and masses:
 ///   (1 + r) D v = ln((1 + D v) / (1 - r D v)).
 enum class Dissipation { fixed, hunt_crossley, lankarani_nikravesh, flores, exact };
 
@@ -25,7 +25,7 @@ struct Compliance {
   double restitution = 1;        // e
   Dissipation dissipation = Dissipation::exact;
   double damping = 0;         // D, s/m: fixed
-  double least_speed = 1e-3;  // m/s: D is no larger than at this speed of meeting
+  double least_speed = 1e-3;  // m/s: D is no larger than at this approach speed
 };
 
 /// 1/E* = (1 - ν_a²)/E_a + (1 - ν_b²)/E_b, Pa. Throws SceneError unless E > 0 and -1 < ν <= 0.5.
@@ -53,7 +53,7 @@ void check(const Compliance& normal);
 void check(const ContactFriction& friction);
 
 /// The load of a compliant contact on B; nothing where the gap is positive. `energy` is that of the normal law, k δⁿ⁺¹
-/// / (n + 1): what the bristles store, at most N μ_s² / (2 σ₀), is not in it. The deflection is that at the end of
+/// / (n + 1), without the energy stored in the bristles, at most N μ_s² / (2 σ₀). The deflection is that at the end of
 /// `slip`, a straight path at the present μ(v): exact at steady speed, whatever the step. Throws SimulationError where
 /// Hertz's law meets flat on flat without `flat_radius`.
 ContactLoad compliant_load(const Compliance& normal, const ContactFriction& friction, const ContactMotion& motion);

@@ -57,7 +57,7 @@ Shape compound(const std::vector<std::pair<Placement, Shape>>& parts);
 /// Boundary of a deforming body: triangles, outside as of a mesh, between nodes that are markers of the body whose
 /// frame is the collider's marker. `points`: the nodes in that frame, undeformed; `reach`: largest displacement of any
 /// node by a unit of each linear coordinate of the body, or of each candidate mode, m (empty: not known, all nodes are
-/// looked at).
+/// checked).
 Shape surface(const std::vector<Marker>& nodes, const std::vector<Vector3>& points,
               const std::vector<std::array<int, 3>>& triangles, const VectorX& reach = {});
 

@@ -5,17 +5,17 @@
 
 namespace lithe {
 
-/// Elastic bearing: six springs and dampers, coupled as its matrices say, between two markers.
+/// Elastic bearing: six springs and dampers between two markers, coupled by its matrices.
 ///   e = (R_Aᵀ d, log(R_Aᵀ R_B)) - e₀,   F = K e + D ė,   V = ½ eᵀ K e,   d = p_B - p_A, e₀ as drawn or zero
 /// Displacements and rotations (rotation vector, below half a turn) in the axes of A, in that order. K and D may be any
-/// symmetric positive semidefinite matrices: both are made diagonal at once (K = P Λ Pᵀ, D = P (E - Λ) Pᵀ), which gives
+/// symmetric positive semidefinite matrices: they are diagonalised together (K = P Λ Pᵀ, D = P (E - Λ) Pᵀ), which gives
 /// six compliant rows.
 class Bushing final : public Force</*markers=*/2, /*rows=*/6> {
  public:
   struct Parameters {
     Matrix6 stiffness = Matrix6::Zero();  // K: N/m, N, N m/rad
     Matrix6 damping = Matrix6::Zero();    // D: N s/m, N s, N m s/rad
-    bool relaxed_as_drawn = true;         // else where the markers coincide
+    bool relaxed_as_drawn = true;         // false: free of force where the markers coincide
   };
   /// Throws SceneError for matrices that are not symmetric, have a negative eigenvalue, or hold a value that is not
   /// finite.

@@ -8,10 +8,11 @@
 
 namespace lithe {
 
-/// A motor that pushes a joint coordinate forward by a law of time, coordinate and rate: a torque on an angle, a force
-/// on a displacement. Its derivatives by the coordinate and its rate are differenced, for Newton.
-///   graph.add<CoordinateMotor>("motor", {shaft.angle()}, {[](double, double, double speed) { return 5 - 0.1 * speed;
-///   }});
+/// A motor whose effort on a joint coordinate is a function of time, coordinate and rate: a torque on an angle, a force
+/// on a displacement, positive in the direction in which the coordinate grows. Newton's method uses central differences
+/// of it by the coordinate and its rate.
+///   graph.add<CoordinateMotor>("motor", {shaft.angle()},
+///                              {[](double, double, double speed) { return 5 - 0.1 * speed; }});
 class CoordinateMotor final : public Force</*markers=*/2, /*rows=*/1> {
  public:
   struct Parameters {

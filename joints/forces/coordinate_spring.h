@@ -9,7 +9,7 @@
 
 namespace lithe {
 
-/// Spring and damper on a joint coordinate: torsional on an angle, whose turns count, translational on a displacement.
+/// Spring and damper on a joint coordinate: torsional on an angle (whole turns count), translational on a displacement.
 ///   σ = k (x - x₀) + c ẋ + σ₀,   V = ½ k (x - x₀)² + σ₀ (x - x₀);   or σ(x - x₀, ẋ) by a law; σ > 0 pulls x down
 ///   graph.add<CoordinateSpring>("clock spring", {pin.angle()}, {.stiffness = 0.3});
 class CoordinateSpring final : public Force</*markers=*/2, /*rows=*/1> {

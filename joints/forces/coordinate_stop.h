@@ -8,10 +8,10 @@
 
 namespace lithe {
 
-/// Ends the travel of a joint coordinate: beyond a limit by δ it is pushed back by a Hunt-Crossley contact that never
-/// pulls.
-///   F = k δⁿ max(0, 1 + d δ̇),   V = k δⁿ⁺¹ / (n + 1)         (Hunt and Crossley 1975; d = 3/2 (1 - e) / v_impact for
-// a / restitution e near 1)
+/// Limits the travel of a joint coordinate: at δ beyond a limit a Hunt-Crossley contact, which never pulls, pushes it
+/// back.
+///   F = k δⁿ max(0, 1 + d δ̇),   V = k δⁿ⁺¹ / (n + 1)
+/// (Hunt and Crossley 1975; d = 3/2 (1 - e) / v_impact for a restitution e near 1)
 class CoordinateStop final : public Force</*markers=*/2, /*rows=*/1> {
  public:
   struct Parameters {

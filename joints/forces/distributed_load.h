@@ -6,7 +6,7 @@
 
 namespace lithe {
 
-/// A load spread over nodes of a flexible body: pressure, traction, weight of what it carries. The body turns a field
+/// A load spread over nodes of a flexible body: pressure, traction, weight of a payload. The body converts a field
 /// of nodal forces into at most six forces at weighted means of its nodes, of the same virtual work; see
 /// FlexibleBody::nodal_load().
 ///   const NodalLoad wind = blade.nodal_load(nodes, forces);

@@ -11,20 +11,20 @@ namespace lithe {
 ///   μ(s) = (μ_d + (μ_s - μ_d) exp(-(s / v_s)²)) tanh(s / v_t),   s: sliding speed, m/s
 ///   an angle:        torque = r μ(r φ̇) N + c φ̇,   N = |F_lateral| + |F_axial| + |T_lateral| / l + N₀
 ///   a displacement:  force  = μ(ẋ) N + c ẋ,        N = |F_lateral| + |T_lateral| / l + |T_axial| / r + N₀
-/// F, T: the joint's reaction at its second marker, along the coordinate's axis and across it; a term whose arm is not
-/// given is left out. Below v_t it creeps: it holds no load at rest. It has no potential.
+/// F, T: the joint's reaction at its second marker, along the coordinate's axis and across it; a term without a given
+/// arm is left out. Below v_t the joint creeps: it holds no load at rest. Friction has no potential.
 ///   graph.add<JointFriction>("rub", {pin.angle()}, {.joint = &pin, .dynamic = 0.1, .radius = 0.01});
 class JointFriction final : public Force</*markers=*/2, /*rows=*/1> {
  public:
   struct Parameters {
-    const Constraint* joint = nullptr;  // whose reaction presses
+    const Constraint* joint = nullptr;  // its reaction gives the normal force
     double dynamic = 0;                 // μ_d
     double still = 0;                   // μ_s; 0: as dynamic
     double stribeck_speed = 0.1;        // v_s, m/s
     double transition_speed = 1e-3;     // v_t, m/s
     double viscous = 0;                 // c, N m s/rad or N s/m
     double radius = 0;                  // r, m; an angle needs it
-    double bending_arm = 0;             // l, m: between the bearing's halves; 0: bending does not press
+    double bending_arm = 0;             // l, m: between the bearing's halves; 0: bending gives no normal force
     double preload = 0;                 // N₀, N
   };
   /// Throws SceneError without a joint, for an angle without a radius, and for what is negative or not finite.

@@ -14,7 +14,7 @@ namespace lithe {
 ///   F = k_p e + k_i ∫e dt + k_d ė,   e = w - x
 ///   auto& memory = graph.add<IntegralState>("memory");
 ///   graph.add<PidController>("servo", {elbow.angle(), memory.coordinate()}, {.target = ..., .proportional = 80});
-/// Where the force is limited, the integral waits while it would push further beyond (no wind-up).
+/// At the force limit the integral is held as long as it would increase the force further (no wind-up).
 class PidController final : public Force</*markers=*/4, /*rows=*/1> {
  public:
   struct Parameters {

@@ -7,10 +7,10 @@
 
 namespace lithe {
 
-/// Force and torque at a marker by a law of the scene's own: any function of time and of the marker's motion, in world
-/// axes. It must depend on nothing else, for the engine asks for it at trial states too.
+/// Force and torque at a marker, in world axes, by a function of the scene: any function of time and of the marker's
+/// motion. It must depend on nothing else, since the engine evaluates it at trial states too.
 ///   graph.add<UserForce>("wind", {sail.marker()}, {[](double t, const MarkerView& m) { return force({t, 0, 0}); }});
-/// Newton sees how it varies with the pose, not with the velocity: a stiff damper is better a SpringDamper.
+/// Newton's method uses its derivative by the pose, not by the velocity: for a stiff damper use a SpringDamper.
 class UserForce final : public Force</*markers=*/1, /*rows=*/0> {
  public:
   struct Parameters {

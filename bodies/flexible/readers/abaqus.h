@@ -6,12 +6,11 @@
 
 namespace lithe {
 
-/// What Abaqus writes for `*MATRIX GENERATE, STIFFNESS, MASS` and `*MATRIX OUTPUT, STIFFNESS, MASS` of a free body.
-/// Each .mtx tells its format by itself, and whether one triangle or both are given:
+/// The files that Abaqus writes for `*MATRIX GENERATE, STIFFNESS, MASS` and `*MATRIX OUTPUT, STIFFNESS, MASS` of a free
+/// body. The format of each .mtx, and whether it has one triangle or both, are recognised from its content:
 ///   FORMAT=MATRIX INPUT, LABELS   node, direction, node, direction, value; by commas or blanks
 ///   FORMAT=COORDINATE             row column value; rows are named by comment lines `** row, node, direction`, if
-///   there
-///                                 are any; else they are the nodes of the deck by ascending label, 3 or 6 rows each
+///                                 any; else they are the nodes of the deck by ascending label, 3 or 6 rows each
 struct AbaqusFiles {
   std::string deck;             // .inp: *NODE, *ELEMENT, *NSET, as read_calculix_deck() reads them
   std::string stiffness, mass;  // job_STIF1.mtx, job_MASS1.mtx

@@ -7,7 +7,7 @@
 namespace lithe {
 
 /// What ANSYS writes of a free body. Matrices are in Harwell-Boeing text (/AUX2, HBMAT) or Matrix Market text (*SMAT or
-/// *DMAT, EXPORT, MMF); which of them, the first line tells.
+/// *DMAT, EXPORT, MMF); the first line shows which.
 struct AnsysFiles {
   std::string stiffness, mass;
   /// Node and label of each row: the .mapping of HBMAT (`row node UX`), or in Matrix Market an integer array of two

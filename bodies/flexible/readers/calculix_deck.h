@@ -8,7 +8,7 @@
 
 namespace lithe {
 
-/// What Lithe needs of a CalculiX input deck (.inp): *NODE, *ELEMENT, *NSET, *ELSET (GENERATE, sets within sets),
+/// Parts of a CalculiX input deck (.inp) that are read: *NODE, *ELEMENT, *NSET, *ELSET (GENERATE, sets within sets),
 /// *SOLID SECTION with *MATERIAL, *ELASTIC, *DENSITY, and *INCLUDE. Everything else is skipped, except what turns the
 /// axes of degrees of freedom (*TRANSFORM), which is refused. Keywords and set names are compared without regard to
 /// case; names are stored in lower case.

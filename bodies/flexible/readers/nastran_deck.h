@@ -14,9 +14,9 @@ struct NastranMatrix {
   LabelledMatrix matrix;
 };
 
-/// What Lithe needs of Nastran bulk data (.bdf, .dat, .pch): GRID, solids (CHEXA, CPENTA, CTETRA) and DMIG, in fields
-/// of 8 or 16 characters or by commas, with continuations. Everything else is skipped, except what turns the axes of
-/// nodes or reads other files, which is refused.
+/// Parts of Nastran bulk data (.bdf, .dat, .pch) that are read: GRID, solids (CHEXA, CPENTA, CTETRA) and DMIG, in
+/// fields of 8 or 16 characters or by commas, with continuations. Everything else is skipped, except what turns the
+/// axes of nodes or reads other files, which is refused.
 struct NastranDeck {
   std::vector<int> node_ids;           // in order of appearance
   std::vector<Vector3> positions;      // metres
