@@ -47,15 +47,16 @@ class RigidFrameBody : public Body {
     if (level != Level::position) cache.omega_world = cache.A * Eigen::Map<const Vector3>(state.v + 3);
   }
 
-  [[gnu::always_inline]] void add_residual(const BodyState& state, const double* v_dot, const Vector3& gravity, double* r) const override {
+  [[gnu::always_inline]] void add_residual(const BodyState& state, const double* v_dot, const Vector3& gravity,
+                                           double* r) const override {
     const Eigen::Map<const Vector3> w(state.v + 3), a(v_dot), w_dot(v_dot + 3);
     const auto& [mass, J] = inertia_;
     Eigen::Map<Vector3>(r) += mass * (a - gravity);
     Eigen::Map<Vector3>(r + 3) += J * w_dot + w.cross(Vector3(J * w));
   }
 
-  [[gnu::always_inline]] void add_tangent(const BodyState& state, const double*, const Vector3&, const TangentWeights& weights,
-                   BodyTangent& S) const override {
+  [[gnu::always_inline]] void add_tangent(const BodyState& state, const double*, const Vector3&,
+                                          const TangentWeights& weights, BodyTangent& S) const override {
     const auto& [mass, J] = inertia_;
     for (int i = 0; i < 3; ++i) S.frame(i, i) += weights.acceleration * mass;
     S.frame.bottomRightCorner<3, 3>() += weights.acceleration * J;
@@ -65,7 +66,8 @@ class RigidFrameBody : public Body {
     S.frame.bottomRightCorner<3, 3>() += weights.velocity * (skew(w) * J - skew(J * w));
   }
 
-  [[gnu::always_inline]] void marker_kinematics(const BodyState& state, int marker, Level level, MarkerKinematics& k) const override {
+  [[gnu::always_inline]] void marker_kinematics(const BodyState& state, int marker, Level level,
+                                                MarkerKinematics& k) const override {
     const auto& cache = static_cast<const Cache&>(*state.cache);
     const PlacedMarker& m = markers_[marker];
     const Vector3 arm = cache.A * m.position;
