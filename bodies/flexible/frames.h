@@ -7,8 +7,8 @@
 
 namespace lithe {
 
-/// A body frame placed in a model: its pose, and the degrees of freedom in body axes that it fixes (docs/equations.md
-/// 5.2).
+/// A body frame placed in a model: its pose, and the degrees of freedom in body axes that it fixes
+/// (docs/equations.md 5.2).
 struct FramePlacement {
   Vector3 origin = Vector3::Zero();        // in mesh axes
   Matrix3 rotation = Matrix3::Identity();  // body axes to mesh axes

@@ -12,13 +12,13 @@ namespace lithe {
 struct CampbellOptions {
   int mode_count = 8;                // modes followed: those of lowest frequency at the first speed
   double lowest_frequency = 1e-3;    // Hz; slower modes are free motions, not vibrations
-  std::vector<double> orders = {1};  // lines f = order · speed, excitation by what turns with the rotor
+  std::vector<double> orders = {1};  // lines f = order · speed, excitation that rotates with the rotor
 };
 
-/// How the frequencies and the damping of a rotating mechanism change with its speed: one branch a mode, followed from
-/// speed to speed by the likeness of shapes (modal assurance criterion |a·b|²/(a·a b·b)) and by the trend of its
-/// frequency. Branches may cross. In world axes (PerturbationAxes) frequencies are those of the whirl that a bystander
-/// sees; in body axes those of one who turns with the rotor: less the speed for forward whirl, more for backward.
+/// Frequencies and damping of a rotating mechanism over its speed: one branch per mode, followed from
+/// speed to speed by the similarity of shapes (modal assurance criterion |a·b|²/(a·a b·b)) and by the trend of its
+/// frequency. Branches may cross. In world axes (PerturbationAxes) frequencies are those of the whirl in the inertial
+/// frame; in body axes those in the rotating frame: lower by the speed for forward whirl, higher for backward.
 struct Campbell {
   struct Branch {
     std::vector<double> speed;          // rad/s; ends where the mode no longer oscillates
@@ -35,8 +35,8 @@ struct Campbell {
   void write_chart(const std::string& path_without_extension, const std::string& title) const;
 };
 
-/// `scene` draws, assembles and linearizes at a speed in rad/s; `speeds` ascend. Small steps in speed make branches
-/// sure. Throws SceneError without speeds, or if nothing oscillates at the first.
+/// `scene` draws, assembles and linearizes at a speed in rad/s; `speeds` ascend. Small steps in speed make the tracking
+/// of branches reliable. Throws SceneError without speeds, or if nothing oscillates at the first.
 Campbell campbell(const std::vector<double>& speeds, const std::function<Linearization(double speed)>& scene,
                   const CampbellOptions& options = {});
 

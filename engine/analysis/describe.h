@@ -6,9 +6,9 @@
 
 namespace lithe {
 
-/// What was assembled, as text for people: bodies and their coordinates, rows and rank, degrees of freedom, every
-/// redundant row with the row it repeats, and each free motion at the start with the velocity that tells it and the
-/// bodies that take part:
+/// A readable summary of a system: bodies and their coordinates, rows and rank, degrees of freedom, every
+/// redundant row with the row it repeats, and each free motion at the start with the velocity that identifies it and
+/// the bodies that take part:
 ///   2 bodies, 14 coordinates, 12 velocities, 11 constraint rows of rank 10, 2 degrees of freedom
 ///   redundant rows, handled:
 ///     'guide' row 2 repeats 'pin' row 5

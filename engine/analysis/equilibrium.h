@@ -6,14 +6,14 @@
 namespace lithe {
 
 struct EquilibriumOptions {
-  double tolerance = 1e-9;  // out-of-balance force, of the largest force or weight at play; iteration goes on below it
-                            // for as long as round-off lets it
+  double tolerance = 1e-9;  // out-of-balance force, of the largest force or weight at play; it continues below it
+                            // as far as round-off allows
   int max_load_steps = 200;
 };
 
 struct Equilibrium {
   State state;                // v = 0, v_dot = 0, multipliers in balance: a simulation started from it stays at rest
-  int load_steps = 0;         // that left part of the load for later
+  int load_steps = 0;         // steps that held part of the load back
   int iterations = 0;         // of Newton: tangents factorised, those of steps refused among them
   double out_of_balance = 0;  // largest |Gᵀ λ - f| left, N or N m
   double round_off = 0;       // what round-off makes of it at most, in the row where that is largest
@@ -25,17 +25,17 @@ struct Equilibrium {
 /// Newton with K = ∂F/∂q, (K + σM) d + Gᵀ Δλ = -F, G d = -g, judged by its corrections (natural monotonicity: Deuflhard
 /// 2004, 3.3) in the metric of the mass. A share s of the step is taken, with (1 - s) F held back, and corrected until
 /// corrections c are small beside it: with the step's factor while they contract, with new ones where bodies turned
-/// too far for it. A residual would judge wrongly: a beam that bends by θ in one step is stretched by half θ² on the
+/// too far for it. A residual would mislead: a beam that bends by θ in one step is stretched by half θ² on the
 /// way, and its axial forces, EA θ²/2, hide that the step is good; its corrections, of θ²/2 its length, do not.
-/// What bodies' tangents leave out is made up for by a few vectors of GMRES on the differenced balance.
+/// A few vectors of GMRES on the differenced balance compensate for terms missing in the bodies' tangents.
 ///
 /// The shift σ ("pseudo-transient continuation": Kelley & Keyes 1998) is as small as possible. It grows where energy
 /// is concave along the step, dᵀ(K + σM) d <= 0, where bodies would move too far, and where no share of a step is good:
 ///   - a mechanism far from rest sinks to a stable equilibrium, not to the nearest unstable one;
-///   - a motion that nothing holds and nothing drives (a pendulum's turn about the vertical) keeps its place;
+///   - a free motion that no load drives (a pendulum's rotation about the vertical) keeps its position;
 ///   - d = 0 at the end: the balance is exact whatever σ is.
-/// Balance is asked of each row down to `tolerance`, or to its round-off where that is larger: of stiff rows it may be.
-/// A start that is in balance already is returned as it is, stable or not: Linearization::lowest_stiffness() tells.
+/// Each row is balanced down to `tolerance`, or to its round-off if that is larger, as it may be for stiff rows.
+/// A start already in balance is returned unchanged, stable or not: see Linearization::lowest_stiffness().
 /// Redundant rows are left out and their multipliers are those of least norm.
 /// Throws SimulationError naming the worst coordinate if no equilibrium is found (a body that nothing holds falls),
 /// SceneError for a state of another system.

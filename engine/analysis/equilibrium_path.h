@@ -21,16 +21,16 @@ struct EquilibriumPath {
   int iterations = 0;         // of Newton: tangents factorised
 };
 
-/// The equilibria that a start in balance leads through while loads and drives go on: F(q, λ, t) = 0, g(q, t) = 0. Here
-/// time is nothing but the parameter of their laws (DistributedLoad::amplitude, UserForce, drives). It may turn round:
-/// past a limit point the path goes on with less load, to where find_equilibrium() would jump or fail.
+/// The equilibria that follow from a balanced start as loads and drives change: F(q, λ, t) = 0, g(q, t) = 0. Here
+/// time is only the parameter of their laws (DistributedLoad::amplitude, UserForce, drives). It may reverse:
+/// past a limit point the path continues with less load, where find_equilibrium() would jump or fail.
 ///
 /// By pseudo-arclength (Keller 1977; Crisfield 1981): with the factor of (K, G) the tangent (a, 1) solves K a + Gᵀ l =
 /// -∂F/∂t, G a = -∂g/∂t; each step starts along it and Newton returns to the path at right angles to it, in the metric
 /// aᵀ M a / S² + 1/T² with S the motion that the first tangent foretells for the whole time T. Steps are as long as
 /// Newton takes some three iterations.
 ///   for (const State& s : follow_equilibria(system, start).states) snapshot.evaluate(s), … // load factor s.time
-/// Throws SimulationError, with the time that it came to, if the path is lost or max_states do not reach its end;
+/// Throws SimulationError, with the time reached, if the path is lost or max_states do not reach its end;
 /// SceneError for a start that is not in balance, and for a state of another system.
 EquilibriumPath follow_equilibria(const System& system, const State& start, const EquilibriumPathOptions& options = {});
 

@@ -12,7 +12,7 @@ MatrixX dense_jacobian(EquationsOfMotion& equations);
 /// The numbers of the rows that repeat no others.
 std::vector<int> independent_rows(const EquationsOfMotion& equations);
 
-/// What rows G allow and what they hold, by a rank-revealing QR of Gᵀ with rows brought to length 1.
+/// Null space and range of rows G, by a rank-revealing QR of Gᵀ with rows scaled to length 1.
 class RowSpace {
  public:
   explicit RowSpace(const MatrixX& G);
@@ -37,8 +37,8 @@ struct FreeMotion {
   std::string name;  // "rod: omega_y"
   VectorX motion;    // all velocities while that one is 1 and those of the other free motions are 0
 };
-/// The free motions at the state evaluated last, those first whose velocities tell the motion best. Dense: meant for up
-/// to some thousand velocities.
+/// The free motions at the state evaluated last, ordered by how well their velocities identify the motion. Dense: for
+/// up to some thousand velocities.
 std::vector<FreeMotion> free_motions(EquationsOfMotion& equations);
 
 }  // namespace lithe

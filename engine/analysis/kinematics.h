@@ -6,20 +6,21 @@
 
 namespace lithe {
 
-/// Kinematic analysis: the motion of a mechanism all of whose freedoms are driven. Nothing is integrated: at each time
+/// Kinematic analysis: the motion of a mechanism whose degrees of freedom are all driven. Nothing is integrated: at
+/// each time
 ///   g(q, t) = 0,   G v = -∂g/∂t,   G v̇ = γ,   then   M v̇ + Gᵀ λ = f
 /// so errors do not grow, and λ is the inverse dynamics: the forces of the drives that make this motion, and all
-/// reactions. It is run like any integrator, so observers, schedules and failures are those of Simulation:
+/// reactions. It is used like any integrator, so observers, schedules and failures are those of Simulation:
 ///   Kinematics kinematics{{.step = 1e-3}};
 ///   Simulation simulation{system, kinematics};
 ///   simulation.observe(recorder, every(0.01));   // recorder: drive_force(motor), reaction(pin, 0) …
 ///   simulation.run(state, 2.0);
 /// start() throws SceneError naming the freedoms that are not driven. A time that cannot be reached (lock-up, a dead
 /// centre under a drive) ends the run with SimulationError naming time and worst row; what was observed is kept. A
-/// change point, where two ways of assembly cross, is passed on the way that keeps the velocities. Elastic coordinates
-/// are freedoms that no drive prescribes: with flexible bodies run the dynamics (any integrator) with the same drives;
-/// drive_force() then shows the load with vibration, as Adams does. Start it from find_equilibrium() and it begins
-/// without ringing.
+/// change point, where two branches of assembly cross, is passed on the branch that keeps the velocities. Elastic
+/// coordinates are not driven: with flexible bodies run the dynamics (any integrator) with the same drives;
+/// drive_force() then shows the load with vibration, as Adams does. Start from find_equilibrium() to avoid initial
+/// vibration.
 class Kinematics final : public Integrator {
  public:
   struct Parameters {
@@ -47,7 +48,7 @@ class Kinematics final : public Integrator {
   VectorX predicted_, moved_, rows_;
 };
 
-// ---- inverse dynamics: what a drive must do ----
+// ---- inverse dynamics: effort and power of a drive ----
 
 /// Force (N) or torque (N m) that the last row of a drive exerts along its own coordinate, positive if it pushes the
 /// coordinate up:  -λ, for rows g = coordinate - f(t). True of any run whose drives are constraints.

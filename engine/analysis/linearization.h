@@ -23,8 +23,8 @@ struct Mode {
 ///   ẏ = B_w w + B_y y,   M₁ ẇ + C₁ w + K₁ y = 0           the general form, E ẋ = A x with x = (y, w)
 ///   M ÿ + C ẏ + K y = 0                                   if all rows are holonomic, ξ = ζ̇ + transport(ζ)
 /// Friction by reactions is taken at the reactions of the base.
-/// Gyroscopic, centrifugal and follower terms, the geometric stiffness of loaded joints and moving drives are all in:
-/// the engine's own residual is differenced. Where the motion is not steady in the chosen axes the coefficients are
+/// Gyroscopic, centrifugal and follower terms, the geometric stiffness of loaded joints and moving drives are included:
+/// the engine's own residual is differenced. If the motion is not steady in the chosen axes, the coefficients are
 /// those of the instant.
 struct Linearization {
   State state;              // the base, with consistent accelerations and multipliers
@@ -36,7 +36,7 @@ struct Linearization {
   std::vector<Mode> modes;  // by frequency, those that do not oscillate first
   double unsteadiness = 0;  // 1/s: how fast Z turns among the coordinates; 0 at rest and in relative equilibria
 
-  /// Hz of the undamped modes, 0 for those that no stiffness holds.
+  /// Hz of the undamped modes, 0 for those without positive stiffness.
   VectorX undamped_frequencies() const;
   /// Smallest ω²: a static equilibrium is stable if it is positive.
   double lowest_stiffness() const { return undamped.size() > 0 ? undamped[0] : 0; }
@@ -58,7 +58,7 @@ Linearization linearize(const System& system, const State& state, const Lineariz
 /// Amplitude: of the largest entry of the shape (m, rad or the unit of η). Then moved onto the constraints.
 State displaced(const System& system, const Linearization& about, const Mode& mode, double amplitude, double phase);
 
-/// Tells an observer of `frames` states through one period of a mode, at times 0 … 1/frequency (a mode that does not
+/// Gives an observer `frames` states over one period of a mode, at times 0 … 1/frequency (a mode that does not
 /// oscillate: there and back in one second), for recorders and writers of pictures.
 void animate(const System& system, const Linearization& about, const Mode& mode, double amplitude, int frames,
              Observer& observer);

@@ -6,7 +6,7 @@
 
 namespace lithe {
 
-/// In which axes small motions (ρ, φ, δη) of a body are told, v = (u, ω) its velocity in the same axes:
+/// The axes in which small motions (ρ, φ, δη) of a body are expressed, v = (u, ω) its velocity in the same axes:
 ///   body    δp = A ρ, turn φ in body axes:  δu = ρ̇ + ω × ρ + u × φ,  δω = φ̇ + ω × φ
 ///   world   δp = ρ,   turn φ in world axes: δu = ρ̇,                  δω = φ̇ - ω × φ
 /// A motion is steady, and linear equations have constant coefficients, in body axes if the mechanism turns as one

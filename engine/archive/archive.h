@@ -12,20 +12,20 @@
 
 namespace lithe {
 
-/// What a checkpoint holds: numbers, integers and texts by name, bit for bit. A class tells it what it must not forget
-/// by one function that serves both ways, saving and loading:
+/// The content of a checkpoint: numbers, integers and texts by name, bit for bit. A class saves and loads its history
+/// in one function:
 ///   archive("h", h_);   archive("past", past_);   archive.group("starter", [&] { starter_->history(...); });
 /// Loading throws FileError where a name is missing, or holds another kind of thing or another size than the class
 /// works with (vectors that have a size keep it; empty ones take any).
 class Archive {
  public:
-  /// Empty, to be saved into.
+  /// Empty, for saving.
   explicit Archive(std::string source = "memory") : source_(std::move(source)) {}
 
   bool loads() const { return loads_; }
-  /// From here on what was saved is loaded.
+  /// Switches from saving to loading.
   void rewind() { loads_ = true, prefix_.clear(); }
-  /// Where it comes from, for messages.
+  /// Its source, for messages.
   const std::string& source() const { return source_; }
 
   /// What `visit` names lies below this name.
@@ -76,7 +76,7 @@ class Archive {
     number(name, matrix.data(), matrix.rows(), matrix.cols());
   }
 
-  /// What must be now as it was: a parameter. Saved; SceneError when loading another one, naming both.
+  /// A parameter, which must not differ when loading: SceneError names both values.
   void same(std::string_view name, double value);
   void same(std::string_view name, const std::string& value);
 
@@ -88,9 +88,9 @@ class Archive {
     std::vector<int> integers;  // of 64 bits, in halves
   };
   const Content& content() const { return content_; }
-  /// To be loaded from. Throws FileError for content that is not whole.
+  /// For loading. Throws FileError for incomplete content.
   Archive(std::string source, Content content);
-  /// The same as bytes of this machine, for a guest that has no files.
+  /// The same as bytes of this machine, for a plug-in without files.
   std::vector<unsigned char> bytes() const;
   static Archive of_bytes(std::string source, const unsigned char* bytes, std::size_t size);
 

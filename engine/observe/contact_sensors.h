@@ -5,8 +5,8 @@
 
 namespace lithe {
 
-// What contacts do, read off a state. Compliant ones act as evaluated; of rigid ones it is what they did in the step
-// that led to the state, their mean force over it. Colliders by their place in the contact's list.
+// Loads and gaps of contacts at a state. Compliant contacts are evaluated at the state; for rigid ones it is their mean
+// force over the step that led to it. Colliders by their place in the contact's list.
 
 /// Force (N) and moment (N m, about the collider's marker) of all contacts of the element on that collider's body,
 /// world axes: force_x … moment_z.
@@ -19,12 +19,11 @@ Sensor penetration(const ContactElement& contact, int a, int b, Located name = "
 Sensor penetration(const ContactElement& contact, Located name = "");
 /// Gap of a pair, m, negative where they overlap; at most `reach`.
 Sensor gap(const ContactElement& contact, int a, int b, double reach, Located name = "");
-/// Number of points in touch; for contacts that only sense too.
+/// Number of points in touch; also for contacts that only sense.
 Sensor contact_count(const ContactElement& contact, Located name = "");
-/// J: what the normal laws of compliant contacts store.
+/// J: energy stored by the normal laws of compliant contacts.
 Sensor contact_energy(const ContactElement& contact, Located name = "");
-/// W: of the loads of all points, what they feed into the bodies: minus the rate of what is stored, minus what
-/// dissipates.
+/// W: power of the loads of all points on the bodies: minus the rate of the stored energy, minus the dissipated power.
 Sensor contact_power(const ContactElement& contact, Located name = "");
 
 /// All points in touch at a snapshot, with their loads.

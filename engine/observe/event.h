@@ -10,20 +10,20 @@
 
 namespace lithe {
 
-/// What an event watches: a number that changes continuously with the state.
+/// The function of an event: a number that changes continuously with the state.
 using EventFunction = std::function<double(Snapshot&)>;
 
 /// A column of a sensor as such a function: watch(height(ball.marker())), watch(velocity(bob.marker()), 0).
 EventFunction watch(Sensor sensor, int column = 0);
 
-/// Something that happens where a function of the state passes a level; Simulation::on() looks for it.
+/// An event where a function of the state passes a level; registered by Simulation::on().
 ///   simulation.on({.name = "impact", .function = watch(height(ball.marker())),
 ///                  .direction = Event::Direction::falling, .action = Event::Action::restart,
 ///                  .change = [](State& state) { state.v[2] *= -0.8; }});
 struct Event {
   enum class Direction { rising, falling, both };
-  /// record: its time is kept, the integrator goes on undisturbed; restart: the step ends there and the integrator is
-  /// started anew, with `change` made; stop: the run ends there, likewise.
+  /// record: its time is kept, the integrator continues undisturbed; restart: the step ends there, `change` is applied
+  /// and the integrator restarts; stop: the run ends there, likewise.
   enum class Action { record, stop, restart };
 
   std::string name;
@@ -36,7 +36,7 @@ struct Event {
   std::function<void(State&)> change = {};
 };
 
-/// An event that happened.
+/// An event that occurred.
 struct EventRecord {
   double time;  // s
   std::string name;

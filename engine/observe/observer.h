@@ -20,11 +20,11 @@ class Observer {
   /// A state of the schedule, or the last good one before a failure.
   virtual void observe(Snapshot& snapshot) = 0;
 
-  /// What it has kept so far, saved in checkpoints or loaded where a run is resumed: nothing unless it says so.
+  /// Its history, saved in checkpoints and loaded when a run is resumed: none by default.
   virtual void history(Archive& /*archive*/) {}
 };
 
-/// When an observer is told; always at the first state too.
+/// When an observer receives states; always at the first state too.
 struct Schedule {
   double interval = 0;  // s; 0: after every step of the integrator
 };

@@ -9,27 +9,27 @@ namespace lithe {
 
 class Archive;
 
-/// What round-off may do to a time near this one, s.
+/// Largest round-off error of a time near this one, s.
 double time_round_off(double time);
 
-/// Observers and when each is to be told: the one diary of whoever moves time. `look()` gives the snapshot to show, and
-/// is asked for it only where somebody is told.
+/// Observers and their schedules, for the loop over time. `look()` returns the snapshot for the observers; it is called
+/// only if an observer is due.
 class ObserverSchedules {
  public:
   void add(Observer& observer, Schedule schedule) { watches_.push_back({&observer, schedule}); }
   /// Schedules begin at `time`: of observers that are new, or of all.
   void begin(double time, bool all);
-  /// The next time after `time` that somebody waits for; `end` if there is none before it.
+  /// The next time after `time` at which an observer is due; `end` if there is none before it.
   double next_stop(double time, double end) const;
-  /// Where each schedule is, and what its observer has kept. Loading: observers are told apart by their order and
-  /// schedules; SceneError for others. Those beyond what was saved are new.
+  /// The position of each schedule, and its observer's history. Loading: observers are matched by their order and
+  /// schedules; SceneError for others. Observers beyond the saved ones are new.
   void history(Archive& archive);
 
   template <class Look>
   void tell_due(double time, Look&& look) {
     for (Watch& watch : watches_)
       if (watch.is_due(time)) {
-        tell(watch, time, look);  // if it throws, a run that goes on tells it again
+        tell(watch, time, look);  // if it throws, a continued run calls it again
         ++watch.told;
       }
   }

@@ -13,20 +13,20 @@ namespace lithe {
 
 class TableStream;
 
-/// Keeps what sensors read, one row a state: time in column "t", then the sensors' columns in their order.
+/// Records sensors, one row per state: time in column "t", then the sensors' columns in their order.
 class Recorder final : public Observer {
  public:
-  /// Throws SceneError if two columns bear the same name.
+  /// Throws SceneError if two columns have the same name.
   explicit Recorder(std::vector<Sensor> sensors, std::source_location where = std::source_location::current());
   ~Recorder() override;
 
   /// Throws SimulationError, the row not added, for a value that is not finite.
   void observe(Snapshot& snapshot) override;
 
-  /// Writes each row into a file too, as soon as it is there: what a run that is killed leaves. ".csv": a line a row,
-  /// handed to the operating system at once; ".h5": as write_hdf5() would, growing (engine/output/hdf5_series.h). The
-  /// file is begun at the first row, in the place of one of that name; where a run is resumed it is cut back to the
-  /// checkpoint and goes on. Throws SceneError for another ending, or once there are rows.
+  /// Also writes each row into a file at once, so that a killed run leaves its rows. ".csv": one line per row,
+  /// passed to the operating system at once; ".h5": as write_hdf5() would, growing (engine/output/hdf5_series.h). The
+  /// first row begins the file and replaces one of that name; a resumed run truncates it at the checkpoint and
+  /// continues it. Throws SceneError for another ending, or once there are rows.
   void stream(const std::string& path);
   /// Its rows; of one that streams how many, to be read back from its file.
   void history(Archive& archive) override;

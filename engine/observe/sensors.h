@@ -11,26 +11,27 @@
 
 namespace lithe {
 
-/// What is read off a state: some named numbers, a pure function of a snapshot. A value, passed and kept by copy.
+/// A measurement of a state: some named numbers, a pure function of a snapshot. A value, passed and kept by copy.
 /// The functions below make the usual ones; a scene may write its own:
 ///   Sensor{"sag", {"sag"}, [&](Snapshot& now, std::span<double> out) { out[0] = -now.marker(tip).p.z(); }}
-/// Columns of the usual ones bear the sensor's name: a vector called "tip" has "tip_x", "tip_y", "tip_z", a single
-/// number is "tip" itself; without a name it is told from the body or joint: "link_m3_x" (marker 3 of 'link', counted
-/// as it counts them). A scene's own sensor has its columns as written, without a prefix: its name is for messages.
+/// Columns of the usual ones start with the sensor's name: a vector called "tip" has "tip_x", "tip_y", "tip_z", a
+/// single number is "tip" itself; without a name they are named after the body or joint: "link_m3_x" (marker 3 of
+/// 'link', in the body's own numbering). A scene's own sensor has its columns as written, without a prefix: its name is
+/// for messages.
 class Sensor {
  public:
   using Reading = std::function<void(Snapshot& snapshot, std::span<double> values)>;
-  /// `units` ("m", "N m"): one a column, or one for all; none: not said. `path`: the marker whose position it tells.
-  /// Throws SceneError without columns, and for another number of units.
+  /// `units` ("m", "N m"): one a column, or one for all; none: not known. `path`: the marker whose position it
+  /// measures. Throws SceneError without columns, and for another number of units.
   Sensor(Located name, std::vector<std::string> columns, Reading reading, std::vector<std::string> units = {},
          Marker path = {});
 
   const std::string& name() const { return name_.text; }
   std::string where() const { return to_string(name_.where); }  // "scene.cpp:12"
   const std::vector<std::string>& columns() const { return columns_; }
-  /// Of a column; empty: not said, or none.
+  /// Of a column; empty: not known, or none.
   std::string unit(std::size_t column) const;
-  /// The marker whose position this is, for pictures of its way; of no body: something else.
+  /// The marker whose position this is, for drawing its path; without a body: the sensor measures something else.
   const Marker& path() const { return path_; }
   /// Writes one value a column.
   void evaluate(Snapshot& snapshot, std::span<double> values) const { reading_(snapshot, values); }
@@ -76,9 +77,10 @@ Sensor reaction(const Constraint& joint, int marker, Marker axes = kWorldAxes, L
 /// What a joint transmits, in its own frame: force and moment on the body of its second marker, in the axes of the
 /// first.
 Sensor joint_reaction(const Constraint& joint, Located name = "");
-/// What several joints together do to one body: the sum of their forces at all of their markers on it (N), and of their
-/// moments about the point of `about` (N m), in world axes or in the axes of a marker. Unique where rows are redundant,
-/// too: four feet carry the weight, however they share it. Throws SceneError for a joint that does not hold the body.
+/// The total reaction of several joints on one body: the sum of their forces at all of their markers on it (N), and of
+/// their moments about the point of `about` (N m), in world axes or in the axes of a marker. Unique where rows are
+/// redundant, too: four feet carry the weight, however they share it. Throws SceneError for a joint that does not hold
+/// the body.
 Sensor total_reaction(const Body& body, std::vector<const Constraint*> joints, Marker about, Marker axes = kWorldAxes,
                       Located name = "");
 /// λ of the joint's rows, 1 … n; of least norm where rows are redundant.
@@ -86,7 +88,7 @@ Sensor multipliers(const Constraint& joint, Located name = "");
 /// Force and moment of a force element on the body at its marker number `marker`, likewise.
 Sensor applied_force(const ForceElement& element, int marker, Marker axes = kWorldAxes, Located name = "");
 
-/// W: what a joint or a force element feeds into the bodies that it ties; a driven joint's is its drive's.
+/// W: power of a joint or a force element on the bodies that it connects; for a driven joint that of its drive.
 Sensor power(const Constraint& joint, Located name = "");
 Sensor power(const ForceElement& element, Located name = "");
 

@@ -12,7 +12,7 @@ namespace lithe {
 enum class Accelerations { as_left, solved };
 
 /// One state of a system as observers see it: evaluated once, at Level::acceleration, and read by all sensors. Has an
-/// assembler of its own, so that looking does not disturb the integrator. Sensors can be read without a simulation:
+/// assembler of its own, so that observing does not disturb the integrator. Sensors can be read without a simulation:
 ///   Snapshot now{system, state};   double z = height(link.node(42)).value(now);
 class Snapshot {
  public:
@@ -23,14 +23,14 @@ class Snapshot {
   Snapshot(const System&& system, const State& state) = delete;
 
   /// Copies the state and evaluates the system there. Throws SceneError for a state of another system. `solved`: when
-  /// first asked for, by one factorisation; where there is no solution (friction that locks) those of the state stay.
+  /// first asked for, by one factorisation; if there is no solution (friction that locks), those of the state are kept.
   void evaluate(const State& state, Accelerations accelerations = Accelerations::as_left);
 
   double time() const { return state_.time; }
-  /// As the integrator left it. Without lambda where it has left that out: multipliers() has it.
+  /// As the integrator left it, possibly without lambda: use multipliers().
   const State& state() const { return state_; }
   const System& system() const { return assembler_.system(); }
-  /// Evaluated at the state. To factorise or evaluate it anew spoils the snapshot for the observers that follow.
+  /// Evaluated at the state. Do not factorise or evaluate it again: that invalidates the snapshot for later observers.
   Assembler& assembler() { return assembler_; }
 
   /// Position, axes, velocity of a marker. Throws SceneError for a marker of another system.
@@ -41,7 +41,7 @@ class Snapshot {
   Vector6 acceleration(const Marker& marker);
   /// lambda that belongs to accelerations(); with redundant rows that of least norm that loads the bodies alike.
   const VectorX& multipliers();
-  /// Those of the state; found here where the integrator has left them out.
+  /// Those of the state; computed here if the integrator has left them out.
   const VectorX& found_multipliers();
 
  private:

@@ -13,8 +13,8 @@ namespace lithe {
 /// or a column name with a line break.
 void write_csv(const Table& table, const std::string& path);
 
-/// Reads what write_csv() writes, and kindred files: blanks around names and numbers, Windows line ends and empty lines
-/// are borne. Throws FileError with file:line for a row of the wrong length or a text that is not finite.
+/// Reads what write_csv() writes, and similar files: blanks around names and numbers, Windows line ends and empty lines
+/// are accepted. Throws FileError with file:line for a row of the wrong length or a text that is not finite.
 Table read_csv(const std::string& path);
 /// The same from text; `path` is for messages.
 Table read_csv(std::istream& text, const std::string& path);

@@ -11,7 +11,7 @@ namespace lithe {
 
 /// An HDF5 file that is written: data sets by path ("/modes", "/elements/0/type"), groups come as they are named.
 /// Numbers as they lie in memory; matrices column by column, in HDF5's terms columns x rows. The file appears under its
-/// name with commit(), not before. Throws FileError whatever goes wrong.
+/// name with commit(), not before. All failures throw FileError.
 class Hdf5Writer {
  public:
   explicit Hdf5Writer(std::string path);
@@ -24,7 +24,7 @@ class Hdf5Writer {
   void write(const std::string& name, const std::vector<double>& numbers);
   void write(const std::string& name, const std::string& text);
   void write(const std::string& name, const std::vector<std::string>& texts);
-  /// A small fact about a group or data set ("/" is the file): a unit, a version.
+  /// An attribute of a group or data set ("/" is the file): a unit, a version.
   void attribute(const std::string& of, const std::string& name, const std::string& text);
   void attribute(const std::string& of, const std::string& name, std::int64_t number);
   /// Closes the file and gives it its final name.
@@ -55,7 +55,7 @@ class Hdf5Reader {
   std::string text_attribute(const std::string& of, const std::string& name) const;
   std::int64_t number_attribute(const std::string& of, const std::string& name) const;
   const std::string& path() const { return path_; }
-  /// What a reader says that finds the content of a data set wrong.
+  /// The error of a reader for a data set with wrong content.
   [[noreturn]] void refuse(const std::string& name, const std::string& problem) const;
 
  private:

@@ -31,7 +31,7 @@ class Hdf5Handle {
   herr_t (*close_)(hid_t) = nullptr;
 };
 
-/// HDF5 prints its error stack unless told not to; what failed is told by exceptions here.
+/// Turns off HDF5's printing of its error stack; failures are reported by exceptions here.
 inline void silence_hdf5() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
 
 }  // namespace lithe

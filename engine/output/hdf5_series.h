@@ -15,13 +15,13 @@ namespace lithe {
 /// readers beside the run, and after a run that was killed, even in the middle of a row (HDF5's protocol for one writer
 /// and many readers, SWMR). A file whose run was killed opens with Hdf5Reader and other readers in SWMR mode, with all
 /// programs after `h5clear -s FILE`. Data sets may then differ by the row that was being written: append last, after a
-/// flush(), the one that counts. Rows have no checksum: a chunk that a kill cuts would lose its older rows to it. Not
-/// promised: what the operating system had in memory when the power failed.
+/// flush(), the one that counts. Rows have no checksum, since a chunk cut by a kill would then lose its older rows too.
+/// Not guaranteed: data still in the operating system's memory when the power fails.
 /// Needs HDF5 1.10 to read. Throws FileError if the file cannot be written.
 class Hdf5Series {
  public:
   explicit Hdf5Series(std::string path);
-  /// Closes the file; without begin() nothing is left of it.
+  /// Closes the file; without begin() no file remains.
   ~Hdf5Series();
   Hdf5Series(const Hdf5Series&) = delete;
   Hdf5Series& operator=(const Hdf5Series&) = delete;
@@ -29,7 +29,7 @@ class Hdf5Series {
   void write(const std::string& name, const MatrixX& matrix);  // column by column, as Hdf5Writer
   void write(const std::string& name, const std::vector<int>& integers);
   void write(const std::string& name, const std::vector<std::string>& texts);  // as bytes, each closed by a zero
-  /// A small fact about a data set or the file ("/"): a unit, axes.
+  /// An attribute of a data set or the file ("/"): a unit, axes.
   void attribute(const std::string& of, const std::string& name, const std::string& text);
   /// A data set of rows, `width` numbers each.
   void add(const std::string& name, int width);

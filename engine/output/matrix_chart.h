@@ -14,7 +14,8 @@ struct MatrixRow {
   std::string title;
   std::vector<MatrixField> fields;  // rows may be of different lengths
 };
-/// Results told by colour: one row of fields a subject, a legend above. Texts are plain, and cut where they do not fit.
+/// Results shown by colour: one row of fields per subject, a legend above. Texts are plain, and cut where they do not
+/// fit.
 struct MatrixChart {
   std::string title;
   std::vector<std::string> legend;  // what the colours mean, at most four

@@ -6,8 +6,8 @@
 
 namespace lithe {
 
-/// A file that bears a temporary name beside its final one until commit(), so that a killed run leaves either the old
-/// file or the new one, never half of it. Without commit() the destructor removes what was written. Devices and pipes
+/// A file that has a temporary name beside its final one until commit(), so that a killed run leaves either the old
+/// file or the new one, never part of it. Without commit() the destructor removes what was written. Devices and pipes
 /// (/dev/stdout) are written straight away.
 class PartialFile {
  public:

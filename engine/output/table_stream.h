@@ -11,9 +11,9 @@ namespace lithe {
 
 class Hdf5Series;
 
-/// A table that is written row by row while it comes to be: what a run that is killed leaves on disk. As .csv each row
+/// A table that is written row by row during a run, so that a killed run leaves its rows on disk. As .csv each row
 /// is one write() of its line; as .h5 the rows are flushed one by one (hdf5_series.h), and the file is that of
-/// write_hdf5(). Throws FileError whatever goes wrong with the file.
+/// write_hdf5(). Throws FileError if the file cannot be written or read.
 class TableStream {
  public:
   /// Throws SceneError for another ending. Nothing is written yet.
@@ -23,12 +23,12 @@ class TableStream {
   TableStream& operator=(const TableStream&) = delete;
 
   const std::string& path() const { return path_; }
-  /// The first row begins the file, in the place of one of that name.
+  /// The first row begins the file and replaces one of that name.
   void append(const std::vector<std::string>& columns, std::span<const double> row);
-  /// Begins the file with these rows, in the place of one of that name.
+  /// Begins the file with these rows and replaces one of that name.
   void begin(const Table& rows);
-  /// Cuts a file of these columns back to its first rows, to go on behind them; returns them. Throws FileError for one
-  /// that has fewer.
+  /// Truncates a file of these columns to its first rows, to continue after them; returns them. Throws FileError for a
+  /// file with fewer.
   Table go_on(const std::vector<std::string>& columns, int rows);
 
  private:

@@ -30,7 +30,7 @@ struct VtuField {
 void write_vtu(const std::string& path, const Matrix3X& points, const std::vector<VtuCells>& cells,
                const std::vector<VtuField>& fields);
 
-/// An animation for ParaView: frames name_0000.vtu, name_0001.vtu … and name.pvd, which tells their times. The .pvd is
+/// An animation for ParaView: frames name_0000.vtu, name_0001.vtu … and name.pvd, which lists their times. The .pvd is
 /// rewritten after each frame, so a killed run leaves a series that opens.
 class PvdSeries {
  public:

@@ -13,10 +13,10 @@ struct PageOptions {
 };
 
 /// Writes a recorded run as one HTML file that opens in any browser, without a server or a network: bodies in 3D,
-/// charts, the system graph, mode shapes. docs/page.md tells what it shows. The file appears under its name only when
+/// charts, the system graph, mode shapes. See docs/page.md. The file appears under its name only when
 /// complete. Throws SceneError for a run without states, FileError if it cannot be written.
 void write_page(const Run& run, const std::string& path, const PageOptions& options = {});
-/// Variants of one scene, laid over each other, with their differences charted: write_page({rigid, flexible}, …).
+/// Variants of one scene, overlaid, with charts of their differences: write_page({rigid, flexible}, …).
 /// Throws SceneError likewise, and for two runs of one name.
 void write_page(const std::vector<std::reference_wrapper<const Run>>& runs, const std::string& path,
                 const PageOptions& options = {});

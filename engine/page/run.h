@@ -14,7 +14,7 @@ namespace lithe {
 
 struct RunRecord;
 
-/// What a Run keeps beside the motion of all bodies and what its sensors read.
+/// What a Run records in addition to the motion of all bodies and its sensors.
 struct RunOptions {
   std::string name = "run";  // of the variant, as the page shows it
   bool coordinates = true;   // q and v of each body as charts
@@ -26,15 +26,15 @@ struct RunOptions {
   int detailed = 100;        // bodies and connectors, in the order drawn, that have charts; those beyond only move
 };
 
-/// A simulation recorded to be looked at: as one page (write_page, engine/page/page.h), or from a file by
+/// A recorded simulation for viewing: as one page (write_page, engine/page/page.h), or from a file by
 /// `lithe view`.
 ///   Run run{system, {position(tip, "tip")}, {.name = "flexible"}};
 ///   simulation.observe(run, every(0.02));
 ///   simulation.run(state, 10);
 ///   write_page(run, "pendulum.html");
 /// The motion of flexible bodies is kept as modal coordinates, that of bodies with full nodal coordinates as the points
-/// of their surface. Sensors that tell positions of markers leave traces. Needs the system until it has seen its first
-/// state, and the scene's bodies while it is told of states; afterwards it stands for itself.
+/// of their surface. Position sensors of markers give traces. It needs the system until its first state, and the
+/// scene's bodies as long as it receives states; afterwards it is independent.
 class Run final : public Observer {
  public:
   explicit Run(const System& system, std::vector<Sensor> sensors = {}, RunOptions options = {},
@@ -44,15 +44,15 @@ class Run final : public Observer {
   Run& operator=(Run&& other) noexcept;
   ~Run() override;
 
-  /// A shape to be seen on a body, in the axes of its frame (a rigid body's at its centre of mass). Bodies without any
+  /// A shape to draw on a body, in the axes of its frame (a rigid body's at its centre of mass). Bodies without any
   /// are drawn by their mesh, the shapes of their contacts, or sticks between their markers. Throws SceneError after
   /// the first state, and for a body of another scene.
   void draw(const Body& body, DrawnShape shape);
-  /// Writes the run into an HDF5 file as it comes, instead of keeping it: the file holds every state that was observed,
-  /// also where the run is killed at any moment (engine/output/hdf5_series.h). Throws SceneError after the first state,
-  /// FileError where it cannot be written.
+  /// Writes the run into an HDF5 file as it comes, instead of keeping it: the file holds every observed state,
+  /// even if the run is killed at any moment (engine/output/hdf5_series.h). Throws SceneError after the first state,
+  /// FileError if it cannot be written.
   void stream(const std::string& path);
-  /// What happened on the way: run.add(simulation.events()), once, after the run.
+  /// The events of the run: run.add(simulation.events()), once, after the run.
   void add(const std::vector<EventRecord>& events);
 
   /// Throws SimulationError, the state not kept, for a value that is not finite; SceneError for the state of
@@ -65,8 +65,8 @@ class Run final : public Observer {
   /// What a chart of the page shows, one number a state ("t": the times). Throws SceneError that lists the known names.
   std::vector<double> channel(const Located& name) const;
 
-  /// A file that stream() wrote, of a run that ended or was killed. Throws FileError for what is no such file, is cut
-  /// short, or was written in another version of the format. A name given replaces the one in the file.
+  /// A file that stream() wrote, of a run that ended or was killed. Throws FileError for a file that is not a run file,
+  /// is truncated, or has another version of the format. A name given replaces the one in the file.
   static Run read(const std::string& path, const std::string& name = "");
 
   /// For write_page: what was recorded; read back if it went to a file.

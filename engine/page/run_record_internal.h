@@ -49,7 +49,7 @@ class SceneRecorder {
   std::unique_ptr<struct ScenePlan> plan_;
 };
 
-/// What stands for a body that nothing draws: sticks to its markers (body axes, m), else the box of its inertia, no
+/// The default drawing of a body: sticks to its markers (body axes, m), else the box of its inertia, no
 /// larger than fits a scene of that extent (m).
 std::vector<DrawnShape> inferred_shapes(const Body& body, const std::vector<Vector3>& markers, double extent);
 
@@ -67,7 +67,7 @@ class RunFile {
   std::unique_ptr<Parts> parts_;
 };
 RunRecord read_run_file(const std::string& path);
-/// Throws SceneError for a channel that the run has not.
+/// Throws SceneError for a channel that the run does not have.
 std::vector<double> channel_of(const RunRecord& record, const Located& name);
 
 /// Rotation and translation that move `from` onto `to` best (least squares; Horn 1987): to ≈ R from + t.

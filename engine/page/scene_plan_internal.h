@@ -32,7 +32,7 @@ struct ScenePlan {
     const Constraint* joint = nullptr;
     const ForceElement* force = nullptr;
     const std::vector<Marker>* markers = nullptr;
-    std::size_t at = 0;  // marker at which its load is told
+    std::size_t at = 0;  // marker at which its load is reported
     int first_row = 0, rows = 0;
     int contact = -1;                                 // number among the contacts
     int reaction = -1, own_axes = -1, residual = -1;  // columns
@@ -61,7 +61,7 @@ struct ScenePlan {
   Pose pose_of(const BodyPart& part) const;
   /// A marker in the axes of its body, undeformed.
   Pose in_body(const Marker& m) const;
-  /// Throws SimulationError that names the first number that is none.
+  /// Throws SimulationError that names the first number that is not finite.
   void require_finite(const VectorX& row) const;
 };
 

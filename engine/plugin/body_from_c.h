@@ -7,7 +7,7 @@
 
 namespace lithe {
 
-/// A body whose class lies behind a C table.
+/// A body whose class is behind a C table.
 class BodyFromC final : public Body {
  public:
   struct Parameters {

@@ -3,8 +3,8 @@
 #include "engine/assembly/batch.h"
 #include "engine/plugin/plugin_type.h"
 
-/// Joints and forces whose class lies behind a C table. One indirect call an element, none a scalar; their rows are
-/// those of the class, bit by bit.
+/// Joints and forces whose class is behind a C table. One indirect call per element, none per scalar; their rows are
+/// those of the class, bit for bit.
 namespace lithe {
 
 class JointFromC final : public Constraint {

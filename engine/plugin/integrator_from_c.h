@@ -8,7 +8,7 @@
 
 namespace lithe {
 
-/// An integrator whose class lies behind a C table; it sees the equations of motion through one.
+/// An integrator whose class is behind a C table; it sees the equations of motion through another table.
 class IntegratorFromC final : public Integrator {
  public:
   /// Throws SceneError: wrong parameters.
@@ -22,7 +22,7 @@ class IntegratorFromC final : public Integrator {
   void prepare(EquationsOfMotion& equations, State& state) override;
   StepResult advance(EquationsOfMotion& equations, State& state, double t_stop) override;
   bool keep(Archive& archive, EquationsOfMotion& equations, const State& state) override;
-  /// The C table has no word for it: the plug-in begins anew with its next step.
+  /// The C table has no function for it: the plug-in restarts with its next step.
   void lose_factor() override { begins_anew_ = true; }
 
  private:

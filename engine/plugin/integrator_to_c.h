@@ -14,7 +14,7 @@ namespace lithe::plugin {
 /// The host's equations of motion as the class sees them.
 class HostEquations final : public EquationsOfMotion, public StepMemory, public ComplexFactor {
  public:
-  /// The host itself leads through poses where loops lose rank: no loops here.
+  /// The host itself handles poses where loops lose rank: no loops here.
   explicit HostEquations(const lithe_equations& host)
       : host_(host),
         facts_{.layout = &layout_,

@@ -17,7 +17,7 @@ class PluginLibrary {
   ~PluginLibrary();
 
   const std::filesystem::path& path() const { return path_; }
-  /// Calls the entry. Throws FileError if the library will not serve this host.
+  /// Calls the entry. Throws FileError if the library refuses this host.
   void hand_over_types(const lithe_host& host) const;
 
  private:

@@ -13,8 +13,8 @@
 #include "engine/model/force_element.h"
 #include "engine/plugin_abi.h"
 
-/// Writes the C tables of plugin_abi.h from C++ classes: joints and forces; what bodies and integrators share with
-/// them.
+/// Writes the C tables of plugin_abi.h from C++ classes: joints and forces, and the parts that bodies and integrators
+/// share with them.
 namespace lithe::plugin {
 
 /// What a guarded function returns.
@@ -28,7 +28,7 @@ inline void write_error(char* error, size_t size, const std::string& problem, co
   error[length] = 0;
 }
 
-/// Runs f at the border: no exception gets across, its text does.
+/// Runs f at the C interface: no exception crosses it, only its text.
 template <class F>
 int32_t guarded(char* error, size_t size, F&& f) noexcept {
   try {
