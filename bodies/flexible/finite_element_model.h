@@ -5,18 +5,12 @@
 #include <string>
 #include <vector>
 
+#include "bodies/material.h"
 #include "engine/base/math.h"
 
 namespace lithe {
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
-
-/// Isotropic linear elastic material.
-struct Material {
-  double young = 0;    // E, Pa; 0: not known
-  double poisson = 0;  // ν
-  double density = 0;  // kg/m³
-};
 
 /// Elements of one type and material: connectivity by node index (0-based), CalculiX/Abaqus node order. For pictures;
 /// with a material, also for stress and geometric stiffness (bodies/flexible/elements).

@@ -339,7 +339,7 @@ void SceneDescription::add_shapes(const std::vector<SceneRecorder::Drawn>& drawn
       const Marker& marker = (*part.markers)[m];
       const ScenePlan::Pose pose = plan_.in_body(marker);
       for (const DrawnShape& shape : drawable->drawn_shapes(static_cast<int>(m)))
-        add(plan_.body_number.at(marker.body), shape.at(pose.p, pose.R), "contact");
+        add(plan_.body_number.at(marker.body), shape.at(pose.p, pose.R), part.contact >= 0 ? "contact" : "visual");
     }
   }
   // Sticks for the others: their markers are known only now.

@@ -75,6 +75,7 @@ struct LeanSimulation::Island {
   Island(const System& whole, std::unique_ptr<Integrator> method, bool sleep)
       : system(whole),
         integrator(std::move(method)),
+        freezing(dynamic_cast<const ModeFreezing*>(integrator.get())),
         sleeper(make_sleeper(sleep)),
         simulation(system, *integrator),
         state(whole.initial_state()) {
@@ -86,6 +87,7 @@ struct LeanSimulation::Island {
         assembled(std::make_unique<const System>(assemble(*graph, options.assemble))),
         system(*assembled),
         integrator(std::move(method)),
+        freezing(dynamic_cast<const ModeFreezing*>(integrator.get())),
         sleeper(make_sleeper(options.sleep)),
         simulation(system, *integrator),
         state(system.initial_state()) {
@@ -157,6 +159,7 @@ struct LeanSimulation::Island {
   std::unique_ptr<const System> assembled;  // likewise
   const System& system;
   std::unique_ptr<Integrator> integrator;
+  const ModeFreezing* freezing;  // null: no modes are frozen
   const SleepingIntegrator* sleeper;
   Simulation simulation;
   State state;                             // its time stands still while it sleeps
@@ -168,21 +171,33 @@ struct LeanSimulation::Island {
 };
 
 LeanSimulation::LeanSimulation(SystemGraph& graph, const MakeIntegrator& make_integrator, const LeanOptions& options)
-    : system_(assemble(graph, options.assemble)) {
-  auto parts = split(graph);
+    : simple_(options.simplify ? std::make_unique<Simplification>(graph) : nullptr),
+      system_(assemble(simple_ ? simple_->graph() : graph, options.assemble)) {
+  SystemGraph& runs = simple_ ? simple_->graph() : graph;
+  if (simple_) {
+    whole_ = &simple_->whole();
+    expand_ = [simple = simple_.get()](const State& small, State& whole) { simple->expand(small, whole); };
+  }
+  const auto make = [&]() -> std::unique_ptr<Integrator> {
+    if (!options.freeze) return make_integrator();
+    return std::make_unique<ModeFreezing>(make_integrator(), *options.freeze);
+  };
+  auto parts = split(runs);
   const Places places(system_);
   if (options.split && parts.size() > 1)
-    for (auto& part : parts)
-      islands_.push_back(std::make_unique<Island>(std::move(part), places, make_integrator(), options));
+    for (auto& part : parts) islands_.push_back(std::make_unique<Island>(std::move(part), places, make(), options));
   else
-    islands_.push_back(std::make_unique<Island>(system_, make_integrator(), options.sleep));
-  reacts_ = std::any_of(graph.forces().begin(), graph.forces().end(),
+    islands_.push_back(std::make_unique<Island>(system_, make(), options.sleep));
+  reacts_ = std::any_of(runs.forces().begin(), runs.forces().end(),
                         [](const auto& f) { return f.force->reaction_of() != nullptr; });
 }
 
 LeanSimulation::LeanSimulation(SystemGraph& graph, const MakeIntegrator& make_integrator, const System& whole,
                                Expand expand, const LeanOptions& options)
     : LeanSimulation(graph, make_integrator, options) {
+  if (simple_)
+    throw SceneError("a scene that stands for another is simplified again", "LeanSimulation",
+                     "leave .simplify out, or give the whole's graph alone");
   whole_ = &whole;
   expand_ = std::move(expand);
 }
@@ -193,7 +208,7 @@ void LeanSimulation::refuse(const std::string& what, const std::string& where) c
   throw SceneError(what + (islands_.size() > 1 ? "this one runs as " + std::to_string(islands_.size()) + " islands"
                                                : "another, simpler one runs"),
                    "LeanSimulation::" + where,
-                   "use a Simulation of assemble(graph), or no simplification and {.split = false}");
+                   "use a Simulation of assemble(graph), or {.simplify = false, .split = false}");
 }
 
 void LeanSimulation::observe(Observer& observer, Schedule schedule) {
@@ -231,7 +246,7 @@ void LeanSimulation::check(const State& state, double end) const {
     throw SceneError("the state has " + std::to_string(state.q.size()) + " coordinates and " +
                          std::to_string(state.v.size()) + " velocities; the scene that runs has " +
                          std::to_string(layout.q_count()) + " and " + std::to_string(layout.v_count()),
-                     "LeanSimulation::run", "start from system().initial_state() of the simulation");
+                     "LeanSimulation::run", "start from start() of the simulation");
   if (!std::isfinite(end) || end < state.time - time_round_off(end))
     throw SceneError("cannot run from " + time_text(state.time) + " to " + time_text(end), "LeanSimulation::run",
                      "give a later end: it is a time, not a duration");
@@ -436,9 +451,11 @@ std::string LeanSimulation::report() const {
     const auto& [bodies, freedoms, integrator, asleep, done] = reports[i];
     text << "  " << names(islands_[i]->system.layout()) << ": " << freedoms << " degrees of freedom, " << integrator;
     if (asleep)
-      text << ", asleep\n";
+      text << ", asleep";
     else
-      text << ", " << done.steps << " steps, " << done.evaluations << " evaluations\n";
+      text << ", " << done.steps << " steps, " << done.evaluations << " evaluations";
+    if (islands_[i]->freezing) text << "; " << islands_[i]->freezing->report();
+    text << "\n";
   }
   return text.str();
 }

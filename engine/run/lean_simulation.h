@@ -7,16 +7,20 @@
 #include <vector>
 
 #include "engine/motion/make_integrator.h"
+#include "engine/run/mode_freezing.h"
 #include "engine/run/simulation.h"
 #include "engine/run/sleeping_integrator.h"
+#include "engine/simplify/simplification.h"
 
 namespace lithe {
 
 /// What may be spared; with nothing spared it is a Simulation.
 struct LeanOptions {
   AssembleOptions assemble{};
-  bool split = true;  // islands have steps of their own
-  bool sleep = true;  // islands at rest are not stepped
+  bool simplify = false;  // a simpler scene runs (engine/simplify/simplification.h), observers see the whole
+  bool split = true;      // islands have steps of their own
+  bool sleep = true;      // islands at rest are not stepped
+  std::optional<ModeFreezing::Parameters> freeze{};  // quiet modes stand still: around each island's integrator
 };
 
 /// The loop over time, island by island: parts of a scene that nothing ties (split(), engine/model/islands.h) have
@@ -24,7 +28,7 @@ struct LeanOptions {
 /// rest sleep (engine/run/sleeping_integrator.h). Islands meet at the times that observers wait for, and there
 /// observers see the whole.
 ///   LeanSimulation simulation{graph, [] { return std::make_unique<Automatic>(); }};
-///   State state = simulation.system().initial_state();
+///   State state = simulation.start();
 ///   simulation.observe(recorder, every(0.01));
 ///   simulation.run(state, 10);
 class LeanSimulation {
@@ -32,9 +36,11 @@ class LeanSimulation {
   /// Turns a state of the scene that runs into one of the scene that observers see; lambda is left empty.
   using Expand = std::function<void(const State& small, State& whole)>;
 
-  /// An integrator an island. The graph must outlive the simulation. Throws SceneError as assemble() does.
+  /// An integrator an island. The graph must outlive the simulation. Throws SceneError as assemble() does, and as
+  /// ModeFreezing does for parameters that are not positive.
   LeanSimulation(SystemGraph& graph, const MakeIntegrator& make_integrator, const LeanOptions& options = {});
-  /// Runs `graph`, a simpler scene that stands for `whole`, and shows observers that one.
+  /// Runs `graph`, a simpler scene made by hand that stands for `whole`, and shows observers that one. Throws
+  /// SceneError for LeanOptions::simplify.
   LeanSimulation(SystemGraph& graph, const MakeIntegrator& make_integrator, const System& whole, Expand expand,
                  const LeanOptions& options = {});
   ~LeanSimulation();
@@ -43,6 +49,10 @@ class LeanSimulation {
   const System& system() const { return system_; }
   /// What observers see.
   const System& observed() const { return expand_ ? *whole_ : system_; }
+  /// The state of system() in which the scene was drawn.
+  State start() const { return simple_ ? simple_->start() : system_.initial_state(); }
+  /// Between states of system() and of the whole, and what was done; null without LeanOptions::simplify.
+  const Simplification* simplification() const { return simple_.get(); }
 
   /// Tells `observer` of the states of later runs. Throws SceneError for every_step() where several islands run, or a
   /// simpler scene: they have no steps in common.
@@ -74,7 +84,7 @@ class LeanSimulation {
     IntegratorStatistics statistics;  // since the island was started from a new state
   };
   std::vector<IslandReport> islands() const;
-  /// The same as text, a line an island.
+  /// The same as text, a line an island, with what ModeFreezing reports of its modes.
   std::string report() const;
 
  private:
@@ -90,6 +100,7 @@ class LeanSimulation {
   void history(Archive& archive, State& state);
   void write_due_checkpoint(State& state);
 
+  std::unique_ptr<Simplification> simple_;  // null: the scene runs as drawn
   const System system_;
   const System* whole_ = nullptr;  // null: system_
   Expand expand_;

@@ -38,6 +38,8 @@ bool rests(EquationsOfMotion& equations, State& state, double h) {
 
 void SleepingIntegrator::prepare(EquationsOfMotion& equations, State& state) {
   since_ = state.time;
+  // Modes that ModeFreezing held in an earlier run could hide that they are bent.
+  if (HeldCoordinates* held = equations.parts().held) held->hold({});
   doze(equations, state, kFirstSleep);
 }
 

@@ -5,7 +5,6 @@
 #include "engine/motion/projection.h"
 #include "engine/run/lean_simulation.h"
 #include "engine/run/simulation.h"
-#include "engine/simplify/simplification.h"
 #include "engine/study/certificate.h"
 #include "engine/study/study_run.h"
 
@@ -143,19 +142,16 @@ void run_whole(SystemGraph& graph, const std::vector<Sensor>& sensors, const Mak
 /// Islands that meet at every sample.
 void run_simplified(SystemGraph& graph, const std::vector<Sensor>& sensors, const MakeIntegratorBy<Tolerance>& make,
                     const RunRequest& request, ModelRun& run) {
-  Simplification simple(graph);
-  LeanSimulation simulation(
-      simple.graph(), [&] { return make(request.tolerance); }, simple.whole(),
-      [&](const State& small, State& whole) { simple.expand(small, whole); });
-  Sampler sampler(simple.whole(), nullptr, sensors, request, run);
+  LeanSimulation simulation(graph, [&] { return make(request.tolerance); }, {.simplify = true});
+  Sampler sampler(simulation.observed(), nullptr, sensors, request, run);
   simulation.observe(sampler, every(request.duration / request.samples));
-  State state = simple.start();
+  State state = simulation.start();
   try {
     simulation.run(state, request.duration);
   } catch (const SimulationError& error) {
     run.why = error.problem();
   }
-  run.slices = simple.whole().layout().bodies();
+  run.slices = simulation.observed().layout().bodies();
   for (const auto& island : simulation.islands()) {
     run.integrator = island.integrator;
     run.statistics.steps += island.statistics.steps;

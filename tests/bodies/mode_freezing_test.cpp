@@ -12,6 +12,7 @@
 #include "engine/motion/make_integrator.h"
 #include "engine/motion/projection.h"
 #include "engine/observe/sensors.h"
+#include "engine/run/lean_simulation.h"
 #include "engine/run/simulation.h"
 #include "integrators/explicit_runge_kutta.h"
 #include "integrators/generalized_alpha.h"
@@ -462,6 +463,25 @@ TEST(ModeFreezing, of_a_bent_bar_leaves_its_weight_to_the_clamp) {
   now.evaluate(let_go);
   reaction(clamp, 1).evaluate(now, load);
   EXPECT_GT(std::abs(load[2] / (bar.mass() * 9.81) - 1), 0.01);
+}
+
+TEST(ModeFreezing, is_an_option_of_a_lean_simulation) {
+  SystemGraph graph{{.gravity = kGravity}};
+  auto& bar = graph.add<FlexibleBody>("bar", drawn(Deflection::linear, true, 0.1));
+  graph.add<FixedJoint>("clamp", {graph.ground().marker(), bar.frame()});
+  const System system = assemble(graph);
+  State by_hand = system.initial_state();
+  by_hand.q.tail(kModes) = displaced(bar, {2e-3});
+  State state = by_hand;
+  ModeFreezing freezing(explicit_method(), {.displacement = 0.02});
+  Simulation(system, freezing).run(by_hand, 0.2);
+  LeanSimulation lean(graph, [] { return explicit_method(); },
+                      {.sleep = false, .freeze = ModeFreezing::Parameters{.displacement = 0.02}});
+  lean.run(state, 0.2);
+  ASSERT_EQ(freezing.frozen_count(), kModes);
+  EXPECT_EQ(state.q, by_hand.q);
+  EXPECT_EQ(state.v, by_hand.v);
+  EXPECT_NE(lean.report().find(freezing.report()), std::string::npos) << lean.report();
 }
 
 }  // namespace

@@ -77,6 +77,31 @@ def flexible_body():
     return p
 
 
+def beam():
+    p = Picture("Beam: rigid nodes with section axes, elements between them", centre=(0, 0, 0.3))
+    world(p)
+    places = [vec(0, -0.9 + 1.3 * s, -0.1 + 0.32 * s**2) for s in np.linspace(0, 2, 33)]
+    axes = []
+    for i in range(33):
+        ahead = places[min(i + 1, 32)] - places[max(i - 1, 0)]
+        e1 = ahead / np.linalg.norm(ahead)
+        axes.append(np.column_stack([e1, -X, np.cross(e1, -X)]))
+    for side in (0.13, -0.13):
+        p.line([q + side * R[:, 2] for q, R in zip(places, axes)], "a")
+    p.line(places, "g n d")
+    for i in (0, 8, 16, 24, 32):
+        p.line([places[i] - 0.13 * axes[i][:, 2], places[i] + 0.13 * axes[i][:, 2]], "a n")
+        p.dot(places[i], "b", 4)
+    for i in (0, 16):
+        for k in range(3):
+            end = places[i] + 0.6 * axes[i][:, k]
+            p.arrow(places[i], end, "a", size=7)
+            p.text(places[i] + 0.74 * axes[i][:, k], str(k + 1), "a", small=True)
+    p.text(places[26], "element: Γ, K", "f", dx=44, dy=30, small=True)
+    p.text(places[8], "node", "b", dx=2, dy=26, small=True)
+    return p
+
+
 def modes():
     p = flat("Reduction: from all nodes to a few modes", scale=56)
     p.scale = 60
@@ -141,4 +166,4 @@ def inertial_body():
     return p
 
 
-PICTURES = {f.__name__: f for f in (ground, rigid_body, flexible_body, modes, integral_state, inertial_body)}
+PICTURES = {f.__name__: f for f in (ground, rigid_body, beam, flexible_body, modes, integral_state, inertial_body)}

@@ -1,0 +1,358 @@
+#include "bodies/beam/beam.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "engine/analysis/equilibrium.h"
+#include "engine/analysis/linearization.h"
+#include "engine/run/simulation.h"
+#include "joints/coordinate_drive.h"
+#include "joints/fixed_joint.h"
+#include "joints/forces/user_force.h"
+#include "joints/revolute_joint.h"
+#include "tests/support/joint_checks.h"
+#include "tests/support/methods.h"
+#include "tests/support/motion.h"
+
+namespace lithe::test::beam_test {
+namespace {
+
+const Material kSteel{2.1e11, 0.3, 7850};
+
+BeamAxis along_x(double length) { return BeamAxis::straight({0, 0, 0}, {length, 0, 0}, {0, 1, 0}); }
+
+/// Every strain tied to every other.
+BeamSection coupled_section() {
+  RandomNumbers random(7);
+  BeamSection s = BeamSection::diagonal({40, 30, 20, 3, 5, 4}, 2, {0.3, 0.2, 0.15});
+  Matrix6 B;
+  for (int i = 0; i < 6; ++i) B.col(i) = random.vector(6, 0.3);
+  const Vector6 root = s.stiffness.diagonal().cwiseSqrt();
+  s.stiffness += root.asDiagonal() * (B * B.transpose()) * root.asDiagonal();
+  return s.damped(0.02);
+}
+
+// ---- sections ----
+
+TEST(BeamSection, ShapesHaveTheirConstants) {
+  const double G = kSteel.young / 2.6;
+  EXPECT_NEAR(BeamSection::rectangle(1, 1, kSteel).stiffness(3, 3) / G, 0.140577014955, 1e-12);
+  const BeamSection r = BeamSection::rectangle(0.06, 0.04, kSteel);
+  EXPECT_NEAR(r.stiffness(4, 4), kSteel.young * 0.06 * 0.04 * 0.04 * 0.04 / 12, 1e-9 * r.stiffness(4, 4));
+  EXPECT_NEAR(r.stiffness(5, 5), kSteel.young * 0.04 * 0.06 * 0.06 * 0.06 / 12, 1e-9 * r.stiffness(5, 5));
+  EXPECT_NEAR(r.mass(0, 0), 7850 * 0.06 * 0.04, 1e-12);
+  const double area = M_PI * 1e-4;
+  const BeamSection c = BeamSection::circle(0.01, kSteel);
+  EXPECT_NEAR(c.stiffness(1, 1), 6 * 1.3 / (7 + 6 * 0.3) * G * area, 1e-9 * c.stiffness(1, 1));  // Cowper's table
+  EXPECT_NEAR(c.stiffness(3, 3), G * M_PI / 2 * 1e-8, 1e-9 * c.stiffness(3, 3));
+  // A tube of hardly any bore is the circle; a thin one has Cowper's 2 (1 + ν) / (4 + 3 ν).
+  EXPECT_LT((BeamSection::tube(1e-8, 0.01, kSteel).stiffness - c.stiffness).norm(), 1e-9 * c.stiffness.norm());
+  const BeamSection thin = BeamSection::tube(0.9999, 1, kSteel);
+  EXPECT_NEAR(thin.stiffness(1, 1) / thin.stiffness(0, 0) * 2.6, 2 * 1.3 / (4 + 0.9), 1e-6);
+  // An I whose web is as wide as its flanges is a rectangle, but for torsion and shear.
+  const BeamSection I = BeamSection::i_beam({.height = 0.2, .width = 0.1, .web = 0.1, .flange = 0.02}, kSteel);
+  const BeamSection full = BeamSection::rectangle(0.1, 0.2, kSteel);
+  for (const int k : {0, 4, 5}) EXPECT_NEAR(I.stiffness(k, k), full.stiffness(k, k), 1e-9 * full.stiffness(k, k));
+  EXPECT_LT((I.mass - full.mass).norm(), 1e-9 * full.mass.norm());
+}
+
+TEST(BeamSection, MovesAndTurns) {
+  const BeamSection s = BeamSection::rectangle(0.06, 0.04, kSteel), m = s.moved(0.1, -0.2);
+  EXPECT_LT((m.mass_center() - Vector3(0, 0.1, -0.2)).norm(), 1e-15);
+  m.check("moved");
+  EXPECT_NEAR(m.stiffness(0, 5), -0.1 * s.stiffness(0, 0), 1e-6 * s.stiffness(0, 0));  // axial: Γ1 + K2 r3 - K3 r2
+  EXPECT_NEAR(m.stiffness(0, 4), -0.2 * s.stiffness(0, 0), 1e-6 * s.stiffness(0, 0));
+  EXPECT_LT((m.moved(-0.1, 0.2).stiffness - s.stiffness).norm(), 1e-9 * s.stiffness.norm());
+  const BeamSection t = s.turned(M_PI / 2);
+  EXPECT_NEAR(t.stiffness(4, 4), s.stiffness(5, 5), 1e-9 * s.stiffness(5, 5));
+}
+
+template <class Make>
+std::string refused(Make&& make) {
+  try {
+    make();
+  } catch (const SceneError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(BeamSection, RefusesWhatIsNone) {
+  const auto message = [](auto&& spoil) {
+    BeamSection s = BeamSection::rectangle(0.06, 0.04, kSteel);
+    spoil(s);
+    return refused([&] { s.check("section 3"); });
+  };
+  EXPECT_NE(message([](auto& s) { s.stiffness(4, 4) = -1; }).find("section 3 in bending about 2"), std::string::npos);
+  EXPECT_NE(message([](auto& s) { s.stiffness(0, 1) = s.stiffness(1, 0) = 2e9; }).find("positive definite"),
+            std::string::npos);
+  EXPECT_NE(message([](auto& s) { s.stiffness(0, 1) = 1e8; }).find("symmetric"), std::string::npos);
+  EXPECT_NE(message([](auto& s) { s.mass(0, 0) = 0; }).find("mass per length of section 3"), std::string::npos);
+  EXPECT_NE(message([](auto& s) { s.mass(1, 1) *= 2; }).find("not that of a section"), std::string::npos);
+  EXPECT_NE(message([](auto& s) { s.mass(4, 4) = -1; }).find("rotary inertia"), std::string::npos);
+  EXPECT_NE(message([](auto& s) { s.damping[2] = -1; }).find("shear along 3"), std::string::npos);
+  EXPECT_NE(refused([] { BeamSection::tube(2, 1, kSteel); }).find("inner radius"), std::string::npos);
+}
+
+// ---- element ----
+
+/// Wrenches are the derivatives of the energy, the tangent those of the wrenches.
+TEST(BeamElement, PullsByWhatItsEnergyLoses) {
+  const FramePose start{{0.3, -0.2, 0.5}, rotation_exp(Vector3(0.4, -0.7, 0.9))};
+  for (const double curvature : {0.0, 0.4, 1.4}) {
+    SCOPED_TRACE(curvature);
+    SystemGraph graph{{.gravity = Vector3::Zero()}};
+    const BeamAxis axis = BeamAxis::curved(start, Vector3(0.5, -0.3, 0.8).normalized() * curvature, 1);
+    Beam beam(graph, "beam", {.axis = axis, .sections = {{0, coupled_section()}}, .elements = 1});
+    check_force(graph, beam.element(0));
+  }
+}
+
+/// A rigid motion of all nodes changes no strain.
+TEST(BeamElement, IsObjective) {
+  SystemGraph graph{{.gravity = Vector3::Zero()}};
+  const BeamAxis axis = BeamAxis::curved({}, {0.5, -0.3, 0.8}, 2);
+  Beam beam(graph, "beam", {.axis = axis, .sections = {{0, coupled_section()}}, .elements = 5});
+  const System system = assemble(graph);
+  RandomNumbers random(3);
+  State bent = system.initial_state(), moved = bent;
+  const Layout& layout = system.layout();
+  layout.retract(system.initial_state().q, random.vector(layout.v_count(), 0.1), bent.q);
+  moved.q = bent.q;
+  const Matrix3 turn = rotation_exp({1.1, -2, 0.7});
+  for (const auto& body : layout.bodies()) {
+    if (!body.frame) continue;
+    const Vector3 p = bent.q.segment<3>(body.q);
+    const Vector4 e = bent.q.segment<4>(body.q + 3);
+    moved.q.segment<3>(body.q) = turn * p + Vector3(5, -3, 8);
+    moved.q.segment<4>(body.q + 3) = quaternion_product(quaternion_of(turn), e).normalized();
+  }
+  Snapshot before(system, bent), after(system, moved);
+  for (int i = 0; i < beam.element_count(); ++i) {
+    EXPECT_GT(beam.strain(before, i).norm(), 0.01);
+    expect_below("strains after a rigid motion", (beam.strain(after, i) - beam.strain(before, i)).norm(), 1e-12);
+  }
+}
+
+// ---- beam ----
+
+TEST(Beam, HasTheMassOfTheWholeAsDrawn) {
+  const BeamSection root = BeamSection::rectangle(0.3, 0.1, kSteel).moved(0.05, 0.02);
+  const BeamSection tip = BeamSection::rectangle(0.1, 0.05, kSteel);
+  const BeamAxis axis = BeamAxis::curved({{1, 2, 3}, rotation_exp({0.3, 0.2, -0.5})}, {0.4, 0.1, 0.6}, 3);
+  Vector3 first[2];
+  Matrix3 inertia[2];
+  double mass[2];
+  for (int k = 0; k < 2; ++k) {
+    SystemGraph graph;
+    Beam beam(graph, "beam", {.axis = axis, .sections = {{0, root}, {3, tip}}, .elements = k == 0 ? 4 : 64});
+    mass[k] = 0, first[k].setZero(), inertia[k].setZero();
+    for (int i = 0; i < beam.node_count(); ++i) {
+      const auto& p = beam.node(i).parameters();
+      mass[k] += p.mass, first[k] += p.mass * p.position;
+      inertia[k] +=
+          p.orientation * p.inertia.matrix * p.orientation.transpose() - p.mass * skew(p.position) * skew(p.position);
+    }
+  }
+  EXPECT_NEAR(mass[0], 7850 * 3 * 0.5 * (0.3 * 0.1 + 0.1 * 0.05), 1e-9);
+  expect_below("mass of 4 and of 64 elements", std::abs(mass[1] / mass[0] - 1), 1e-13);
+  expect_below("first moment", (first[1] - first[0]).norm() / first[0].norm(), 1e-11);
+  expect_below("inertia", (inertia[1] - inertia[0]).norm() / inertia[0].norm(), 1e-10);
+}
+
+TEST(Beam, HasNodesWhereMarkersAreWanted) {
+  SystemGraph graph;
+  Beam beam(graph, "beam",
+            {.axis = along_x(2),
+             .sections = {{0, BeamSection::circle(0.1, kSteel)}},
+             .elements = 10,
+             .stations = {0.5, 1.23},
+             .velocity = {0, 0, 1},
+             .angular_velocity = {0, 0, 2}});
+  EXPECT_EQ(beam.element_count(), beam.node_count() - 1);
+  const System system = assemble(graph);
+  Snapshot now(system, system.initial_state());
+  for (const double arc : {0.0, 0.5, 1.23, 2.0}) {
+    EXPECT_LT((now.marker(beam.marker(arc)).p - Vector3(arc, 0, 0)).norm(), 1e-14);
+    EXPECT_LT((now.marker(beam.marker(arc, {0, 0.2, 0.1})).p - Vector3(arc, 0.2, 0.1)).norm(), 1e-14);
+    EXPECT_LT((now.marker(beam.marker(arc)).v - Vector3(0, 2 * arc, 1)).norm(), 1e-14);
+  }
+  double length = 0;
+  for (int i = 0; i < beam.node_count(); ++i) length += beam.piece_length(i);
+  EXPECT_NEAR(length, 2, 1e-14);
+  EXPECT_NE(refused([&] { beam.marker(0.77); }).find(".stations"), std::string::npos);
+}
+
+/// Pages show each element in halves on its two nodes, thick as its section is.
+TEST(Beam, IsDrawnAsThickAsItsSections) {
+  SystemGraph graph;
+  const BeamSection section = BeamSection::rectangle(0.04, 0.01, kSteel).moved(0.02, -0.03);
+  const Beam beam(graph, "beam", {.axis = along_x(1), .sections = {{0, section}}, .elements = 4});
+  const System system = assemble(graph);
+  for (const int end : {0, 1}) {
+    const std::vector<DrawnShape> shapes = beam.element(2).drawn_shapes(end);
+    ASSERT_EQ(shapes.size(), 1u);
+    ASSERT_EQ(shapes[0].kind, DrawnShape::Kind::box);
+    const Vector3 edges(shapes[0].size[0], shapes[0].size[1], shapes[0].size[2]);
+    EXPECT_LT((edges - Vector3(0.125, 0.04, 0.01)).norm(), 1e-12);
+    EXPECT_LT((shapes[0].position - Vector3(end == 0 ? 0.0625 : -0.0625, 0.02, -0.03)).norm(), 1e-12);
+  }
+}
+
+TEST(Beam, RefusesWhatCannotBeDrawn) {
+  const BeamSection section = BeamSection::circle(0.1, kSteel);
+  const auto message = [&](Beam::Parameters p) {
+    return refused([&] {
+      SystemGraph graph;
+      Beam beam(graph, "beam", p);
+      assemble(graph);
+    });
+  };
+  EXPECT_NE(message({.axis = along_x(1)}).find("no section"), std::string::npos);
+  EXPECT_NE(message({.sections = {{0, section}}}).find("length"), std::string::npos);
+  EXPECT_NE(message({.axis = along_x(1), .sections = {{0.5, section}, {0.2, section}}}).find("section 1"),
+            std::string::npos);
+  EXPECT_NE(message({.axis = along_x(1), .sections = {{0, section}}, .elements = 0}).find("elements"),
+            std::string::npos);
+  EXPECT_NE(message({.axis = along_x(1), .sections = {{0, section}}, .stations = {1.5}}).find("beyond"),
+            std::string::npos);
+  EXPECT_NE(message({.axis = BeamAxis::curved({}, {0, 0, 3}, 2), .sections = {{0, section}}, .elements = 2})
+                .find("more elements"),
+            std::string::npos);
+}
+
+/// Its own weight bends it as it should: moments in the elements' middles are exact while deflections are small.
+TEST(Beam, CarriesItsWeight) {
+  SystemGraph graph;
+  const BeamSection section = BeamSection::rectangle(0.1, 0.1, kSteel);
+  Beam beam(graph, "beam", {.axis = along_x(2), .sections = {{0, section}}, .elements = 4});
+  graph.add<FixedJoint>("clamp", {graph.ground().marker({0, 0, 0}, beam.axes(0)), beam.marker(0)});
+  const System system = assemble(graph);
+  Snapshot now(system, find_equilibrium(system, system.initial_state()).state);
+  const double w = section.mass_per_length() * 9.81;
+  for (int i = 0; i < 4; ++i) {
+    const double rest = 2 - (i + 0.5) * 0.5;
+    const Vector6 n = beam.resultants(now, i);
+    EXPECT_NEAR(n[4], 0.5 * w * rest * rest, 1e-4 * w);  // about axis 2 = y, downwards
+    EXPECT_NEAR(n[2], -w * rest, 1e-4 * w);
+  }
+}
+
+// ---- motion ----
+
+/// Frequencies of a beam on a drive that turns at a steady rate, rad/s.
+std::vector<double> rotating_frequencies(const nlohmann::json& c, double omega, int elements) {
+  const double hub = c["hub_radius"], L = c["L"];
+  const double EA = c["EA"], GA = c["GA"], GJ = c["GJ"], EI = c["EI"], J2 = c["rhoI_bend"], J3 = c["rhoI_other"];
+  const BeamSection section =
+      BeamSection::diagonal({EA, GA, GA, GJ, EI, EI * J3 / J2}, c["rhoA"].get<double>(), {J2 + J3, J2, J3});
+  const BeamAxis axis = BeamAxis::straight({hub, 0, 0}, {hub + L, 0, 0}, {0, 1, 0});
+  const auto draw = [&](SystemGraph& graph, const Vector3& spin) {
+    return Beam(graph, "beam",
+                {.axis = axis,
+                 .sections = {{0, section}},
+                 .elements = elements,
+                 .velocity = spin.cross(Vector3(hub, 0, 0)),
+                 .angular_velocity = spin});
+  };
+  // The stretch: at rest, under the centrifugal forces of the pieces.
+  SystemGraph still{{.gravity = Vector3::Zero()}}, turning{{.gravity = Vector3::Zero()}};
+  Beam loaded = draw(still, Vector3::Zero());
+  still.add<FixedJoint>("clamp", {still.ground().marker({hub, 0, 0}), loaded.marker(0)});
+  for (int i = 0; i < loaded.node_count(); ++i) {
+    const double m = loaded.node(i).parameters().mass;
+    still.add<UserForce>("pull " + std::to_string(i), {loaded.node(i).marker()}, {[=](double, const MarkerView& at) {
+                           return force({m * omega * omega * at.p[0], 0, 0});
+                         }});
+  }
+  const System at_rest = assemble(still);
+  const State stretched = find_equilibrium(at_rest, at_rest.initial_state()).state;
+
+  Beam beam = draw(turning, {0, 0, omega});
+  const Marker hub_marker = beam.marker(0, {-hub, 0, 0});
+  auto& pin = turning.add<RevoluteJoint>("hub", {turning.ground().marker(), hub_marker});
+  turning.add<CoordinateDrive>("drive", {pin.angle()}, {.motion = ramp(0, omega)});
+  const System system = assemble(turning);
+  State state = system.initial_state();
+  state.q = stretched.q;
+  for (const auto& body : system.layout().bodies())
+    if (body.frame) state.v.segment<3>(body.v) = Vector3(0, 0, omega).cross(Vector3(state.q.segment<3>(body.q)));
+  std::vector<double> found;
+  for (const Mode& mode : linearize(system, state, {.mode_count = 12}).modes)
+    if (mode.frequency() > 1) found.push_back(2 * M_PI * mode.frequency());
+  return found;
+}
+
+TEST(Beam, TurnsWithTheFrequenciesOfARotatingTimoshenkoBeam) {
+  const auto file = nlohmann::json::parse(std::ifstream(LITHE_TEST_DATA "/beams/D02b_rotating_timoshenko.json"));
+  for (const auto& c : file["cases"])
+    for (const auto& row : c["rows"]) {
+      const double omega = row["Omega"];
+      if (omega != 0 && omega != 400) continue;
+      const auto coarse = rotating_frequencies(c, omega, 10), fine = rotating_frequencies(c, omega, 20);
+      for (int k = 0; k < 3; ++k) {
+        // The mode nearest in frequency: those in the plane of rotation lie between.
+        const double exact = row["flap_torsion"][k];
+        const auto nearest = [&](const std::vector<double>& all) {
+          return *std::min_element(all.begin(), all.end(),
+                                   [&](double a, double b) { return std::abs(a - exact) < std::abs(b - exact); });
+        };
+        const double a = nearest(coarse) / exact - 1, b = nearest(fine) / exact - 1;
+        const std::string what = "hub " + std::to_string(c["hub_radius"].get<double>()) + ", " + std::to_string(omega) +
+                                 " rad/s, flap " + std::to_string(k);
+        expect_below(what + ", 10 elements", std::abs(a), 0.02);
+        expect_below(what + ", 20 elements", std::abs(b), 0.004);
+        expect_below(what + ", extrapolated", std::abs((4 * b - a) / 3), 5e-5);
+      }
+    }
+}
+
+/// A free rod thrown by a force and moments in space: the path of tests/data/beams, and no energy lost afterwards.
+TEST(Beam, FliesAsTheReferenceSays) {
+  const BeamSection section = BeamSection::diagonal({1e4, 1e4, 1e4, 500, 500, 500}, 1, {20, 10, 10});
+  double errors[2];
+  for (int k = 0; k < 2; ++k) {
+    SystemGraph graph{{.gravity = Vector3::Zero()}};
+    Beam rod(
+        graph, "rod",
+        {.axis = BeamAxis::straight({6, 0, 0}, {0, 0, 8}, {0, 1, 0}), .sections = {{0, section}}, .elements = 8 << k});
+    graph.add<UserForce>("throw", {rod.marker(0)}, {[](double t, const MarkerView&) {
+                           const double M = t < 2.5 ? 80 * t : t < 5 ? 200 * (2 - t / 2.5) : 0;
+                           return Wrench{{M / 10, 0, 0}, {0, M, M / 2}};
+                         }});
+    const System system = assemble(graph);
+    State state = system.initial_state();
+    const Method method = runge_kutta8(1e-9);
+    Simulation simulation(system, *method);
+    std::ifstream table(LITHE_TEST_DATA "/beams/D04_flying_rod_3d.csv");
+    std::string line;
+    std::getline(table, line);
+    errors[k] = 0;
+    double energy = 0, drift = 0;
+    while (std::getline(table, line)) {
+      std::replace(line.begin(), line.end(), ',', ' ');
+      std::istringstream numbers(line);
+      double t;
+      Vector3 free_end, middle, loaded_end;
+      numbers >> t;
+      for (Vector3* p : {&free_end, &middle, &loaded_end}) numbers >> (*p)[0] >> (*p)[1] >> (*p)[2];
+      simulation.run(state, t);
+      Snapshot now(system, state);
+      errors[k] =
+          std::max({errors[k], (now.marker(rod.marker(10)).p - free_end).norm(),
+                    (now.marker(rod.marker(5)).p - middle).norm(), (now.marker(rod.marker(0)).p - loaded_end).norm()});
+      const double total = total_energy().value(now);
+      if (t == 5) energy = total;
+      if (t > 5) drift = std::max(drift, std::abs(total / energy - 1));
+    }
+    expect_below("flying rod, energy", drift, 1e-8);
+  }
+  expect_below("flying rod, 8 elements, m", errors[0], 0.4);
+  expect_below("flying rod, 16 elements, m", errors[1], 0.1);
+}
+
+}  // namespace
+}  // namespace lithe::test::beam_test
