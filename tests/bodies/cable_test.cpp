@@ -330,6 +330,10 @@ TEST(Cable, IsHeldAtItsPlaceAlone) {
               graph.add<SpringDamper>("tie", {a, b}, {.stiffness = 1});
             }),
             "taken");
+  EXPECT_EQ(draw([](SystemGraph& graph, Marker, Marker b) {
+              graph.add<DistanceJoint>("tie", {graph.ground().marker({0, 0, 1}), b});
+            }),
+            "taken");
   EXPECT_NE(draw([](SystemGraph& graph, Marker a, Marker b) {
               graph.add<RevoluteJoint>("tie", {a, b});
             }).find("puts a moment on 'rope'"),
