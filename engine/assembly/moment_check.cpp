@@ -24,10 +24,10 @@ void move_apart(std::vector<MarkerKinematics>& markers) {
 
 void refuse_moment(const Element& element, const Marker& marker, const Wrench& wrench) {
   if (!is_point(marker) || wrench.torque.norm() <= 1e-12 * (1 + wrench.force.norm())) return;
-  throw SceneError("'" + element.name() + "' puts a moment on '" + marker.body->name() + "', a point mass without axes",
+  throw SceneError("'" + element.name() + "' puts a moment on '" + marker.body->name() + "', which has no axes",
                    element.where(),
                    "tie it by joints and forces that act at its place alone (SphericalJoint, DistanceJoint, "
-                   "PointOnLineJoint with it as second marker, SpringDamper), or make it a RigidBody");
+                   "PointOnLineJoint with it as second marker, SpringDamper), or put it on a RigidBody");
 }
 
 }  // namespace

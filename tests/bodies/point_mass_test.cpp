@@ -223,7 +223,7 @@ std::string refusal_of(const std::function<void(SystemGraph&, RigidBody&, PointM
 }
 
 TEST(PointMass, RefusesWhatWouldTurnIt) {
-  const std::string refused = "'tie' puts a moment on 'bob', a point mass without axes";
+  const std::string refused = "'tie' puts a moment on 'bob', which has no axes";
   const auto joint = [&]<class T>(std::type_identity<T>, bool mass_first) {
     return refusal_of([&](SystemGraph& graph, RigidBody& body, PointMass& mass) {
       const Marker A = body.marker(), B = mass.marker();

@@ -31,7 +31,7 @@ TOPICS = [
     ("bodies", "Bodies", "What has mass.", ["bodies/*.h"]),
     ("flexible", "Flexible bodies", "From a finite-element code's nodes, M and K to modes, motion and stress.",
      ["bodies/flexible/*.h"]),
-    ("beam", "Beams", "Slender bodies with large displacements.", ["bodies/beam/*.h"]),
+    ("beam", "Beams", "Slender bodies with large displacements.", ["bodies/beam/*.h", "bodies/cable/*.h"]),
     ("joints", "Joints and drives", "What ties markers.", ["joints/*.h"]),
     ("forces", "Forces", "What pulls at markers and coordinates.", ["joints/forces/*.h"]),
     ("contact", "Contact", "Shapes, laws and the element between them.",

@@ -19,6 +19,7 @@ MODULES = [
     "transmissions_pictures",
     "forces_pictures",
     "bodies_pictures",
+    "cable_pictures",
     "primitives_pictures",
     "contact_pictures",
     "integrators_pictures",
