@@ -83,7 +83,11 @@ class SystemBuilder {
     q_.setZero(layout.q_count());
     v_.setZero(layout.v_count());
     for (const auto& s : layout.bodies()) {
+      if (s.part > 0) continue;
+      numbers_.emplace(s.body, static_cast<int>(numbers_.size()));
+      first_slices_.push_back(static_cast<int>(&s - layout.bodies().data()));
       const Coordinates c = s.body->coordinates();
+      check_frames(*s.body, c);
       auto q = q_.segment(s.q, c.q_count()), v = v_.segment(s.v, c.v_count());
       s.body->initial_state(q, v);
       for (int i = 0; i < q.size() + v.size(); ++i)
@@ -91,6 +95,21 @@ class SystemBuilder {
           throw SceneError("body '" + s.body->name() + "' starts with a coordinate that is not finite", s.body->where(),
                            "give finite initial position, orientation and velocities");
     }
+  }
+
+  static void check_frames(const Body& body, const Coordinates& c) {
+    const auto wrong = [&](const FramePair& p) {
+      return p.first < 0 || p.first >= p.second || p.second >= c.frames;
+    };
+    std::string problem;
+    if (c.frames > 1 && c.linear > 0)
+      problem = "has " + std::to_string(c.frames) + " frames and " + std::to_string(c.linear) + " linear coordinates";
+    else if (std::any_of(c.pairs.begin(), c.pairs.end(), wrong))
+      problem = "couples frames that it does not have, or a frame with itself";
+    if (!problem.empty())
+      throw SceneError("body '" + body.name() + "' " + problem, body.where(),
+                       "its author is to fix coordinates(): several frames and no linear coordinates, pairs (first, "
+                       "second) with 0 <= first < second < frames");
   }
 
   /// Every marker that a connector uses gets a place in the table; its drawn pose tells what it is.
@@ -160,11 +179,9 @@ class SystemBuilder {
     return k;
   }
 
-  const Layout::BodySlice& slice_of(const Body& body) {
-    if (slices_.empty())
-      for (std::size_t i = 0; i < system_.layout_.bodies().size(); ++i)
-        slices_[system_.layout_.bodies()[i].body] = static_cast<int>(i);
-    return system_.layout_.bodies()[slices_.at(&body)];
+  /// The first of the body's.
+  const Layout::BodySlice& slice_of(const Body& body) const {
+    return system_.layout_.bodies()[first_slices_[numbers_.at(&body)]];
   }
 
   std::vector<MarkerKinematics> drawn(const std::vector<Marker>& markers) const {
@@ -200,15 +217,17 @@ class SystemBuilder {
     BlockStructure& b = system_.blocks_;
     const Layout& layout = system_.layout_;
     b.velocity_count = layout.v_count();
-    for (const auto& s : layout.bodies()) {
-      BodyRecord record{s.q, s.v, -1, -1, {}, {}};
-      if (s.frame) {
-        record.frame = static_cast<int>(b.frames.size());
-        b.frames.push_back({s.v, b.reserve(36)});
-      }
+    std::vector<std::pair<int, int>> couplings;
+    for (int first : first_slices_) {
+      const Layout::BodySlice& s = layout.bodies()[first];
+      const Coordinates c = s.body->coordinates();
+      BodyRecord record{s.q, s.v, -1, -1, c.frames, {}, {}, {}};
+      if (s.frame) record.frame = static_cast<int>(b.frames.size());
+      for (int i = 0; i < c.frames; ++i) b.frames.push_back({s.v + 6 * i, b.reserve(36)});
+      for (const FramePair& p : c.pairs) couplings.emplace_back(record.frame + p.first, record.frame + p.second);
       if (s.linear > 0) {
         record.linear = static_cast<int>(b.linears.size());
-        const LinearPattern* pattern = s.body->coordinates().pattern;
+        const LinearPattern* pattern = c.pattern;
         const int n = s.linear, coupled = s.frame ? 6 * n : 0;
         BlockStructure::Linear linear{s.v + (s.frame ? 6 : 0), n, record.frame, 0, 0, 0, pattern};
         linear.frame_linear = b.reserve(coupled);
@@ -216,9 +235,8 @@ class SystemBuilder {
         linear.values = b.reserve(pattern ? static_cast<int>(pattern->rows.size()) : n);
         b.linears.push_back(linear);
       }
-      records_.push_back(record);
+      records_.push_back(std::move(record));
     }
-    std::vector<std::pair<int, int>> couplings;
     for (std::size_t i = 0; i < graph_.constraints().size(); ++i) {
       const auto& c = graph_.constraints()[i];
       const auto& rows = layout.rows()[i];
@@ -250,6 +268,14 @@ class SystemBuilder {
       coupling.ba = b.reserve(36);
       b.couplings.push_back(coupling);
     }
+    for (std::size_t i = 0; i < records_.size(); ++i)
+      for (const FramePair& p : layout.bodies()[first_slices_[i]].body->coordinates().pairs) {
+        BodyRecord& record = records_[i];
+        const std::pair<int, int> frames(record.frame + p.first, record.frame + p.second);
+        const auto at = std::lower_bound(couplings.begin(), couplings.end(), frames);
+        const auto& coupling = b.couplings[at - couplings.begin()];
+        record.pairs.push_back({coupling.ab, coupling.ba});
+      }
   }
 
   ConnectorRecord connect(const std::vector<Marker>& markers, int first_row, int rows, int compliant, bool loads) {
@@ -267,7 +293,7 @@ class SystemBuilder {
       int jacobian = -1;
       bool linear_written = false;
     };
-    std::map<const Body*, Touched> touched;
+    std::map<std::pair<const Body*, int>, Touched> touched;  // by body and frame
     const auto moves = [&](const Body* body) {  // any of the markers on it moves with its linear coordinates
       return std::any_of(markers.begin(), markers.end(), [&](const Marker& m) {
         return m.body == body && used_.at({m.body, m.index}).drawn.elastic != nullptr;
@@ -281,20 +307,20 @@ class SystemBuilder {
         add_once(ground_.markers, m.index, used.place);
         if (loads) add_once(ground_.loaded, m.index, used.place);
       } else {
-        const auto& s = slice_of(*m.body);
-        BodyRecord& body = records_[&s - system_.layout_.bodies().data()];
+        const auto& s = (&slice_of(*m.body))[used.drawn.frame];
+        BodyRecord& body = records_[numbers_.at(m.body)];
         add_once(body.markers, m.index, used.place);
         if (loads) add_once(body.loaded, m.index, used.place);
         slot.velocity = s.v;
-        slot.frame = body.frame;
+        slot.frame = body.frame < 0 ? -1 : body.frame + used.drawn.frame;
         if (used.drawn.elastic) slot.linear = body.linear, slot.size = s.linear;
-        Touched& t = touched[m.body];
+        Touched& t = touched[{m.body, used.drawn.frame}];
         if (rows > 0 && t.jacobian < 0) {
           const bool linear = moves(m.body);
           t.jacobian = static_cast<int>(b.jacobians.size());
           slot.first_frame = true;
-          BlockStructure::Jacobian G{record.rows, body.frame, 0, linear ? body.linear : -1, 0, s.v};
-          if (body.frame >= 0) G.values = b.reserve(6 * rows);
+          BlockStructure::Jacobian G{record.rows, slot.frame, 0, linear ? body.linear : -1, 0, s.v};
+          if (slot.frame >= 0) G.values = b.reserve(6 * rows);
           if (linear) G.linear_values = b.reserve(rows * s.linear);
           b.jacobians.push_back(G);
         }
@@ -323,9 +349,10 @@ class SystemBuilder {
     ContactRecord contact{&element, static_cast<int>(system_.contacts_.size()), record.energy, markers, {}, {}};
     for (std::size_t i = 0; i < markers.size(); ++i) {
       contact.places.push_back(record.slots[i].marker);
-      contact.bodies.push_back(markers[i].body == &graph_.ground()
+      const Marker& m = markers[i];
+      contact.bodies.push_back(m.body == &graph_.ground()
                                    ? -1
-                                   : static_cast<int>(&slice_of(*markers[i].body) - system_.layout_.bodies().data()));
+                                   : first_slices_[numbers_.at(m.body)] + used_.at({m.body, m.index}).drawn.frame);
     }
     system_.contacts_.push_back(std::move(contact));
   }
@@ -385,7 +412,7 @@ class SystemBuilder {
       const auto [it, fresh] = number.try_emplace(entry.type, static_cast<int>(batches.bodies.size()));
       if (fresh) batches.bodies.push_back(entry.make_batch()), batch_sizes_.push_back(0);
       batches.bodies[it->second]->add(*entry.body, i == 0 ? ground_ : records_[i - 1]);
-      system_.body_places_.push_back({it->second, batch_sizes_[it->second]++});
+      system_.body_places_.push_back({it->second, batch_sizes_[it->second]++, i == 0 ? -1 : first_slices_[i - 1]});
     }
     number.clear();
     for (std::size_t i = 0; i < graph_.constraints().size(); ++i) {
@@ -577,9 +604,10 @@ class SystemBuilder {
   VectorX q_, v_;
   std::map<std::pair<const Body*, int>, Used> used_;
   std::map<const Body*, std::unique_ptr<BodyCache>> drawn_caches_;
-  std::map<const Body*, int> slices_;
-  std::vector<BodyRecord> records_;
-  BodyRecord ground_{0, 0, -1, -1, {}, {}};
+  std::map<const Body*, int> numbers_;  // of the graph's bodies, without ground
+  std::vector<int> first_slices_;       // by number, indices into Layout::bodies()
+  std::vector<BodyRecord> records_;     // by number
+  BodyRecord ground_{0, 0, -1, -1, 0, {}, {}, {}};
   std::vector<ConnectorRecord> constraint_records_, force_records_;
   std::vector<ReactionRecord> reactions_;
   std::vector<int> batch_sizes_;

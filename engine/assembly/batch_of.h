@@ -74,6 +74,7 @@ class BodyBatchOf final : public BodyBatch {
       for (const auto& [at, count] : {std::pair(frame, 36), std::pair(frame_linear, coupled),
                                       std::pair(linear_frame, coupled), std::pair(linear, entries)})
         if (at) std::fill_n(at, count, 0.0);
+      if (record.frames > 1) return write_frames(work, caches, v_dot, weights, increment, i, S);
       bodies_[i]->T::add_tangent(state_of(work, caches, i), v_dot + record.v, work.gravity, weights, S);
       if (!increment || record.frame < 0) return;
       // d_dot = Jr⁻¹ omega: corrections of the increment turn the state by Jr(psi)
@@ -86,6 +87,26 @@ class BodyBatchOf final : public BodyBatch {
   }
 
  private:
+  /// The tangent of a body with several frames; the blocks of their pairs are zero so far.
+  void write_frames(Workspace& work, Caches& caches, const double* v_dot, const TangentWeights& weights,
+                    const double* increment, std::size_t i, BodyTangent& S) const {
+    const BodyRecord& record = records_[i];
+    std::fill_n(S.frame.data() + 36, 36 * (record.frames - 1), 0.0);
+    S.values = work.values.data();
+    S.pairs = record.pairs;
+    bodies_[i]->T::add_tangent(state_of(work, caches, i), v_dot + record.v, work.gravity, weights, S);
+    if (!increment) return;
+    const auto turn = [&](Eigen::Map<Matrix6> block, int frame) {
+      const Matrix3 chart = right_jacobian_inverse(Eigen::Map<const Vector3>(increment + record.v + 6 * frame + 3));
+      auto columns = block.template rightCols<3>();
+      columns = columns.lazyProduct(chart).eval();
+    };
+    for (int k = 0; k < record.frames; ++k) turn(S.frame_block(k), k);
+    const auto pairs = bodies_[i]->T::coordinates().pairs;
+    for (int k = 0; k < static_cast<int>(pairs.size()); ++k)
+      turn(S.upper_block(k), pairs[k].second), turn(S.lower_block(k), pairs[k].first);
+  }
+
   struct TypedCaches final : Caches {
     std::vector<Cache> all;
     BodyCache& at(int i) override { return all[i]; }

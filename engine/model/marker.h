@@ -38,11 +38,13 @@ class DeflectedMarker {
 ///   (v, w) = J v_body,   (v_dot, w_dot) = J v_body_dot + (bias_v, bias_w)
 /// J is never stored: for a body with a frame (rotation A, marker at r in body axes) and linear coordinates eta
 ///   J = [E, -A r~, A B; 0, A, A T],   elastic = [B; T] (6 x n, body axes, column-major; null if eta does not move it).
-/// A body without frame has A = E and only the elastic columns.
+/// A body without frame has A = E and only the elastic columns. Of a body with several frames, v_body is the velocity of
+/// one frame, A its rotation, and "body axes" are those of that frame.
 struct MarkerKinematics {
   const Matrix3* A = nullptr;
   const double* elastic = nullptr;
   const DeflectedMarker* deflected = nullptr;  // null: the columns are constant
+  int frame = 0;                               // of a body with several frames, the one that it is fixed in
   Vector3 r;                                   // position in body axes
   Vector3 p;                                   // position
   Matrix3 R;                                   // marker axes to world axes

@@ -95,10 +95,11 @@ bool SceneFingerprint::sample(double away) {
     equations.constraint(Level::velocity, rows_.segment(rows, rows));
     equations.constraint(Level::acceleration, rows_.tail(rows));
     const VectorX& of_forces = equations.workspace().force_energy;
-    energy_.resize(3 * static_cast<Eigen::Index>(layout.bodies().size()) + of_forces.size());
+    const auto& bodies = system_.graph().bodies();
+    energy_.resize(3 * static_cast<Eigen::Index>(bodies.size() - 1) + of_forces.size());
     Eigen::Index at = 0;
-    for (const auto& b : layout.bodies()) {
-      const BodyEnergy e = b.body->energy(equations.body_state(*b.body), system_.gravity());
+    for (std::size_t i = 1; i < bodies.size(); ++i) {
+      const BodyEnergy e = bodies[i].body->energy(equations.body_state_at(i), system_.gravity());
       for (double joules : {e.kinetic, e.elastic, e.gravity}) energy_[at++] = joules;
     }
     energy_.tail(of_forces.size()) = of_forces;
@@ -151,8 +152,9 @@ void SceneFingerprint::same(Archive& archive) const {
       differ(archive, "the same elements, but other parameters of body " + owner(i) + both(own, own_, i));
     if (const auto i = first_difference(energy, energy_); i >= 0) {
       const auto& forces = system_.graph().forces();
-      const auto place = static_cast<std::size_t>(i), of_bodies = 3 * bodies.size();
-      const std::string name = place < of_bodies                   ? "body '" + bodies[place / 3].name + "'"
+      const auto& elements = system_.graph().bodies();
+      const auto place = static_cast<std::size_t>(i), of_bodies = 3 * (elements.size() - 1);
+      const std::string name = place < of_bodies ? "body '" + elements[place / 3 + 1].body->name() + "'"
                                : place - of_bodies < forces.size() ? "'" + forces[place - of_bodies].force->name() + "'"
                                                                    : "forces";
       differ(archive, "the same elements, but other parameters or gravity of " + name + both(energy, energy_, i));

@@ -17,7 +17,7 @@ namespace {
 void add_wrench(const Layout& layout, const Marker& marker, const MarkerKinematics& k, const Wrench& w,
                 VectorX& force) {
   if (marker.body->coordinates().v_count() == 0) return;  // ground
-  const Layout::BodySlice& b = layout.slice(*marker.body);
+  const Layout::BodySlice& b = (&layout.slice(*marker.body))[k.frame];
   const Vector3 F = k.A->transpose() * w.force, T = k.A->transpose() * w.torque;
   int v = b.v;
   if (b.frame) {
