@@ -98,9 +98,7 @@ class SystemBuilder {
   }
 
   static void check_frames(const Body& body, const Coordinates& c) {
-    const auto wrong = [&](const FramePair& p) {
-      return p.first < 0 || p.first >= p.second || p.second >= c.frames;
-    };
+    const auto wrong = [&](const FramePair& p) { return p.first < 0 || p.first >= p.second || p.second >= c.frames; };
     std::string problem;
     if (c.frames > 1 && c.linear > 0)
       problem = "has " + std::to_string(c.frames) + " frames and " + std::to_string(c.linear) + " linear coordinates";

@@ -14,8 +14,8 @@ namespace lithe {
 
 /// Where a body's blocks lie.
 struct BodyRecord {
-  int q, v, frame, linear;                   // frame, linear: indices into BlockStructure, -1: none; the first frame
-  int frames;                                // how many
+  int q, v, frame, linear;  // frame, linear: indices into BlockStructure, -1: none; the first frame
+  int frames;               // how many
   std::vector<BodyTangent::PairPlace> pairs;
   std::vector<std::pair<int, int>> markers;  // (marker of the body, place in the table): those that connectors use
   std::vector<std::pair<int, int>> loaded;   // of these, those that force elements use

@@ -117,11 +117,13 @@ void SceneDescription::describe_bodies() {
     const bool moves = coordinates.v_count() > 0;
     plan_.body_number[entry.body] = number;
     BodyPart& part = plan_.bodies.emplace_back();
-    part = {.body = entry.body, .place = i, .frame = coordinates.frames == 1,
-            .frames = coordinates.frames, .linear = coordinates.linear};
+    part = {.body = entry.body,
+            .place = i,
+            .frame = coordinates.frames == 1,
+            .frames = coordinates.frames,
+            .linear = coordinates.linear};
     part.drawable = dynamic_cast<const DrawableBody*>(entry.body);
-    if (moves && !part.frame && !part.drawable && entry.body->marker_count() > 0)
-      part.carrier = Marker{entry.body, 0};
+    if (moves && !part.frame && !part.drawable && entry.body->marker_count() > 0) part.carrier = Marker{entry.body, 0};
     Json json = {{"name", name},
                  {"kind", class_name(entry.type.name())},
                  {"frame", part.frame},
