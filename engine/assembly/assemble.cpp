@@ -3,6 +3,7 @@
 
 #include "engine/assembly/assembler.h"
 #include "engine/assembly/batch_of.h"
+#include "engine/assembly/body_check.h"
 #include "engine/assembly/find_rigid_scene.h"
 #include "engine/assembly/moment_check.h"
 #include "engine/assembly/redundancy.h"
@@ -87,27 +88,8 @@ class SystemBuilder {
       numbers_.emplace(s.body, static_cast<int>(numbers_.size()));
       first_slices_.push_back(static_cast<int>(&s - layout.bodies().data()));
       const Coordinates c = s.body->coordinates();
-      check_frames(*s.body, c);
-      auto q = q_.segment(s.q, c.q_count()), v = v_.segment(s.v, c.v_count());
-      s.body->initial_state(q, v);
-      for (int i = 0; i < q.size() + v.size(); ++i)
-        if (!std::isfinite(i < q.size() ? q[i] : v[i - q.size()]))
-          throw SceneError("body '" + s.body->name() + "' starts with a coordinate that is not finite", s.body->where(),
-                           "give finite initial position, orientation and velocities");
+      read_initial_state(*s.body, q_.segment(s.q, c.q_count()), v_.segment(s.v, c.v_count()));
     }
-  }
-
-  static void check_frames(const Body& body, const Coordinates& c) {
-    const auto wrong = [&](const FramePair& p) { return p.first < 0 || p.first >= p.second || p.second >= c.frames; };
-    std::string problem;
-    if (c.frames > 1 && c.linear > 0)
-      problem = "has " + std::to_string(c.frames) + " frames and " + std::to_string(c.linear) + " linear coordinates";
-    else if (std::any_of(c.pairs.begin(), c.pairs.end(), wrong))
-      problem = "couples frames that it does not have, or a frame with itself";
-    if (!problem.empty())
-      throw SceneError("body '" + body.name() + "' " + problem, body.where(),
-                       "its author is to fix coordinates(): several frames and no linear coordinates, pairs (first, "
-                       "second) with 0 <= first < second < frames");
   }
 
   /// Every marker that a connector uses gets a place in the table; its drawn pose tells what it is.
@@ -240,7 +222,7 @@ class SystemBuilder {
       const auto& rows = layout.rows()[i];
       ConnectorRecord record = connect(c.markers, rows.first, rows.count, -1, false);
       record.first_angle = system_.first_angles_[i];
-      if (couples(*c.constraint, drawn(c.markers))) add_couplings(record, couplings);
+      if (connector::couples(*c.constraint, drawn(c.markers))) add_couplings(record, couplings);
       constraint_records_.push_back(record);
     }
     b.row_count = layout.row_count();
@@ -278,7 +260,7 @@ class SystemBuilder {
 
   ConnectorRecord connect(const std::vector<Marker>& markers, int first_row, int rows, int compliant, bool loads) {
     BlockStructure& b = system_.blocks_;
-    std::vector<MarkerSlot> slots(markers.size());
+    std::vector<MarkerSlot> slots;
     ConnectorRecord record;
     record.first_row = first_row;
     record.rows = -1;
@@ -286,7 +268,7 @@ class SystemBuilder {
       record.rows = static_cast<int>(b.rows.size());
       b.rows.push_back({first_row, rows, compliant});
     }
-    record.slot_count = static_cast<int>(markers.size());
+    record.marker_count = static_cast<int>(markers.size());
     struct Touched {
       int jacobian = -1;
       bool linear_written = false;
@@ -297,37 +279,45 @@ class SystemBuilder {
         return m.body == body && used_.at({m.body, m.index}).drawn.elastic != nullptr;
       });
     };
-    for (std::size_t i = 0; i < markers.size(); ++i) {
-      const Marker& m = markers[i];
-      const Used& used = used_.at({m.body, m.index});
-      MarkerSlot slot{used.place, -1, -1, -1, 0, -1, false, false};
-      if (m.body == &graph_.ground()) {
-        add_once(ground_.markers, m.index, used.place);
-        if (loads) add_once(ground_.loaded, m.index, used.place);
-      } else {
-        const auto& s = (&slice_of(*m.body))[used.drawn.frame];
-        BodyRecord& body = records_[numbers_.at(m.body)];
-        add_once(body.markers, m.index, used.place);
-        if (loads) add_once(body.loaded, m.index, used.place);
-        slot.velocity = s.v;
-        slot.frame = body.frame < 0 ? -1 : body.frame + used.drawn.frame;
-        if (used.drawn.elastic) slot.linear = body.linear, slot.size = s.linear;
-        Touched& t = touched[{m.body, used.drawn.frame}];
-        if (rows > 0 && t.jacobian < 0) {
-          const bool linear = moves(m.body);
-          t.jacobian = static_cast<int>(b.jacobians.size());
-          slot.first_frame = true;
-          BlockStructure::Jacobian G{record.rows, slot.frame, 0, linear ? body.linear : -1, 0, s.v};
-          if (slot.frame >= 0) G.values = b.reserve(6 * rows);
-          if (linear) G.linear_values = b.reserve(rows * s.linear);
-          b.jacobians.push_back(G);
-        }
-        slot.jacobian = t.jacobian;
-        slot.first_linear = slot.linear >= 0 && !t.linear_written;
-        t.linear_written |= slot.first_linear;
+    // A slot on one frame, or on none; where the first of a connector's slots on a frame writes its block.
+    const auto place = [&](MarkerSlot& slot, const Marker& m, const Used& used, int frame) {
+      const auto& s = (&slice_of(*m.body))[frame];
+      BodyRecord& body = records_[numbers_.at(m.body)];
+      add_once(body.markers, m.index, used.place);
+      if (loads) add_once(body.loaded, m.index, used.place);
+      slot.velocity = s.v;
+      slot.frame = body.frame < 0 ? -1 : body.frame + frame;
+      if (used.drawn.elastic) slot.linear = body.linear, slot.size = s.linear;
+      Touched& t = touched[{m.body, frame}];
+      if (rows > 0 && t.jacobian < 0) {
+        const bool linear = moves(m.body);
+        t.jacobian = static_cast<int>(b.jacobians.size());
+        slot.first_frame = true;
+        BlockStructure::Jacobian G{record.rows, slot.frame, 0, linear ? body.linear : -1, 0, s.v};
+        if (slot.frame >= 0) G.values = b.reserve(6 * rows);
+        if (linear) G.linear_values = b.reserve(rows * s.linear);
+        b.jacobians.push_back(G);
       }
-      slots[i] = slot;
-    }
+      slot.jacobian = t.jacobian;
+      slot.first_linear = slot.linear >= 0 && !t.linear_written;
+      t.linear_written |= slot.first_linear;
+    };
+    for (int share : {0, 1})
+      for (std::size_t i = 0; i < markers.size(); ++i) {
+        const Marker& m = markers[i];
+        const Used& used = used_.at({m.body, m.index});
+        const MarkerBetween* between = used.drawn.between;
+        if (share > 0 && !between) continue;
+        MarkerSlot slot{used.place, -1, -1, -1, 0, -1, false, false, static_cast<int>(i), between ? share : -1};
+        if (m.body != &graph_.ground()) {
+          place(slot, m, used, between ? between->shares[share].frame : used.drawn.frame);
+        } else {
+          add_once(ground_.markers, m.index, used.place);
+          if (loads) add_once(ground_.loaded, m.index, used.place);
+        }
+        slots.push_back(slot);
+      }
+    record.slot_count = static_cast<int>(slots.size());
     record.slots = keep(slots.data(), record.slot_count);
     return record;
   }
@@ -348,6 +338,10 @@ class SystemBuilder {
     for (std::size_t i = 0; i < markers.size(); ++i) {
       contact.places.push_back(record.slots[i].marker);
       const Marker& m = markers[i];
+      if (used_.at({m.body, m.index}).drawn.between)
+        throw SceneError(
+            "'" + element.name() + "' has a collider on a marker between two frames of '" + m.body->name() + "'",
+            element.where(), "put it on a marker at a node");
       contact.bodies.push_back(m.body == &graph_.ground()
                                    ? -1
                                    : first_slices_[numbers_.at(m.body)] + used_.at({m.body, m.index}).drawn.frame);
@@ -376,22 +370,6 @@ class SystemBuilder {
   static void add_once(std::vector<std::pair<int, int>>& markers, int index, int place) {
     if (std::none_of(markers.begin(), markers.end(), [&](const auto& p) { return p.second == place; }))
       markers.emplace_back(index, place);
-  }
-
-  /// Whether the load of a joint on one body depends on where the other is.
-  static bool couples(const Constraint& constraint, const std::vector<MarkerKinematics>& markers) {
-    const int n = static_cast<int>(markers.size());
-    ConstraintRows rows(n);
-    ConstraintRows::Stiffness K = ConstraintRows::Stiffness::Zero(6 * n, 6 * n);
-    double multipliers[kMaxRows];
-    for (int r = 0; r < kMaxRows; ++r) multipliers[r] = 1 + 0.37 * r;  // no accidental cancellation
-    rows.collect_stiffness(multipliers, &K);
-    constraint.evaluate(0, connector::Views(markers.data(), n), rows);
-    if (rows.written()) return true;
-    for (int i = 0; i < n; ++i)
-      for (int j = 0; j < n; ++j)
-        if (i != j && !K.block<6, 6>(6 * i, 6 * j).isZero(0)) return true;
-    return false;
   }
 
   static void add_couplings(const ConnectorRecord& record, std::vector<std::pair<int, int>>& couplings) {

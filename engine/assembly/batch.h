@@ -46,8 +46,8 @@ struct ConnectorRecord {
   int first_row, rows;  // rows vertex index in BlockStructure::rows
   int energy = -1;      // force elements: index into Workspace::force_energy
   int first_angle = 0;  // of the connector's measured angles, in Workspace::quarter_turns
-  int slot_count = 0;
-  const MarkerSlot* slots = nullptr;  // the system's
+  int marker_count = 0, slot_count = 0;
+  const MarkerSlot* slots = nullptr;  // the system's; those of the markers in their order first
 };
 
 /// All constraints of one type.

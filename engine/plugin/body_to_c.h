@@ -141,6 +141,9 @@ int32_t marker_kinematics(const void* body, const lithe_body_state* s, int32_t m
     write_numbers(k.bias_w, out->bias_w);
     write_numbers(k.r, out->r);
     out->elastic = k.elastic;
+    if (k.between)
+      throw SceneError("marker " + std::to_string(marker) + " moves with two frames", "",
+                       "make markers of plug-ins in one frame: such a marker does not cross the border");
     if (k.frame != 0) out->frame = k.frame;  // a host that does not know it has no bodies with several frames
     return kFine;
   });

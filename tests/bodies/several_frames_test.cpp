@@ -11,6 +11,7 @@
 #include "engine/observe/sensors.h"
 #include "engine/run/simulation.h"
 #include "joints/distance_joint.h"
+#include "joints/parallel_axes_joint.h"
 #include "joints/revolute_joint.h"
 #include "joints/spherical_joint.h"
 #include "tests/joints/mechanisms.h"
@@ -77,8 +78,8 @@ FrameChain& draw_chain(SystemGraph& graph, bool string = false, double length = 
   return chain;
 }
 
-/// The law of the springs outlives the graph.
-void draw_parts(SystemGraph& graph, bool string = false) {
+/// Blocks, springs and beads of the chain. The law of the springs outlives the graph.
+std::array<RigidBody*, 3> draw_blocks(SystemGraph& graph, std::vector<Marker>* beads = nullptr) {
   static const FrameChain law{{}};
   std::array<RigidBody*, 3> block;
   for (int i = 0; i < 3; ++i)
@@ -90,8 +91,15 @@ void draw_parts(SystemGraph& graph, bool string = false) {
                                       {.mass = 0.4, .position = {0.45 + 0.5 * i, 0.1, 0}, .velocity = {0, 0, 0.3}});
     const Marker a = block[i]->marker(), b = block[i + 1]->marker();
     graph.add<Spring>("spring" + std::to_string(i), {a, b}, {&law});
-    graph.add<Middle>("middle" + std::to_string(i), {a, b, bead.marker()}, {});
+    const Marker at = bead.marker();
+    graph.add<Middle>("middle" + std::to_string(i), {a, b, at}, {});
+    if (beads) beads->push_back(at);
   }
+  return block;
+}
+
+void draw_parts(SystemGraph& graph, bool string = false) {
+  const auto block = draw_blocks(graph);
   draw_rest(graph,
             {block[0]->marker({-0.2, -0.1, 0}), block[2]->marker({0.1, 0, 0}, kHinge), block[0]->marker({0, 0, 0.2}),
              block[2]->marker({0, 0.1, 0.2})},
@@ -101,8 +109,9 @@ void draw_parts(SystemGraph& graph, bool string = false) {
 TEST(SeveralFrames, OweWhatEveryBodyOwes) {
   SystemGraph graph{{.gravity = {1, 2, -kGravity}}};
   auto& chain = graph.add<FrameChain>("chain", {});
-  const Marker markers[] = {chain.node(0), chain.marker_in(1, {0.1, 0.2, 0.3}, kHinge), chain.marker_in(2, {0, 0, 1})};
-  check_body(graph, chain, {markers[0], markers[1], markers[2]}, {.mass = 3.8});
+  const std::vector<Marker> markers = {chain.node(0), chain.marker_in(1, {0.1, 0.2, 0.3}, kHinge),
+                                       chain.marker_in(2, {0, 0, 1}), chain.bead(0), chain.bead(1)};
+  check_body(graph, chain, markers, {.mass = 3.8});
 }
 
 /// The positions of the blocks after 0.3 s, with and without a joint between two frames of one body.
@@ -132,6 +141,40 @@ TEST(SeveralFrames, MoveAsBodiesOfTheirOwnByEveryMethod) {
       expect_below(name, apart, 2e-6);
       EXPECT_GT((scene.state.q.segment<3>(14) - scene.system.initial_state().q.segment<3>(14)).norm(), 0.1);
     }
+  }
+}
+
+/// A rod hinged to a bead, and a spring from a bead to ground: markers that two frames move.
+TEST(SeveralFrames, AreHeldAndLoadedBetweenTheFrames) {
+  const auto hang = [](SystemGraph& graph, const Marker& first, const Marker& second, const Marker& axes) {
+    auto& rod =
+        graph.add<RigidBody>("rod", {.mass = 0.6, .inertia = {0.01, 0.03, 0.03}, .position = {0.45, 0.1, -0.2}});
+    graph.add<SphericalJoint>("ball", {first, rod.marker({0, 0, 0.2})});
+    graph.add<DistanceJoint>("string", {graph.ground().marker({0.9, 0, 0.8}), second});
+    graph.add<ParallelAxesJoint>("upright", {axes, graph.ground().marker()});
+  };
+  Scene parts({0, 0, -kGravity}, [&](SystemGraph& graph) {
+    std::vector<Marker> beads;
+    const auto block = draw_blocks(graph, &beads);
+    hang(graph, beads[0], beads[1], block[1]->marker());
+  });
+  parts.run(*radau(1e-12), 0.3);
+  const Equilibrium many = find_equilibrium(parts.system, parts.system.initial_state());
+  for (auto& [name, method] : every_method(1e-4)) {
+    SCOPED_TRACE(name);
+    Scene scene({0, 0, -kGravity}, [&](SystemGraph& graph) {
+      auto& chain = graph.add<FrameChain>("chain", {.position = {0.2, 0.1, 0}, .velocity = {0, 0, 0.3}});
+      hang(graph, chain.bead(0), chain.bead(1), chain.bead(1));
+    });
+    EXPECT_EQ(scene.system.degrees_of_freedom(), parts.system.degrees_of_freedom());
+    const Equilibrium one = find_equilibrium(scene.system, scene.system.initial_state());
+    scene.run(*method, 0.3);
+    double apart = 0;
+    for (int i = 0; i < 3; ++i) {
+      apart = std::max(apart, (scene.state.q.segment<3>(7 * i) - parts.state.q.segment<3>(7 * i)).norm());
+      EXPECT_NEAR(one.state.q[7 * i + 2], many.state.q[7 * i + 2], 1e-7) << i;
+    }
+    expect_below(name, apart, 2e-6);
   }
 }
 

@@ -16,6 +16,10 @@ double relative(const MatrixX& got, const MatrixX& want, double scale = 0) {
 /// J v of a marker as documented, and J v_dot + bias, without the engine's joints; `frame`: velocities of frames.
 Vector6 twist(const MarkerKinematics& k, const VectorX& v, int frame) {
   Vector6 V = Vector6::Zero();
+  if (k.between) {
+    for (const MarkerBetween::Share& share : k.between->shares) V += share.J * v.segment<6>(6 * share.frame);
+    return V;
+  }
   if (frame) {
     const int at = 6 * k.frame;
     V.head<3>() = v.segment<3>(at) + *k.A * Vector3(v.segment<3>(at + 3)).cross(k.r);

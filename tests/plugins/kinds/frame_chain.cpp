@@ -27,7 +27,15 @@ class FrameChain final : public Body {
                                                       {"position", &Parameters::position},
                                                       {"velocity", &Parameters::velocity}};
   struct Cache : BodyCache {
+    /// In the middle between two origins, with the axes of the first frame.
+    struct Middle final : MarkerBetween {
+      Matrix3 A;
+      void add_load_stiffness(const Vector3&, const Vector3& torque, Eigen::Matrix<double, 12, 12>& K) const override {
+        K.block<3, 3>(3, 3) += skew(A.transpose() * torque);
+      }
+    };
     std::array<Matrix3, kFrames> axes;
+    std::array<Middle, kFrames - 1> middles;
     explicit Cache(const FrameChain&) {}
   };
 
@@ -49,6 +57,12 @@ class FrameChain final : public Body {
     return new_marker();
   }
 
+  /// Where bead `number` is, from 0, with the axes of the frame before it.
+  Marker bead(int number) {
+    markers_.push_back({number, {0, 0, 0}, Matrix3::Identity(), true});
+    return new_marker();
+  }
+
   Coordinates coordinates() const override { return {.frames = kFrames, .linear = 0, .pairs = kPairs}; }
   std::unique_ptr<BodyCache> make_cache() const override { return std::make_unique<Cache>(*this); }
   void initial_state(VectorRef q, VectorRef v) const override {
@@ -62,6 +76,16 @@ class FrameChain final : public Body {
     auto& cache = static_cast<Cache&>(*s.cache);
     for (int i = 0; i < kFrames; ++i) cache.axes[i] = rotation_matrix(Eigen::Map<const Vector4>(s.q + 7 * i + 3));
     cache.A = cache.axes[0];
+    for (int i = 0; i + 1 < kFrames; ++i) {
+      Cache::Middle& middle = cache.middles[i];
+      middle.A = cache.axes[i];
+      for (int k : {0, 1}) {
+        middle.shares[k].frame = i + k;
+        middle.shares[k].J.setZero();
+        middle.shares[k].J.topLeftCorner<3, 3>().diagonal().setConstant(0.5);
+      }
+      middle.shares[0].J.bottomRightCorner<3, 3>() = middle.A;
+    }
   }
   void add_residual(const BodyState& s, const double* v_dot, const Vector3& gravity, double* r) const override {
     const auto& p = parameters_;
@@ -107,6 +131,8 @@ class FrameChain final : public Body {
     const Place& place = markers_[marker];
     const Matrix3& A = static_cast<const Cache&>(*s.cache).axes[place.frame];
     const double *q = s.q + 7 * place.frame, *v = s.v + 6 * place.frame;
+    if (place.on_bead) return bead_kinematics(s, place.frame, level, k);
+    k.between = nullptr;
     k.frame = place.frame;
     k.r = place.position;
     k.A = &A;
@@ -170,7 +196,25 @@ class FrameChain final : public Body {
     int frame;
     Vector3 position;
     Matrix3 orientation;
+    bool on_bead = false;
   };
+  static void bead_kinematics(const BodyState& s, int i, Level level, MarkerKinematics& k) {
+    const auto vector = [](const double* from) { return Eigen::Map<const Vector3>(from); };
+    const auto& cache = static_cast<const Cache&>(*s.cache);
+    k.between = &cache.middles[i];
+    k.frame = i;
+    k.A = &cache.axes[i];
+    k.elastic = nullptr;
+    k.r.setZero();
+    k.p = 0.5 * (vector(s.q + 7 * i) + vector(s.q + 7 * i + 7));
+    k.R = cache.axes[i];
+    if (level == Level::position) return;
+    k.v = 0.5 * (vector(s.v + 6 * i) + vector(s.v + 6 * i + 6));
+    k.w = cache.axes[i] * vector(s.v + 6 * i + 3);
+    if (level == Level::velocity) return;
+    k.bias_v.setZero();
+    k.bias_w.setZero();
+  }
   static constexpr FramePair kPairs[] = {{0, 1}, {1, 2}};
 
   static Pose pose(const double* q) { return {Eigen::Map<const Vector3>(q), Eigen::Map<const Vector4>(q + 3)}; }
