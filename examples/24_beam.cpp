@@ -20,7 +20,7 @@ int main() {
   // 2. Statics: clamped, pushed up at its end by 5 EI/L², without weight.
   const auto pushed = [&](int elements) {
     SystemGraph graph{{.gravity = {0, 0, 0}}};
-    Beam beam(graph, "strip", {.axis = axis, .sections = {{0, strip}}, .elements = elements});
+    auto& beam = graph.add<Beam>("strip", {.axis = axis, .sections = {{0, strip}}, .elements = elements});
     graph.add<FixedJoint>("clamp", {graph.ground().marker({}, beam.axes(0)), beam.marker(0)});
     graph.add<PointForce>("push", {beam.marker(length)}, {.force = {0, 0, 5 * EI / (length * length)}});
     const System system = assemble(graph);
@@ -39,7 +39,7 @@ int main() {
 
   // 3. Dynamics: hung from a hinge, let go level, as a beam and as a rigid rod beside it.
   SystemGraph graph;
-  Beam beam(graph, "strip", {.axis = axis, .sections = {{0, strip}}});
+  auto& beam = graph.add<Beam>("strip", {.axis = axis, .sections = {{0, strip}}});
   const MassProperties m = box({length, 0.02, 0.0005}, 7850);
   auto& rod = graph.add<RigidBody>("rod", {.mass = m.mass, .inertia = m.inertia, .position = {length / 2, 0, 0}});
   const Matrix3 hinge = rotation_about({1, 0, 0}, M_PI / 2);  // its z along -y

@@ -2,19 +2,15 @@
 
 #include <algorithm>
 
+#include "bodies/beam/beam_cache.h"
+#include "engine/assembly/batch_of.h"
 #include "engine/base/checks.h"
 #include "engine/base/rotations.h"
+#include "engine/observe/snapshot.h"
 
 namespace lithe {
 
 namespace {
-
-/// What a piece of the beam weighs, about a place.
-struct Piece {
-  double length = 0, mass = 0;
-  Vector3 first_length = Vector3::Zero(), first_mass = Vector3::Zero();  // ∫ r ds, ∫ r dm
-  Matrix3 inertia = Matrix3::Zero();                                     // about the place
-};
 
 BeamSection section_at(const std::vector<Beam::Station>& stations, double arc) {
   const auto next = std::find_if(stations.begin(), stations.end(), [&](const auto& s) { return s.arc > arc; });
@@ -24,8 +20,8 @@ BeamSection section_at(const std::vector<Beam::Station>& stations, double arc) {
   return between(last->section, next->section, (arc - last->arc) / (next->arc - last->arc));
 }
 
-/// Adds the stretch from `from` to `to`, in the axes and from the point of `node`, as drawn: Gauss's four points.
-void add_stretch(const Beam::Parameters& p, const FramePose& node, double from, double to, Piece& piece) {
+/// Adds the stretch from `from` to `to` to a mass matrix about `node`, in its axes, as drawn: Gauss's four points.
+void add_stretch(const Beam::Parameters& p, const FramePose& node, double from, double to, Matrix6& mass) {
   constexpr double kPlace[] = {0.33998104358485626, 0.86113631159405258};
   constexpr double kWeight[] = {0.65214515486254614, 0.34785484513745386};
   for (int i = 0; i < 4; ++i) {
@@ -33,14 +29,13 @@ void add_stretch(const Beam::Parameters& p, const FramePose& node, double from, 
     const double ds = 0.5 * (to - from) * kWeight[i % 2];
     const FramePose pose = p.axis.pose(arc);
     const BeamSection section = section_at(p.sections, arc);
-    const Matrix3 turn = node.axes.transpose() * pose.axes;
-    const Vector3 r = node.axes.transpose() * (pose.position - node.position), c = section.mass_center();
-    const double mass = section.mass_per_length() * ds;
-    const Matrix3 about_center = section.mass.bottomRightCorner<3, 3>() + section.mass_per_length() * skew(c) * skew(c);
-    const Vector3 center = r + turn * c;
-    piece.length += ds, piece.mass += mass;
-    piece.first_length += ds * r, piece.first_mass += mass * center;
-    piece.inertia += ds * turn * about_center * turn.transpose() - mass * skew(center) * skew(center);
+    // The section's axes, seen from the node: [R, 0; r~ R, R] carries its momenta there.
+    const Matrix3 R = node.axes.transpose() * pose.axes;
+    const Vector3 r = node.axes.transpose() * (pose.position - node.position);
+    Matrix6 carry = Matrix6::Zero();
+    carry.topLeftCorner<3, 3>() = carry.bottomRightCorner<3, 3>() = R;
+    carry.bottomLeftCorner<3, 3>() = skew(r) * R;
+    mass += ds * carry * section.mass * carry.transpose();
   }
 }
 
@@ -84,21 +79,7 @@ std::vector<double> place_nodes(const Beam::Parameters& p) {
   return arcs;
 }
 
-const std::vector<std::string> kStrains = {"_Gamma_1", "_Gamma_2", "_Gamma_3", "_K_1", "_K_2", "_K_3"};
-const std::vector<std::string> kResultants = {"_n_1", "_n_2", "_n_3", "_m_1", "_m_2", "_m_3"};
-
-Sensor make_sensor(Located name, const BeamElement& element, const std::vector<std::string>& endings,
-                   std::vector<std::string> units, bool resultants) {
-  if (name.text.empty()) name.text = element.name();
-  std::vector<std::string> columns;
-  for (const std::string& ending : endings) columns.push_back(name.text + ending);
-  const auto read = [&element, resultants](Snapshot& now, std::span<double> values) {
-    const MarkerKinematics a = now.marker(element.markers()[0]), b = now.marker(element.markers()[1]);
-    const MarkerView A(a, 0), B(b, 1);
-    Eigen::Map<Vector6>(values.data()) = resultants ? element.resultants(A, B) : element.strain(A, B);
-  };
-  return {std::move(name), std::move(columns), read, std::move(units)};
-}
+double clamped(double arc, double length) { return std::min(std::max(arc, 0.0), length); }
 
 }  // namespace
 
@@ -120,78 +101,123 @@ BeamAxis BeamAxis::curved(const FramePose& start, const Vector3& curvature, doub
           }};
 }
 
-Beam::Beam(SystemGraph& graph, Located name, const Parameters& p) : name_(name.text), where_(to_string(name.where)) {
-  require::at("'" + name_ + "' of " + where_, [&] {
-    check(p);
-    arcs_ = place_nodes(p);
-  });
-  const int count = static_cast<int>(arcs_.size());
-  const Vector3 start = p.axis.pose(0).position;
-  for (int i = 0; i < count; ++i) {
-    const FramePose node = p.axis.pose(arcs_[i]);
-    Piece piece;
-    if (i > 0) add_stretch(p, node, 0.5 * (arcs_[i - 1] + arcs_[i]), arcs_[i], piece);
-    if (i + 1 < count) add_stretch(p, node, arcs_[i], 0.5 * (arcs_[i] + arcs_[i + 1]), piece);
-    const Vector3 center = piece.first_mass / piece.mass;
-    const Vector3 position = node.position + node.axes * center;
-    const Matrix3 inertia = piece.inertia + piece.mass * skew(center) * skew(center);
-    auto& body = graph.add<RigidBody>({name_ + ".node" + std::to_string(i), name.where},
-                                      {.mass = piece.mass,
-                                       .inertia = Matrix3(0.5 * (inertia + inertia.transpose())),
-                                       .position = position,
-                                       .orientation = node.axes,
-                                       .velocity = p.velocity + p.angular_velocity.cross(position - start),
-                                       .angular_velocity = node.axes.transpose() * p.angular_velocity});
-    poses_.push_back(node);
-    nodes_.push_back(&body);
-    centers_.push_back(center);
-    axis_markers_.push_back(body.marker(-center));
-    middles_.push_back(body.marker(piece.first_length / piece.length - center));
+Beam::Beam(Parameters parameters) : parameters_(std::move(parameters)) {
+  const Parameters& p = parameters_;
+  check(p);
+  arcs_ = place_nodes(p);
+  for (const double arc : arcs_) poses_.push_back(p.axis.pose(arc));
+  for (int i = 0; i + 1 < node_count(); ++i) {
+    const FramePose &a = poses_[i], &b = poses_[i + 1];
+    require::rotation(a.axes, "axes at " + std::to_string(arcs_[i]) + " m");
+    try {
+      spans_.emplace_back(section_at(p.sections, 0.5 * (arcs_[i] + arcs_[i + 1])), arcs_[i + 1] - arcs_[i],
+                          se3::log_between(a.position, a.axes, b.position, b.axes));
+    } catch (const SceneError& error) {
+      throw SceneError("element " + std::to_string(i) + ", from " + std::to_string(arcs_[i]) + " m to " +
+                           std::to_string(arcs_[i + 1]) + " m: " + error.problem(),
+                       "", error.fix());
+    }
+    pairs_.push_back({i, i + 1});
   }
-  for (int i = 0; i + 1 < count; ++i)
-    elements_.push_back(&graph.add<BeamElement>(
-        {name_ + ".element" + std::to_string(i), name.where}, {axis_markers_[i], axis_markers_[i + 1]},
-        {.section = section_at(p.sections, 0.5 * (arcs_[i] + arcs_[i + 1])), .length = arcs_[i + 1] - arcs_[i]}));
+  if (p.mass == Mass::lumped)
+    for (int i = 0; i < node_count(); ++i) node_masses_.push_back(lumped_mass(i));
 }
 
-int Beam::node_at(double arc) const {
-  const auto near = std::min_element(arcs_.begin(), arcs_.end(),
-                                     [&](double a, double b) { return std::abs(a - arc) < std::abs(b - arc); });
-  if (!(std::abs(*near - arc) <= 1e-9 * arcs_.back()))
-    throw SceneError("beam '" + name_ + "' has no node at " + std::to_string(arc) + " m", where_,
-                     "list that place in .stations of the beam");
-  return static_cast<int>(near - arcs_.begin());
+Matrix6 Beam::lumped_mass(int node) const {
+  const FramePose& pose = poses_[static_cast<std::size_t>(node)];
+  const double here = arcs_[static_cast<std::size_t>(node)];
+  Matrix6 mass = Matrix6::Zero();
+  for (const int beside : {node - 1, node + 1}) {
+    if (beside < 0 || beside >= node_count()) continue;
+    const double middle = 0.5 * (here + arcs_[static_cast<std::size_t>(beside)]);
+    add_stretch(parameters_, pose, std::min(here, middle), std::max(here, middle), mass);
+  }
+  return 0.5 * (mass + mass.transpose());
 }
 
-Marker Beam::marker(double arc, const Point& offset, const Matrix3& orientation) const {
-  const int i = node_at(arc);
-  return nodes_[i]->marker(offset.at - centers_[i], orientation);
+Marker Beam::marker(double arc, const Point& offset, const Matrix3& orientation) {
+  const double slack = 1e-9 * length();
+  if (!(arc >= -slack && arc <= length() + slack))
+    throw SceneError("beam '" + name() + "' has no section at " + std::to_string(arc) + " m", where(),
+                     "give an arc length from 0 to " + std::to_string(length()));
+  require::at("'" + name() + "' of " + where(), [&] {
+    require::finite(offset.at, "offset");
+    require::rotation(orientation, "orientation");
+  });
+  const int e = element_at(clamped(arc, length()));
+  const double from = arcs_[e], to = arcs_[e + 1];
+  double share = (clamped(arc, length()) - from) / (to - from);
+  if (share < 1e-9) share = 0;
+  if (share > 1 - 1e-9) share = 1;
+  places_.push_back({e, share, offset.at, orientation});
+  return new_marker();
 }
 
-double Beam::piece_length(int node) const {
-  const double before = node > 0 ? arcs_[node] - arcs_[node - 1] : 0;
-  const double behind = node + 1 < node_count() ? arcs_[node + 1] - arcs_[node] : 0;
-  return 0.5 * (before + behind);
+Marker Beam::marker_at_world(const Point& point, const Matrix3& orientation) {
+  const auto nearest = std::min_element(poses_.begin(), poses_.end(), [&](const FramePose& a, const FramePose& b) {
+    return (a.position - point.at).squaredNorm() < (b.position - point.at).squaredNorm();
+  });
+  return marker(arcs_[nearest - poses_.begin()], nearest->axes.transpose() * (point.at - nearest->position),
+                nearest->axes.transpose() * orientation);
 }
 
-Vector6 Beam::strain(Snapshot& at, int element) const {
-  Vector6 values;
-  strain(element).evaluate(at, {values.data(), 6});
-  return values;
+double Beam::mass() const {
+  double sum = 0;
+  for (const Matrix6& mass : node_masses_) sum += mass(0, 0);
+  if (node_masses_.empty())
+    for (const BeamSpan& span : spans_) sum += span.length() * span.section().mass_per_length();
+  return sum;
 }
 
-Vector6 Beam::resultants(Snapshot& at, int element) const {
-  Vector6 values;
-  resultants(element).evaluate(at, {values.data(), 6});
-  return values;
+int Beam::element_at(double arc) const {
+  const auto behind = std::upper_bound(arcs_.begin(), arcs_.end(), arc);
+  return std::clamp(static_cast<int>(behind - arcs_.begin()) - 1, 0, element_count() - 1);
 }
 
-Sensor Beam::strain(int element, Located name) const {
-  return make_sensor(std::move(name), *elements_[element], kStrains, {"", "", "", "1/m", "1/m", "1/m"}, false);
+std::size_t Beam::checked_node(int i) const {
+  if (i >= 0 && i < node_count()) return static_cast<std::size_t>(i);
+  throw SceneError("beam '" + name() + "' has no node " + std::to_string(i), where(),
+                   "give 0 to " + std::to_string(node_count() - 1));
 }
 
-Sensor Beam::resultants(int element, Located name) const {
-  return make_sensor(std::move(name), *elements_[element], kResultants, {"N", "N", "N", "N m", "N m", "N m"}, true);
+std::size_t Beam::checked_element(int i) const {
+  if (i >= 0 && i < element_count()) return static_cast<std::size_t>(i);
+  throw SceneError("beam '" + name() + "' has no element " + std::to_string(i), where(),
+                   "give 0 to " + std::to_string(element_count() - 1) + "; element_at(arc) finds one");
 }
+
+int Beam::node_of(const Place& place) const {
+  if (place.share == 0) return place.element;
+  return place.share == 1 ? place.element + 1 : -1;
+}
+
+void Beam::initial_state(VectorRef q, VectorRef v) const {
+  const Vector3 start = poses_.front().position, spin = parameters_.angular_velocity;
+  for (int i = 0; i < node_count(); ++i) {
+    const FramePose& pose = poses_[i];
+    q.segment<7>(7 * i) << pose.position, quaternion_of(pose.axes);
+    v.segment<6>(6 * i) << parameters_.velocity + spin.cross(pose.position - start), pose.axes.transpose() * spin;
+  }
+}
+
+Sensor Beam::strain(int element, Located name) const { return make_sensor(element, std::move(name), false); }
+Sensor Beam::resultants(int element, Located name) const { return make_sensor(element, std::move(name), true); }
+
+Sensor Beam::make_sensor(int element, Located name, bool resultants) const {
+  static const std::vector<std::string> kStrains = {"_Gamma_1", "_Gamma_2", "_Gamma_3", "_K_1", "_K_2", "_K_3"};
+  static const std::vector<std::string> kResultants = {"_n_1", "_n_2", "_n_3", "_m_1", "_m_2", "_m_3"};
+  checked_element(element);
+  if (name.text.empty()) name.text = this->name() + ".element" + std::to_string(element);
+  std::vector<std::string> columns;
+  for (const std::string& ending : resultants ? kResultants : kStrains) columns.push_back(name.text + ending);
+  const auto read = [this, element, resultants](Snapshot& now, std::span<double> values) {
+    const BodyState state = now.assembler().body_state(*this);
+    Eigen::Map<Vector6>(values.data()) = resultants ? this->resultants(state, element) : strain(state, element);
+  };
+  if (resultants) return {std::move(name), std::move(columns), read, {"N", "N", "N", "N m", "N m", "N m"}};
+  return {std::move(name), std::move(columns), read, {"", "", "", "1/m", "1/m", "1/m"}};
+}
+
+template std::unique_ptr<BodyBatch> make_body_batch<Beam>();
 
 }  // namespace lithe

@@ -3,9 +3,10 @@
 #include <functional>
 #include <vector>
 
-#include "bodies/beam/beam_element.h"
-#include "bodies/rigid_body.h"
-#include "engine/model/system_graph.h"
+#include "bodies/beam/beam_span.h"
+#include "engine/assembly/batch.h"
+#include "engine/model/appearance.h"
+#include "engine/model/rigid_frame_body.h"
 #include "engine/observe/sensors.h"
 
 namespace lithe {
@@ -21,63 +22,107 @@ struct BeamAxis {
   static BeamAxis curved(const FramePose& start, const Vector3& curvature, double length);
 };
 
-/// A geometrically exact beam: rigid bodies as nodes, a BeamElement between each two. It is not an element itself: the
-/// elements that it adds to the graph are named "blade.node0", "blade.element0" and so on, and outlive it.
-///   Beam blade(graph, "blade", {.axis = BeamAxis::straight({0, 0, 0}, {8, 0, 0}), .sections = {{0, section}}});
+/// A geometrically exact beam: one body with a frame at each node (the section's axes: 1 along the beam) and a BeamSpan
+/// between each two. Strains are objective and without locking; errors are of second order in the length of the spans.
+/// Mass, weight and rotary inertia are exact for rigid motions of the undeformed beam, offsets of the section included.
+/// Lumped mass gives the higher frequencies better and costs less; consistent mass halves the error of a long flight
+/// (docs/equations.md 4.6 has figures).
+///   auto& blade = graph.add<Beam>("blade", {.axis = BeamAxis::straight({0, 0, 0}, {8, 0, 0}), .sections = {{0, s}}});
 ///   graph.add<FixedJoint>("root", {graph.ground().marker({0, 0, 0}, blade.axes(0)), blade.marker(0)});
-/// Mass is lumped: each node carries the beam between the middles of its elements as one rigid piece, so that mass,
-/// mass centre and inertia of a rigid motion of the undeformed beam are exact, and so are weight and its moments.
-/// Elements and lumping have an error of second order in the elements' length.
-class Beam {
+/// Markers may be anywhere along the axis and off it. A load between nodes bends the beam as its shape functions allow:
+/// where a large one acts, a station makes a node.
+class Beam final : public Body, public DrawableBody {
  public:
   struct Station {
     double arc;  // m
     BeamSection section;
   };
+  enum class Mass {
+    lumped,      // each node carries the beam between the middles of its elements, as drawn, as a rigid piece
+    consistent,  // kinetic energy of the motion between the nodes
+  };
   struct Parameters {
     BeamAxis axis{};
-    std::vector<Station> sections{};    // rising; linear between, constant beyond
-    int elements = 20;                  // in all; each stretch between stations has one at least
-    std::vector<double> stations{};     // m: where markers are wanted: there are nodes, as at both ends
+    std::vector<Station> sections{};  // rising; linear between, constant beyond; each span has that of its middle
+    int elements = 20;                // in all; each stretch between stations has one at least
+    std::vector<double> stations{};   // m: where there are to be nodes, as at both ends
+    Mass mass = Mass::lumped;
     Vector3 velocity{0, 0, 0};          // of the point at arc 0, world axes, m/s
     Vector3 angular_velocity{0, 0, 0};  // of the whole beam, world axes, rad/s
   };
-  /// Throws SceneError for an axis without length, stations out of order or beyond the ends, no section, and sections
-  /// that BeamSection::check refuses.
-  Beam(SystemGraph& graph, Located name, const Parameters& parameters);
+  /// Terms of the spans, and what markers between nodes need.
+  struct Cache;
 
-  /// At a node on the axis, with the section's axes; `arc` is 0, the length, a station or the place of another node.
-  Marker marker(double arc) const { return axis_markers_[node_at(arc)]; }
-  /// Fixed in the section there: `offset` in section axes (m), marker axes to section axes.
-  Marker marker(double arc, const Point& offset, const Matrix3& orientation = Matrix3::Identity()) const;
+  /// Throws SceneError for an axis without length, stations out of order or beyond the ends, no section, sections that
+  /// BeamSection::check refuses, and too few elements for the curvature (BeamSpan).
+  explicit Beam(Parameters parameters);
 
-  int node_count() const { return static_cast<int>(nodes_.size()); }
-  RigidBody& node(int i) const { return *nodes_[i]; }
-  double arc(int node) const { return arcs_[node]; }                 // m
-  const Matrix3& axes(int node) const { return poses_[node].axes; }  // as drawn
-  /// The node's piece of the beam: length, and a marker at the middle of its axis, for loads per length.
-  double piece_length(int node) const;
-  Marker piece_middle(int node) const { return middles_[node]; }
+  /// On the axis at an arc length (m), with the section's axes.
+  Marker marker(double arc) { return marker(arc, {}); }
+  /// Fixed in the section there: `offset` in section axes (m), marker axes to section axes. SceneError beyond the ends.
+  Marker marker(double arc, const Point& offset, const Matrix3& orientation = Matrix3::Identity());
+  /// Fixed in the section of the node that is nearest to `point` (world axes, m, as drawn); marker axes to world axes.
+  Marker marker_at_world(const Point& point, const Matrix3& orientation = Matrix3::Identity());
 
-  int element_count() const { return static_cast<int>(elements_.size()); }
-  const BeamElement& element(int i) const { return *elements_[i]; }
-  /// BeamElement::strain and ::resultants at a state: constant along the element, best in its middle.
-  Vector6 strain(Snapshot& at, int element) const;
-  Vector6 resultants(Snapshot& at, int element) const;
-  /// The same as a sensor: Gamma_1 …, K_1 … (1/m); n_1 … (N), m_1 … (N m).
+  double length() const { return arcs_.back(); }  // m
+  double mass() const;                            // kg
+  int node_count() const { return static_cast<int>(poses_.size()); }
+  double arc(int node) const { return arcs_[checked_node(node)]; }                 // m
+  const Matrix3& axes(int node) const { return poses_[checked_node(node)].axes; }  // as drawn
+  int element_count() const { return static_cast<int>(spans_.size()); }
+  const BeamSpan& element(int i) const { return spans_[checked_element(i)]; }
+  /// The element that holds the section at an arc length; of two the later one.
+  int element_at(double arc) const;
+
+  /// (Γ, K): axial strain, shears; torsion, curvatures (1/m), the drawn ones subtracted. Constant along an element,
+  /// best in its middle. At the state that filled the cache.
+  Vector6 strain(const BodyState& state, int element) const;
+  /// (n, m): force (N) and moment (N m) of the part behind on the part before, axes of the middle section; damping
+  /// included.
+  Vector6 resultants(const BodyState& state, int element) const;
+  /// The same as sensors: Gamma_1 …, K_1 … (1/m); n_1 … (N), m_1 … (N m).
   Sensor strain(int element, Located name = "") const;
   Sensor resultants(int element, Located name = "") const;
 
- private:
-  int node_at(double arc) const;
+  Coordinates coordinates() const override { return {.frames = node_count(), .linear = 0, .pairs = pairs_}; }
+  std::unique_ptr<BodyCache> make_cache() const override;
+  void initial_state(VectorRef q, VectorRef v) const override;
+  void evaluate(const BodyState&, Level) const override;
+  void add_residual(const BodyState&, const double* v_dot, const Vector3& gravity, double* r) const override;
+  /// Exact in velocities and accelerations; in positions without the derivatives of inertia and weight.
+  void add_tangent(const BodyState&, const double* v_dot, const Vector3& gravity, const TangentWeights&,
+                   BodyTangent&) const override;
+  void marker_kinematics(const BodyState&, int marker, Level, MarkerKinematics&) const override;
+  BodyEnergy energy(const BodyState&, const Vector3& gravity) const override;
 
-  std::string name_, where_;
-  std::vector<double> arcs_;
+  /// A tube of the bar that has the section's mass and inertia; points on its axis first.
+  DrawnMesh drawn_mesh(bool with_stress) const override;
+  void drawn_points(const BodyState&, const DrawnMesh& mesh, Matrix3X& points) const override;
+  std::vector<std::pair<int, double>> nodes_of_marker(int marker) const override;
+
+ private:
+  struct Place {
+    int element;
+    double share;  // ξ in the element; 0 and 1: at its nodes
+    Vector3 offset;
+    Matrix3 axes;
+  };
+  std::size_t checked_node(int i) const;
+  std::size_t checked_element(int i) const;
+  Sensor make_sensor(int element, Located name, bool resultants) const;
+  int node_of(const Place& place) const;  // -1: between two
+  Matrix6 lumped_mass(int node) const;
+  Matrix3X surface(std::span<const FramePose> nodes) const;
+
+  const Parameters parameters_;
+  std::vector<double> arcs_;  // of the nodes, m
   std::vector<FramePose> poses_;
-  std::vector<RigidBody*> nodes_;
-  std::vector<Vector3> centers_;  // of the nodes' pieces from the node, in its axes
-  std::vector<Marker> axis_markers_, middles_;
-  std::vector<const BeamElement*> elements_;
+  std::vector<BeamSpan> spans_;
+  std::vector<FramePair> pairs_;
+  std::vector<Matrix6> node_masses_;  // lumped, about the nodes, in their axes; empty: consistent
+  std::vector<Place> places_;
 };
+
+extern template std::unique_ptr<BodyBatch> make_body_batch<Beam>();
 
 }  // namespace lithe

@@ -15,7 +15,7 @@ struct BeamTablePlace {
 /// Axis, sections and damping of a beam from a file; set .elements and .stations of what it returns:
 ///   Beam::Parameters table = beam_table("blade.csv");
 ///   table.elements = 40;
-///   Beam blade(graph, "blade", table);
+///   auto& blade = graph.add<Beam>("blade", table);
 /// The axis is the natural cubic spline of x, y and twist over z. A section has axis 1 along it, axes 2 and 3 are x and
 /// y of the blade, turned about z by MINUS the twist. Sections are linear between their stations, in section axes.
 ///

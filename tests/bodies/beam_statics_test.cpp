@@ -21,13 +21,13 @@ nlohmann::json data(const std::string& name) {
 /// A clamped beam with a dead wrench at its end that grows with time from 0 to 1.
 struct Cantilever {
   SystemGraph graph{{.gravity = Vector3::Zero()}};
-  Beam beam;
+  Beam& beam;
   System system;
   State state;
   int iterations = 0, load_steps = 0;
 
   Cantilever(const BeamAxis& axis, const BeamSection& section, int elements, const Wrench& load)
-      : beam(graph, "beam", {.axis = axis, .sections = {{0, section}}, .elements = elements}),
+      : beam(graph.add<Beam>("beam", {.axis = axis, .sections = {{0, section}}, .elements = elements})),
         system(assembled(axis, load)),
         state(system.initial_state()) {}
 

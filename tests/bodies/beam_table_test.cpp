@@ -21,7 +21,7 @@ std::string data(const std::string& name) { return std::string(LITHE_TEST_DATA) 
 Vector3 tip_displacement(Beam::Parameters table, int elements, const Wrench& load, int steps = 1) {
   SystemGraph graph({.gravity = Vector3::Zero()});
   table.elements = elements;
-  Beam beam(graph, "beam", table);
+  auto& beam = graph.add<Beam>("beam", table);
   const FramePose root = table.axis.pose(0);
   graph.add<FixedJoint>("clamp", {graph.ground().marker(root.position, root.axes), beam.marker(0)});
   graph.add<UserForce>("load", {beam.marker(table.axis.length)},

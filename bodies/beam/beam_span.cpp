@@ -1,0 +1,183 @@
+#include "bodies/beam/beam_span.h"
+
+#include <numbers>
+
+#include "bodies/beam/node_mass.h"
+#include "engine/base/error.h"
+
+namespace lithe {
+namespace {
+
+using Complex = std::complex<double>;
+using Vector6c = se3::Vector6Of<Complex>;
+
+constexpr double kGauss[] = {0.21132486540518711775, 0.78867513459481288225};  // weights ½
+constexpr double kTiny = 1e-100;                                               // a complex step has no round-off
+
+template <class S>
+se3::Vector6Of<S> field(double xi, const se3::Vector6Of<S>& d, const se3::Vector6Of<S>& v_A,
+                        const se3::Vector6Of<S>& v_B) {
+  using Vector = se3::Vector6Of<S>;
+  const Vector d_dot = se3::right_inverse<S>(d, v_B) - se3::right_inverse<S>(Vector(-d), v_A);
+  const Vector along = S(xi) * d;
+  return se3::carried<S>(se3::exp<S>(along), v_A) + S(xi) * se3::right<S>(along, d_dot);
+}
+
+/// C = Uᵀ D U, U unit upper triangular; returns Uᵀ D τ U.
+Matrix6 damping_of(const BeamSection& section) {
+  Matrix6 rest = section.stiffness, U = Matrix6::Identity();
+  Vector6 D;
+  for (int i = 0; i < 6; ++i) {
+    D[i] = rest(i, i);
+    for (int j = i + 1; j < 6; ++j) U(i, j) = rest(i, j) / rest(i, i);
+    for (int k = i + 1; k < 6; ++k)
+      for (int j = i + 1; j < 6; ++j) rest(k, j) -= D[i] * U(i, k) * U(i, j);
+  }
+  return U.transpose() * D.cwiseProduct(section.damping).asDiagonal() * U;
+}
+
+/// ∂(T⁻¹(d)ᵀ σ)/∂d, by complex steps.
+Matrix6 bent(const Vector6& d, const Vector6& sigma) {
+  Matrix6 out;
+  const Vector6c f = se3::exchanged<Complex>(sigma.cast<Complex>());
+  for (int i = 0; i < 6; ++i) {
+    Vector6c at = -d.cast<Complex>();
+    at[i] -= Complex(0, kTiny);
+    out.col(i) = se3::exchanged<Complex>(se3::right_inverse<Complex>(at, f)).imag() / kTiny;
+  }
+  return out;
+}
+
+}  // namespace
+
+BeamSpan::BeamSpan(const BeamSection& section, double length, const Vector6& drawn)
+    : section_(section), length_(length), drawn_(drawn), damping_(damping_of(section)) {
+  const double helix = drawn.head<3>().norm(), turn = drawn.tail<3>().norm();
+  if (turn > std::numbers::pi / 2)
+    throw SceneError("its ends are drawn " + std::to_string(turn * 180 / std::numbers::pi) + " degrees apart", "",
+                     "take more elements: below 90 degrees each, below 20 for results of two digits");
+  if (!(std::abs(helix - length) <= 0.05 * length && helix > 0))
+    throw SceneError("its length is " + std::to_string(length) + " m and the curve between its ends has " +
+                         std::to_string(helix) + " m",
+                     "", "give the length along the axis, or take more elements");
+  if (drawn[0] < 0.5 * helix)
+    throw SceneError("axis 1 of its sections does not point along the beam", "",
+                     "turn the axes so that axis 1 runs from the start of the beam to its end");
+}
+
+Vector6 BeamSpan::strain_rate(const Vector6& d, const Vector6& v_A, const Vector6& v_B) const {
+  return (se3::right_inverse<double>(d, v_B) - se3::right_inverse<double>(Vector6(-d), v_A)) / length_;
+}
+
+Vector6 BeamSpan::resultants(const Vector6& strain, const Vector6& strain_rate) const {
+  return section_.stiffness * strain + damping_ * strain_rate;
+}
+
+Vector6 BeamSpan::twist(double xi, const Vector6& d, const Vector6& v_A, const Vector6& v_B) const {
+  return field<double>(xi, d, v_A, v_B);
+}
+
+BeamSpan::Motion BeamSpan::motion(double xi, const Vector6& d, const Vector6& v_A, const Vector6& v_B,
+                                  const Vector6& rate_A, const Vector6& rate_B) const {
+  const Vector6 d_dot = length_ * strain_rate(d, v_A, v_B);
+  const auto step = [](const Vector6& value, const Vector6& rate) -> Vector6c {
+    return value.cast<Complex>() + Complex(0, kTiny) * rate.cast<Complex>();
+  };
+  const Vector6c V = field<Complex>(xi, step(d, d_dot), step(v_A, rate_A), step(v_B, rate_B));
+  return {V.real(), V.imag() / kTiny};
+}
+
+BeamSpan::Vector12 BeamSpan::at_ends(double xi, const Vector6& d, const Vector6& f) const {
+  const Vector6 along = xi * d, stretch = xi * se3::right_transposed(along, f);
+  Vector12 out;
+  out << se3::carried_back(se3::exp<double>(along), f) - se3::right_inverse_transposed(-d, stretch),
+      se3::right_inverse_transposed(d, stretch);
+  return out;
+}
+
+Eigen::Matrix<double, 6, 12> BeamSpan::shapes(double xi, const Vector6& d) const {
+  Eigen::Matrix<double, 6, 12> N;
+  for (int i = 0; i < 6; ++i) {
+    N.col(i) = field<double>(xi, d, Vector6::Unit(i), Vector6::Zero());
+    N.col(6 + i) = field<double>(xi, d, Vector6::Zero(), Vector6::Unit(i));
+  }
+  return N;
+}
+
+BeamSpan::Vector12 BeamSpan::internal_forces(const Vector6& d, const Vector6& sigma) const {
+  Vector12 out;
+  out << -se3::right_inverse_transposed(-d, sigma), se3::right_inverse_transposed(d, sigma);
+  return out;
+}
+
+BeamSpan::Matrix12 BeamSpan::tangent(const Vector6& d, const Vector6& sigma, double position, double velocity) const {
+  Eigen::Matrix<double, 6, 12> P;
+  for (int i = 0; i < 6; ++i) {
+    P.col(i) = -se3::right_inverse<double>(Vector6(-d), Vector6::Unit(i));
+    P.col(6 + i) = se3::right_inverse<double>(d, Vector6::Unit(i));
+  }
+  const Matrix6 C = (position / length_) * section_.stiffness + (velocity / length_) * damping_;
+  Matrix12 K = P.transpose() * C * P;
+  if (position != 0) {
+    K.topRows<6>() += position * bent(-d, sigma) * P;
+    K.bottomRows<6>() += position * bent(d, sigma) * P;
+  }
+  return K;
+}
+
+BeamSpan::Vector12 BeamSpan::inertia_forces(const Vector6& d, const Vector6& v_A, const Vector6& v_B,
+                                            const Vector6& rate_A, const Vector6& rate_B,
+                                            const Vector3& gravity_A) const {
+  Vector12 out = Vector12::Zero();
+  for (const double xi : kGauss) {
+    const Motion m = motion(xi, d, v_A, v_B, rate_A, rate_B);
+    Vector6 rate = m.rate;
+    rate.head<3>() -= se3::exp<double>(Vector6(xi * d)).R.transpose() * gravity_A;
+    out += 0.5 * length_ * at_ends(xi, d, rigid_piece::inertia_force(section_.mass, m.twist, rate));
+  }
+  return out;
+}
+
+BeamSpan::Matrix12 BeamSpan::mass(const Vector6& d) const {
+  Matrix12 M = Matrix12::Zero();
+  for (const double xi : kGauss) {
+    const auto N = shapes(xi, d);
+    M += 0.5 * length_ * N.transpose() * section_.mass * N;
+  }
+  return M;
+}
+
+BeamSpan::Matrix12 BeamSpan::gyroscopic(const Vector6& d, const Vector6& v_A, const Vector6& v_B) const {
+  Matrix12 G = Matrix12::Zero();
+  if (v_A.isZero(0) && v_B.isZero(0)) return G;
+  const auto rate = rigid_piece::rate_without_acceleration;
+  const auto forces = [&](const Vector12& v) {
+    const Vector6 a = v.head<6>(), b = v.tail<6>();
+    return inertia_forces(d, a, b, rate(a), rate(b), Vector3::Zero());
+  };
+  Vector12 v;
+  v << v_A, v_B;
+  for (int i = 0; i < 12; ++i)  // quadratic in the twists: differences have no error but round-off
+    G.col(i) = 0.5 * (forces(v + Vector12::Unit(i)) - forces(v - Vector12::Unit(i)));
+  return G;
+}
+
+double BeamSpan::kinetic_energy(const Vector6& d, const Vector6& v_A, const Vector6& v_B) const {
+  double energy = 0;
+  for (const double xi : kGauss) {
+    const Vector6 V = twist(xi, d, v_A, v_B);
+    energy += 0.25 * length_ * V.dot(section_.mass * V);
+  }
+  return energy;
+}
+
+Vector3 BeamSpan::first_moment(const Vector6& d) const {
+  Vector3 sum = Vector3::Zero();
+  for (const double xi : kGauss) {
+    const auto h = se3::exp<double>(Vector6(xi * d));
+    sum += 0.5 * length_ * section_.mass_per_length() * (h.p + h.R * section_.mass_center());
+  }
+  return sum;
+}
+
+}  // namespace lithe
