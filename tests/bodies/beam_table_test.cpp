@@ -51,9 +51,9 @@ void expect_near(const std::string& what, const Vector3& found, const Vector3& e
 TEST(BeamTable, MomentRollsUpB03) {
   const Wrench moment{Vector3::Zero(), {-12.5664, 0, 0}};
   const Vector3 exact(0, 5.4986774284354, -2.4317431853411637);
-  expect_near("B03", tip_displacement(beam_table(data("B01.inp")), 16, moment), exact, 1e-10);
+  expect_near("B03", tip_displacement(beam_table(data("B01.inp")), 16, moment), exact, 1e-9);
   const Beam::Parameters blade_alone = beam_table(data("B01_blade.inp"), {.length = 10});
-  expect_near("B03, blade file", tip_displacement(blade_alone, 16, moment), exact, 1e-10);
+  expect_near("B03, blade file", tip_displacement(blade_alone, 16, moment), exact, 1e-9);
 }
 
 TEST(BeamTable, ForceBendsTheSplineOfB02) {
@@ -105,7 +105,7 @@ const std::string kValues = "1e4,1e4,1e4,200,100,100,1,0.02,0.01,0.01";
 TEST(BeamTable, ColumnsGiveTheSameBeam) {
   const std::string path = written("# roll-up\nz," + kNames + "\n0," + kValues + "\n10," + kValues + "\n");
   expect_near("B03, csv", tip_displacement(beam_table(path), 16, {Vector3::Zero(), {-12.5664, 0, 0}}),
-              {0, 5.4986774284354, -2.4317431853411637}, 1e-10);
+              {0, 5.4986774284354, -2.4317431853411637}, 1e-9);
 }
 
 TEST(BeamTable, ColumnsTakeCouplingsAndDamping) {
