@@ -2,7 +2,7 @@
 // carried on, and what is refused.
 #include <gtest/gtest.h>
 
-#include "engine/run/lean_simulation.h"
+#include "engine/run/simulation.h"
 #include "engine/simplify/simplification.h"
 #include "integrators/generalized_alpha.h"
 #include "integrators/radau.h"
@@ -132,13 +132,13 @@ TEST(ContactMotion, a_run_in_two_parts_or_from_a_copied_state_is_the_same_run) {
   EXPECT_TRUE(same(two.state(), third.state()));
 }
 
-TEST(ContactMotion, a_lean_simulation_moves_bodies_in_touch_alike) {
-  ContactScene plain, lean;
+TEST(ContactMotion, a_simulation_by_islands_moves_bodies_in_touch_alike) {
+  ContactScene plain, islands;
   draw_balls(plain).start(Stepper::moreau_jean, 1e-3);
-  draw_balls(lean);
+  draw_balls(islands);
   plain.run(1);
-  LeanSimulation simulation(
-      lean.graph, [] { return std::make_unique<MoreauJean>(MoreauJean::Parameters{.step = 1e-3}); }, {.sleep = false});
+  Simulation simulation(
+      islands.graph, [] { return std::make_unique<MoreauJean>(MoreauJean::Parameters{.step = 1e-3}); }, {.sleep = false});
   State state = simulation.system().initial_state();
   simulation.run(state, 1);
   EXPECT_LT((state.q - plain.state().q).lpNorm<Eigen::Infinity>(), 1e-9);
