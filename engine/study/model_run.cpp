@@ -3,7 +3,6 @@
 #include "engine/assembly/batch_of.h"
 #include "engine/base/number_text.h"
 #include "engine/motion/projection.h"
-#include "engine/run/lean_simulation.h"
 #include "engine/run/simulation.h"
 #include "engine/study/certificate.h"
 #include "engine/study/study_run.h"
@@ -142,7 +141,7 @@ void run_whole(SystemGraph& graph, const std::vector<Sensor>& sensors, const Mak
 /// Islands that meet at every sample.
 void run_simplified(SystemGraph& graph, const std::vector<Sensor>& sensors, const MakeIntegratorBy<Tolerance>& make,
                     const RunRequest& request, ModelRun& run) {
-  LeanSimulation simulation(graph, [&] { return make(request.tolerance); }, {.simplify = true});
+  Simulation simulation(graph, [&] { return make(request.tolerance); }, {.simplify = true});
   Sampler sampler(simulation.observed(), nullptr, sensors, request, run);
   simulation.observe(sampler, every(request.duration / request.samples));
   State state = simulation.start();

@@ -52,7 +52,7 @@ struct RunRequest {
   double duration = 1;  // s
   int samples = 100;    // instants after the first
   Tolerance tolerance{};
-  bool simplify = false;  // the graph first (engine/simplify/), islands by themselves (engine/run/lean_simulation.h)
+  bool simplify = false;  // the graph first (engine/simplify/), islands by themselves (engine/run/simulation.h)
   bool dynamics = true;   // whether accelerations and multipliers of the samples are wanted: what estimates need
 };
 /// Runs the scene with its bodies so modelled, under wrenches on their frames if there are any; the graph is left at

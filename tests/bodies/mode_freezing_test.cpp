@@ -12,7 +12,6 @@
 #include "engine/motion/make_integrator.h"
 #include "engine/motion/projection.h"
 #include "engine/observe/sensors.h"
-#include "engine/run/lean_simulation.h"
 #include "engine/run/simulation.h"
 #include "integrators/explicit_runge_kutta.h"
 #include "integrators/generalized_alpha.h"
@@ -465,7 +464,7 @@ TEST(ModeFreezing, of_a_bent_bar_leaves_its_weight_to_the_clamp) {
   EXPECT_GT(std::abs(load[2] / (bar.mass() * 9.81) - 1), 0.01);
 }
 
-TEST(ModeFreezing, is_an_option_of_a_lean_simulation) {
+TEST(ModeFreezing, is_an_option_of_a_simulation) {
   SystemGraph graph{{.gravity = kGravity}};
   auto& bar = graph.add<FlexibleBody>("bar", drawn(Deflection::linear, true, 0.1));
   graph.add<FixedJoint>("clamp", {graph.ground().marker(), bar.frame()});
@@ -475,13 +474,13 @@ TEST(ModeFreezing, is_an_option_of_a_lean_simulation) {
   State state = by_hand;
   ModeFreezing freezing(explicit_method(), {.displacement = 0.02});
   Simulation(system, freezing).run(by_hand, 0.2);
-  LeanSimulation lean(graph, [] { return explicit_method(); },
+  Simulation simulation(graph, [] { return explicit_method(); },
                       {.sleep = false, .freeze = ModeFreezing::Parameters{.displacement = 0.02}});
-  lean.run(state, 0.2);
+  simulation.run(state, 0.2);
   ASSERT_EQ(freezing.frozen_count(), kModes);
   EXPECT_EQ(state.q, by_hand.q);
   EXPECT_EQ(state.v, by_hand.v);
-  EXPECT_NE(lean.report().find(freezing.report()), std::string::npos) << lean.report();
+  EXPECT_NE(simulation.report().find(freezing.report()), std::string::npos) << simulation.report();
 }
 
 }  // namespace

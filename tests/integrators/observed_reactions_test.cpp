@@ -5,7 +5,6 @@
 #include "bodies/flexible/flexible_body.h"
 #include "bodies/rigid_body.h"
 #include "engine/observe/recorder.h"
-#include "engine/run/lean_simulation.h"
 #include "engine/run/simulation.h"
 #include "integrators/automatic.h"
 #include "joints/forces/joint_friction.h"
@@ -254,7 +253,7 @@ TEST(ObservedReactions, obey_newton_in_scenes_that_run_as_islands) {
   SystemGraph graph{{.gravity = kGravity}};
   draw_loop(graph);
   draw_chain(graph);
-  LeanSimulation simulation(graph, [] { return bdf(1e-6); });
+  Simulation simulation(graph, [] { return bdf(1e-6); });
   ASSERT_EQ(simulation.islands().size(), 2U);
   Laws laws;
   simulation.observe(laws, every(0.01));

@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "engine/analysis/kinematics.h"
-#include "engine/run/lean_simulation.h"
+#include "engine/run/simulation.h"
 #include "engine/run/mode_freezing.h"
 #include "joints/spherical_joint.h"
 #include "tests/integrators/restart_scenes.h"
@@ -128,13 +128,13 @@ TEST(RestartOfOthers, goes_from_one_thread_to_three_and_back) {
 
 // ---- islands ----
 
-struct LeanRun {
+struct IslandsRun {
   SystemGraph graph{{.gravity = {0, 0, -9.81}}};
   Recorder recorder{{Machine::coordinate_of_first()}};
-  std::unique_ptr<LeanSimulation> simulation;
+  std::unique_ptr<Simulation> simulation;
   State state;
 
-  explicit LeanRun(const std::function<Method()>& make) {
+  explicit IslandsRun(const std::function<Method()>& make) {
     draw_loop(graph, {});
     auto& ball = graph.add<RigidBody>("ball", {.mass = 1, .inertia = {1, 1, 1}, .position = {2, 0, 0.3}});
     graph.add<Contact>("floor", {{graph.ground().marker(), shape::half_space()}, {ball.marker(), shape::sphere(0.1)}},
@@ -142,7 +142,7 @@ struct LeanRun {
     auto& rest = graph.add<RigidBody>("rest", {.mass = 1, .inertia = {1, 1, 1}, .position = {5, 0, 0}});
     graph.add<SpringDamper>("hanger", {graph.ground().marker({5, 0, 1}), rest.marker()},
                             {.stiffness = 981, .natural_length = 1 - 9.81 / 981});
-    simulation = std::make_unique<LeanSimulation>(graph, make);
+    simulation = std::make_unique<Simulation>(graph, make);
     simulation->observe(recorder, every(0.013));
     state = simulation->system().initial_state();
   }
@@ -152,7 +152,7 @@ TEST(RestartOfIslands, has_the_bits_of_the_run_that_went_on) {
   for (const bool keeps : {true, false}) {
     const auto make = [=] { return keeps ? automatic(1e-6) : adams(1e-6); };
     const std::vector<double> times = random_times(0.5, 5, 3);
-    LeanRun whole(make);
+    IslandsRun whole(make);
     std::vector<Archive> saved;
     for (double time : times) {
       whole.simulation->run(whole.state, time);
@@ -160,7 +160,7 @@ TEST(RestartOfIslands, has_the_bits_of_the_run_that_went_on) {
     }
     const auto expected = saved.back().bytes();
     for (std::size_t i = 0; i + 1 < saved.size(); ++i) {
-      LeanRun resumed(make);
+      IslandsRun resumed(make);
       saved[i].rewind();
       resumed.state = resumed.simulation->resume(saved[i]);
       Archive last;

@@ -2,7 +2,7 @@
 // carried on, and what is refused.
 #include <gtest/gtest.h>
 
-#include "engine/run/lean_simulation.h"
+#include "engine/run/simulation.h"
 #include "engine/simplify/simplification.h"
 #include "integrators/generalized_alpha.h"
 #include "integrators/radau.h"
@@ -132,13 +132,13 @@ TEST(ContactMotion, a_run_in_two_parts_or_from_a_copied_state_is_the_same_run) {
   EXPECT_TRUE(same(two.state(), third.state()));
 }
 
-TEST(ContactMotion, a_lean_simulation_moves_bodies_in_touch_alike) {
-  ContactScene plain, lean;
+TEST(ContactMotion, a_simulation_by_islands_moves_bodies_in_touch_alike) {
+  ContactScene plain, islands;
   draw_balls(plain).start(Stepper::moreau_jean, 1e-3);
-  draw_balls(lean);
+  draw_balls(islands);
   plain.run(1);
-  LeanSimulation simulation(
-      lean.graph, [] { return std::make_unique<MoreauJean>(MoreauJean::Parameters{.step = 1e-3}); }, {.sleep = false});
+  Simulation simulation(
+      islands.graph, [] { return std::make_unique<MoreauJean>(MoreauJean::Parameters{.step = 1e-3}); }, {.sleep = false});
   State state = simulation.system().initial_state();
   simulation.run(state, 1);
   EXPECT_LT((state.q - plain.state().q).lpNorm<Eigen::Infinity>(), 1e-9);
@@ -163,18 +163,17 @@ TEST(ContactMotion, a_simplified_scene_meets_alike) {
     else
       scene.graph.add<Contact>("contact", colliders,
                                {.law = Compliance{.stiffness = 1e6}, .friction = {.coefficient = 0.3}});
-    Simplification simple(scene.graph);
-    EXPECT_TRUE(simple.smaller());
-    const System system = assemble(simple.graph());
     const auto method = [&]() -> std::unique_ptr<Integrator> {
       if (rigid) return std::make_unique<MoreauJean>(MoreauJean::Parameters{.step = 1e-4});
       return std::make_unique<Automatic>(Automatic::Parameters{.tolerance = {1e-10, 1e-12}});
     };
-    State small = simple.start(), full = simple.whole().initial_state(), expanded = full;
-    const auto by_parts = method(), whole = method();
-    Simulation(system, *by_parts).run(small, 0.3);
-    Simulation(simple.whole(), *whole).run(full, 0.3);
-    simple.expand(small, expanded);
+    Simulation simple(scene.graph, method, {.simplify = true, .split = false, .sleep = false});
+    EXPECT_TRUE(simple.simplification()->smaller());
+    State small = simple.start(), full = simple.observed().initial_state(), expanded = full;
+    const auto whole = method();
+    simple.run(small, 0.3);
+    Simulation(simple.observed(), *whole).run(full, 0.3);
+    simple.simplification()->expand(small, expanded);
     EXPECT_GT(full.v.segment<3>(12).norm(), 0.2) << "the ball is thrown off";
     EXPECT_LT((expanded.q - full.q).lpNorm<Eigen::Infinity>(), 1e-6) << (rigid ? "rigid" : "compliant");
   }

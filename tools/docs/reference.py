@@ -22,7 +22,7 @@ TOPICS = [
     ("running", "Running it", "The loop, what watches it, what happens on the way.",
      ["engine/run/simulation.h", "engine/motion/integrator.h", "engine/observe/observer.h",
       "engine/observe/recorder.h", "engine/observe/event.h", "engine/run/event_finder.h",
-      "engine/observe/observer_schedules.h", "engine/run/lean_simulation.h", "engine/model/islands.h",
+      "engine/observe/observer_schedules.h", "engine/model/islands.h",
       "engine/run/sleeping_integrator.h",
       "engine/run/mode_freezing.h", "engine/motion/projection.h", "engine/base/interrupt.h",
       "engine/run/checkpoint.h", "engine/archive/*.h"]),

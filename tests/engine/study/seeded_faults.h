@@ -4,6 +4,7 @@
 
 #include "bodies/flexible/flexible_body.h"
 #include "bodies/flexible/reduction.h"
+#include "engine/motion/projection.h"
 #include "joints/coordinate_drive.h"
 #include "joints/cylindrical_joint.h"
 #include "joints/distance_joint.h"

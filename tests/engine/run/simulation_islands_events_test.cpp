@@ -7,11 +7,11 @@
 #include "bodies/rigid_body.h"
 #include "engine/archive/archive.h"
 #include "engine/observe/recorder.h"
-#include "engine/run/lean_simulation.h"
+#include "engine/run/simulation.h"
 #include "integrators/moreau_jean.h"
 #include "joints/contact/contact.h"
 
-namespace lithe::test::lean_simulation_events_test {
+namespace lithe::test::simulation_islands_events_test {
 namespace {
 
 /// Elastic balls over a floor each, dropped from rest: the n-th impact is at (2 n - 1) sqrt(2 h / g).
@@ -54,9 +54,9 @@ void expect_impacts(const std::vector<EventRecord>& found,
   }
 }
 
-TEST(lean_simulation, events_are_those_of_all_islands_by_time) {
+TEST(simulation_islands, events_are_those_of_all_islands_by_time) {
   BouncingBalls scene({0.5, 0.2, 0.9});
-  LeanSimulation simulation{scene.graph, BouncingBalls::steps(), {.sleep = false}};
+  Simulation simulation{scene.graph, BouncingBalls::steps(), {.sleep = false}};
   ASSERT_EQ(simulation.islands().size(), 3u);
   State state = simulation.system().initial_state();
   Recorder recorder{{total_energy("energy")}};
@@ -71,7 +71,7 @@ TEST(lean_simulation, events_are_those_of_all_islands_by_time) {
   simulation.run(state, 2);
   expect_impacts(simulation.events(), scene.impacts(0, 2));
   Archive saved("balls", archive.content());
-  LeanSimulation resumed{scene.graph, BouncingBalls::steps(), {.sleep = false}};
+  Simulation resumed{scene.graph, BouncingBalls::steps(), {.sleep = false}};
   Recorder other{{total_energy("energy")}};
   resumed.observe(other, every(0.1));
   State later = resumed.resume(saved);
@@ -91,4 +91,4 @@ TEST(lean_simulation, events_are_those_of_all_islands_by_time) {
 }
 
 }  // namespace
-}  // namespace lithe::test::lean_simulation_events_test
+}  // namespace lithe::test::simulation_islands_events_test

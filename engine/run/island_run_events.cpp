@@ -7,7 +7,7 @@
 #include "engine/contact/contact_forces.h"
 #include "engine/contact/rigid_contacts.h"
 #include "engine/observe/sensors.h"
-#include "engine/run/simulation.h"
+#include "engine/run/island_run.h"
 
 namespace lithe {
 namespace {
@@ -29,7 +29,7 @@ EventFunction gap_of(int element, int a, int b) {
 
 }  // namespace
 
-void Simulation::on(Event event) {
+void IslandRun::on(Event event) {
   if (event.name.empty() || !event.function)
     throw SceneError(event.name.empty() ? "an event has no name" : "the event '" + event.name + "' watches nothing",
                      "Simulation::on", "give .name and .function, as in .function = watch(height(ball.marker()))");
@@ -38,7 +38,7 @@ void Simulation::on(Event event) {
   started_ = false;  // functions have no values yet
 }
 
-void Simulation::make_finder() {
+void IslandRun::make_finder() {
   finder_.reset();
   const auto finder = [&]() -> EventFinder& { return finder_ ? *finder_ : finder_.emplace(system_); };
   for (const Event& e : watched_events_) finder().add(e.name, e.function, e.level, e.direction);
@@ -57,27 +57,27 @@ void Simulation::make_finder() {
   }
 }
 
-IntegratorStatistics Simulation::statistics() const {
+IntegratorStatistics IslandRun::statistics() const {
   IntegratorStatistics sum = earlier_;
   sum += integrator_.statistics();
   return sum;
 }
 
-void Simulation::restart(State& state) {
+void IslandRun::restart(State& state) {
   earlier_ += integrator_.statistics();
   integrator_.start(equations_, state);
 }
 
-bool Simulation::ends_step(int watched) const {
+bool IslandRun::ends_step(int watched) const {
   return is_switch(watched) || watched_events_[watched].action != Event::Action::record;
 }
 
-void Simulation::record(const EventFinder::Crossing& crossing) {
+void IslandRun::record(const EventFinder::Crossing& crossing) {
   events_.push_back({crossing.time, watched_events_[crossing.watched].name, crossing.watched});
 }
 
 /// What time stepping tells of rigid surfaces in the step from last_ to `state`, among the events of that step by time.
-void Simulation::record_happenings(const State& state) {
+void IslandRun::record_happenings(const State& state) {
   RigidContacts* contacts = equations_.parts().rigid_contacts;
   if (!contacts) return;
   for (const RigidContacts::Happening& happening : contacts->happenings()) {
@@ -92,7 +92,7 @@ void Simulation::record_happenings(const State& state) {
 
 /// After a step from last_ to `state`: what passed its level in it. Moves the state back to the first event that ends
 /// the step.
-void Simulation::look_for_events(State& state) {
+void IslandRun::look_for_events(State& state) {
   const double h = state.time - last_.time;
   const auto& crossings = finder_->find(integrator_, last_, state);
   const auto end = std::find_if(crossings.begin(), crossings.end(),
@@ -126,7 +126,7 @@ void Simulation::look_for_events(State& state) {
 }
 
 /// Goes on from the events in met_, with `state` at their time.
-void Simulation::meet(State& state) {
+void IslandRun::meet(State& state) {
   const auto move_onto_constraints = [&] {
     constexpr double kTolerance = 1e-13;  // in the units of the rows; or round-off if larger
     constexpr int kMaxIterations = 20;
@@ -180,7 +180,7 @@ void Simulation::meet(State& state) {
 }
 
 /// Events that come ever faster have no end before some time: a run would take for ever to reach it.
-void Simulation::check_accumulation(State& state, const std::string& name) {
+void IslandRun::check_accumulation(State& state, const std::string& name) {
   if (restarts_.size() < kManyEvents) return;
   const double now = restarts_.back(), span = now - restarts_.front();
   const bool faster = now - restarts_[kManyEvents - 2] < 0.9 * (restarts_[1] - restarts_[0]);

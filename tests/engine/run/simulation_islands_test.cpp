@@ -1,4 +1,4 @@
-#include "engine/run/lean_simulation.h"
+#include "engine/run/simulation.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,6 +14,7 @@
 #include "engine/assembly/batch_of.h"
 #include "engine/model/islands.h"
 #include "engine/observe/recorder.h"
+#include "engine/simplify/simplification.h"
 #include "integrators/automatic.h"
 #include "integrators/explicit_runge_kutta.h"
 #include "joints/coordinate_drive.h"
@@ -29,7 +30,7 @@
 #include "tests/bodies/bar_model.h"
 #include "tests/engine/output/output_scratch_folder.h"
 
-namespace lithe::test::lean_simulation_test {
+namespace lithe::test::simulation_islands_test {
 
 using lithe::test::message_of;
 using testing::ElementsAre;
@@ -167,7 +168,7 @@ TEST(islands, friction_belongs_to_the_joint_that_presses_wherever_it_rubs) {
   EXPECT_EQ(split(graph).size(), 1u);
 }
 
-TEST(lean_simulation, islands_with_steps_of_their_own_move_as_the_whole_does) {
+TEST(simulation_islands, islands_with_steps_of_their_own_move_as_the_whole_does) {
   Archipelago together, apart;
   Recorder as_one(together.sensors), as_many(apart.sensors), shares(apart.energies);
   const System system = assemble(together.graph);
@@ -177,18 +178,18 @@ TEST(lean_simulation, islands_with_steps_of_their_own_move_as_the_whole_does) {
   simulation.observe(as_one, every(0.05));
   simulation.run(state, 2);
 
-  LeanSimulation lean{apart.graph, runge_kutta(1e-12)};
-  State lean_state = lean.system().initial_state();
-  lean.observe(as_many, every(0.05));
-  lean.observe(shares, every(0.05));
-  lean.run(lean_state, 2);
-  EXPECT_EQ(lean_state.time, 2);
+  Simulation islands{apart.graph, runge_kutta(1e-12)};
+  State islands_state = islands.system().initial_state();
+  islands.observe(as_many, every(0.05));
+  islands.observe(shares, every(0.05));
+  islands.run(islands_state, 2);
+  EXPECT_EQ(islands_state.time, 2);
   const double difference = largest_difference(as_one.table(), as_many.table());
   EXPECT_LT(difference, 1e-8);
-  EXPECT_LT((state.q - lean_state.q).cwiseAbs().maxCoeff(), 1e-8);
-  EXPECT_LT((state.v - lean_state.v).cwiseAbs().maxCoeff(), 1e-7);
-  EXPECT_LT((state.lambda - lean_state.lambda).cwiseAbs().maxCoeff(), 1e-6);
-  EXPECT_LT((state.quarter_turns - lean_state.quarter_turns).cwiseAbs().maxCoeff(), 1e-7);
+  EXPECT_LT((state.q - islands_state.q).cwiseAbs().maxCoeff(), 1e-8);
+  EXPECT_LT((state.v - islands_state.v).cwiseAbs().maxCoeff(), 1e-7);
+  EXPECT_LT((state.lambda - islands_state.lambda).cwiseAbs().maxCoeff(), 1e-6);
+  EXPECT_LT((state.quarter_turns - islands_state.quarter_turns).cwiseAbs().maxCoeff(), 1e-7);
   EXPECT_GT(as_many.table().column("turns").back(), 2 * M_PI);  // turns are counted in islands too
   // The energy of the whole is the sum of the shares, observer by observer.
   const auto total = as_many.table().column("energy");
@@ -199,16 +200,16 @@ TEST(lean_simulation, islands_with_steps_of_their_own_move_as_the_whole_does) {
     EXPECT_NEAR(total[i], sum, 1e-10);
   }
   std::printf("apart and together: %.1e; together %ld steps\n%s", difference, simulation.statistics().steps,
-              lean.report().c_str());
+              islands.report().c_str());
   // Given another spin, the rotor keeps count of its turns.
-  for (State* s : {&state, &lean_state}) s->v[10] += 5;
+  for (State* s : {&state, &islands_state}) s->v[10] += 5;
   simulation.run(state, 2.5);
-  lean.run(lean_state, 2.5);
-  EXPECT_LT((state.q - lean_state.q).cwiseAbs().maxCoeff(), 1e-8);
-  EXPECT_LT((state.quarter_turns - lean_state.quarter_turns).cwiseAbs().maxCoeff(), 1e-7);
+  islands.run(islands_state, 2.5);
+  EXPECT_LT((state.q - islands_state.q).cwiseAbs().maxCoeff(), 1e-8);
+  EXPECT_LT((state.quarter_turns - islands_state.quarter_turns).cwiseAbs().maxCoeff(), 1e-7);
 }
 
-TEST(lean_simulation, an_island_takes_the_steps_that_it_would_take_alone) {
+TEST(simulation_islands, an_island_takes_the_steps_that_it_would_take_alone) {
   const auto alone = [](const std::function<RigidBody&(SystemGraph&)>& draw) {
     SystemGraph graph;
     RigidBody& body = draw(graph);
@@ -229,12 +230,12 @@ TEST(lean_simulation, an_island_takes_the_steps_that_it_would_take_alone) {
   SystemGraph graph;
   RigidBody &rod = slow(graph), &mass = stiff(graph);
   Recorder rod_path{{position(rod.marker(), "path")}}, mass_path{{position(mass.marker(), "path")}};
-  LeanSimulation lean{graph, automatic(1e-6)};
-  lean.observe(rod_path, every(0.1));
-  lean.observe(mass_path, every(0.1));
-  State state = lean.system().initial_state();
-  lean.run(state, 1);
-  const auto islands = lean.islands();
+  Simulation simulation{graph, automatic(1e-6)};
+  simulation.observe(rod_path, every(0.1));
+  simulation.observe(mass_path, every(0.1));
+  State state = simulation.system().initial_state();
+  simulation.run(state, 1);
+  const auto islands = simulation.islands();
   ASSERT_EQ(islands.size(), 2u);
   EXPECT_THAT(islands[0].bodies, ElementsAre("slow"));
   EXPECT_EQ(islands[0].statistics.steps, slow_steps.steps);
@@ -245,7 +246,7 @@ TEST(lean_simulation, an_island_takes_the_steps_that_it_would_take_alone) {
   EXPECT_GT(stiff_steps.steps, 10 * slow_steps.steps);
 }
 
-TEST(lean_simulation, a_stiff_island_does_not_make_its_neighbours_pay) {
+TEST(simulation_islands, a_stiff_island_does_not_make_its_neighbours_pay) {
   constexpr int kSlow = 19;  // beside one stiff body
   const auto draw = [](SystemGraph& graph) {
     for (int i = 0; i < kSlow; ++i) add_rod(graph, "rod " + std::to_string(i), {0, 0, 0});
@@ -253,13 +254,13 @@ TEST(lean_simulation, a_stiff_island_does_not_make_its_neighbours_pay) {
   };
   SystemGraph together, apart;
   draw(together), draw(apart);
-  const auto evaluations_of_bodies = [](const LeanSimulation& simulation) {
+  const auto evaluations_of_bodies = [](const Simulation& simulation) {
     long sum = 0;
     for (const auto& island : simulation.islands())
       sum += island.statistics.evaluations * static_cast<long>(island.bodies.size());
     return sum;
   };
-  LeanSimulation one{together, runge_kutta(1e-6), {.split = false}}, many{apart, runge_kutta(1e-6)};
+  Simulation one{together, runge_kutta(1e-6), {.split = false}}, many{apart, runge_kutta(1e-6)};
   State a = one.system().initial_state(), b = many.system().initial_state();
   one.run(a, 1);
   many.run(b, 1);
@@ -288,17 +289,17 @@ struct Sleepers {
   RigidBody* mass;
 };
 
-TEST(lean_simulation, an_island_at_rest_costs_nothing_and_keeps_every_bit) {
+TEST(simulation_islands, an_island_at_rest_costs_nothing_and_keeps_every_bit) {
   Sleepers scene;
-  LeanSimulation lean{scene.graph, automatic(1e-8)};
-  State state = lean.system().initial_state();
-  lean.run(state, 0);
+  Simulation simulation{scene.graph, automatic(1e-8)};
+  State state = simulation.system().initial_state();
+  simulation.run(state, 0);
   const State start = state;
   const long asked = scene.asked;
-  lean.run(state, 2);
-  lean.run(state, 5);
+  simulation.run(state, 2);
+  simulation.run(state, 5);
   EXPECT_EQ(scene.asked, asked);
-  const auto islands = lean.islands();
+  const auto islands = simulation.islands();
   EXPECT_FALSE(islands[0].asleep);
   EXPECT_GT(islands[0].statistics.steps, 100);
   EXPECT_TRUE(islands[1].asleep);
@@ -308,10 +309,10 @@ TEST(lean_simulation, an_island_at_rest_costs_nothing_and_keeps_every_bit) {
   EXPECT_EQ(state.v.tail(6), VectorX::Zero(6));
   EXPECT_EQ(state.v_dot.tail(6), VectorX::Zero(6));
   EXPECT_NE(state.q.head(7), start.q.head(7));
-  EXPECT_THAT(lean.report(), HasSubstr("'mass': 1 degrees of freedom, automatic, asleep"));
+  EXPECT_THAT(simulation.report(), HasSubstr("'mass': 1 degrees of freedom, automatic, asleep"));
 
   // A sleep of a thousand seconds is looked into some times, not at every observed time.
-  lean.run(state, 5);
+  simulation.run(state, 5);
   const long before = scene.asked;
   SystemGraph quiet;
   long questions = 0;
@@ -319,7 +320,7 @@ TEST(lean_simulation, an_island_at_rest_costs_nothing_and_keeps_every_bit) {
   quiet.add<PrismaticJoint>("slide", {quiet.ground().marker({0, 0, -1}), mass.marker()});
   quiet.add<CountingSpring>("spring", {quiet.ground().marker(), mass.marker()},
                             {.stiffness = 1e4, .length = 1 - 2 * 9.81 / 1e4, .asked = &questions});
-  LeanSimulation night{quiet, automatic(1e-8)};
+  Simulation night{quiet, automatic(1e-8)};
   State still = night.system().initial_state();
   night.run(still, 0);
   questions = 0;
@@ -330,31 +331,31 @@ TEST(lean_simulation, an_island_at_rest_costs_nothing_and_keeps_every_bit) {
   EXPECT_EQ(still.q, night.system().initial_state().q);
 }
 
-TEST(lean_simulation, a_sleeping_island_wakes_when_its_state_is_changed_and_others_do_not_notice) {
+TEST(simulation_islands, a_sleeping_island_wakes_when_its_state_is_changed_and_others_do_not_notice) {
   Sleepers scene, undisturbed;
-  LeanSimulation lean{scene.graph, automatic(1e-10)}, other{undisturbed.graph, automatic(1e-10)};
-  State state = lean.system().initial_state(), calm = state;
-  lean.run(state, 1);
+  Simulation simulation{scene.graph, automatic(1e-10)}, other{undisturbed.graph, automatic(1e-10)};
+  State state = simulation.system().initial_state(), calm = state;
+  simulation.run(state, 1);
   other.run(calm, 1);
-  EXPECT_TRUE(lean.islands()[1].asleep);
+  EXPECT_TRUE(simulation.islands()[1].asleep);
   state.v[8] = 0.01;  // a push on the mass, along the slider
-  lean.run(state, 2);
+  simulation.run(state, 2);
   other.run(calm, 2);
-  EXPECT_FALSE(lean.islands()[1].asleep);
+  EXPECT_FALSE(simulation.islands()[1].asleep);
   EXPECT_EQ(state.q.head(7), calm.q.head(7));
-  EXPECT_EQ(lean.islands()[0].statistics.steps, other.islands()[0].statistics.steps);
+  EXPECT_EQ(simulation.islands()[0].statistics.steps, other.islands()[0].statistics.steps);
   const double omega = std::sqrt(1e4 / 2);
   EXPECT_NEAR(state.q[9], -1 + 0.01 / omega * std::sin(omega), 1e-8);
   EXPECT_EQ(calm.q[9], -1);
 }
 
-TEST(lean_simulation, what_is_not_quite_at_rest_does_not_sleep) {
+TEST(simulation_islands, what_is_not_quite_at_rest_does_not_sleep) {
   for (const double off : {1e-6, 1e-8}) {
     Sleepers scene(1 + off);
-    LeanSimulation lean{scene.graph, automatic(1e-10)};
-    State state = lean.system().initial_state();
-    lean.run(state, 0.01);
-    EXPECT_FALSE(lean.islands()[1].asleep) << off;
+    Simulation simulation{scene.graph, automatic(1e-10)};
+    State state = simulation.system().initial_state();
+    simulation.run(state, 0.01);
+    EXPECT_FALSE(simulation.islands()[1].asleep) << off;
   }
   // A push of 1e-14 m/s² is noise for half a minute, and half a nanometre at the end of five.
   for (const double piece : {1.0, 7.0, 316.0}) {
@@ -362,10 +363,10 @@ TEST(lean_simulation, what_is_not_quite_at_rest_does_not_sleep) {
     auto& mass = graph.add<RigidBody>("mass");
     graph.add<PrismaticJoint>("rail", {graph.ground().marker({0, 0, 0}, kAxisY), mass.marker({0, 0, 0}, kAxisY)});
     graph.add<PointForce>("push", {mass.marker()}, {.force = {0, 1e-14, 0}});
-    LeanSimulation lean{graph, automatic(1e-10)};
-    State state = lean.system().initial_state();
-    for (double t = piece; t <= 316; t += piece) lean.run(state, t);
-    EXPECT_FALSE(lean.islands()[0].asleep);
+    Simulation simulation{graph, automatic(1e-10)};
+    State state = simulation.system().initial_state();
+    for (double t = piece; t <= 316; t += piece) simulation.run(state, t);
+    EXPECT_FALSE(simulation.islands()[0].asleep);
     const double late = piece < 30 ? 33 : 0.01;  // s; looked at once, it is awake at once
     EXPECT_GT(state.q[1], 0.5e-14 * std::pow(state.time - late, 2));
     EXPECT_LT(state.q[1], 0.5e-14 * std::pow(state.time + 0.01, 2));
@@ -373,14 +374,14 @@ TEST(lean_simulation, what_is_not_quite_at_rest_does_not_sleep) {
   // A thrown stone at the top of its flight: no speed, but gravity.
   SystemGraph graph;
   graph.add<RigidBody>("stone");
-  LeanSimulation lean{graph, automatic(1e-10)};
-  State state = lean.system().initial_state();
-  lean.run(state, 1);
-  EXPECT_FALSE(lean.islands()[0].asleep);
+  Simulation simulation{graph, automatic(1e-10)};
+  State state = simulation.system().initial_state();
+  simulation.run(state, 1);
+  EXPECT_FALSE(simulation.islands()[0].asleep);
   EXPECT_NEAR(state.q[2], -9.81 / 2, 1e-9);
 }
 
-TEST(lean_simulation, an_island_driven_later_does_not_sleep_through_it) {
+TEST(simulation_islands, an_island_driven_later_does_not_sleep_through_it) {
   SystemGraph graph;
   add_rod(graph, "rod", {0, 0, 0});
   auto& mass = graph.add<RigidBody>("mass", {.mass = 2, .inertia = {1, 1, 1}, .position = {3, 0, 0}});
@@ -391,18 +392,18 @@ TEST(lean_simulation, an_island_driven_later_does_not_sleep_through_it) {
   graph.add<UserForce>("push", {pushed.marker()}, {[](double t, const MarkerView&) {
                          return force({0, t > 0.5 ? 1.0 : 0.0, 0});
                        }});
-  LeanSimulation lean{graph, automatic(1e-8)};
-  State state = lean.system().initial_state();
-  lean.run(state, 1);
+  Simulation simulation{graph, automatic(1e-8)};
+  State state = simulation.system().initial_state();
+  simulation.run(state, 1);
   EXPECT_NEAR(state.q[9], 0.2, 1e-9);
   EXPECT_NEAR(state.q[15], 0.5 * 0.25, 1e-4);
-  for (const auto& island : lean.islands()) EXPECT_FALSE(island.asleep);
+  for (const auto& island : simulation.islands()) EXPECT_FALSE(island.asleep);
 }
 
-TEST(lean_simulation, a_run_in_pieces_is_the_run_in_one) {
+TEST(simulation_islands, a_run_in_pieces_is_the_run_in_one) {
   Archipelago one, pieces;
   Recorder all(one.sensors), bits(pieces.sensors);
-  LeanSimulation whole{one.graph, automatic(1e-8)}, parts{pieces.graph, automatic(1e-8)};
+  Simulation whole{one.graph, automatic(1e-8)}, parts{pieces.graph, automatic(1e-8)};
   whole.observe(all, every(0.125));
   parts.observe(bits, every(0.125));
   State a = whole.system().initial_state(), b = a;
@@ -415,7 +416,7 @@ TEST(lean_simulation, a_run_in_pieces_is_the_run_in_one) {
     EXPECT_EQ(whole.islands()[i].statistics.steps, parts.islands()[i].statistics.steps);
 }
 
-TEST(lean_simulation, an_island_that_fails_is_named_and_what_was_observed_is_kept) {
+TEST(simulation_islands, an_island_that_fails_is_named_and_what_was_observed_is_kept) {
   SystemGraph graph;
   auto& before = add_rod(graph, "before", {0, 0, 0});
   auto& wild = add_bouncer(graph, "wild", {0, 5, 0}, 100);
@@ -424,12 +425,12 @@ TEST(lean_simulation, an_island_that_fails_is_named_and_what_was_observed_is_kep
                          return force({0, 0, t > 0.55 ? std::numeric_limits<double>::quiet_NaN() : 0});
                        }});
   Recorder path{{position(before.marker(), "before"), position(wild.marker(), "wild")}};
-  LeanSimulation lean{graph, automatic(1e-8)};
-  lean.observe(path, every(0.1));
-  State state = lean.system().initial_state();
+  Simulation simulation{graph, automatic(1e-8)};
+  simulation.observe(path, every(0.1));
+  State state = simulation.system().initial_state();
   std::string message;
   try {
-    lean.run(state, 1);
+    simulation.run(state, 1);
     FAIL() << "it went on";
   } catch (const SimulationError& error) {
     message = error.what();
@@ -446,7 +447,7 @@ TEST(lean_simulation, an_island_that_fails_is_named_and_what_was_observed_is_kep
   // The others stand where they would without the failure.
   SystemGraph sound;
   auto& rod = add_rod(sound, "before", {0, 0, 0});
-  LeanSimulation reference{sound, automatic(1e-8)};
+  Simulation reference{sound, automatic(1e-8)};
   State there = reference.system().initial_state();
   reference.run(there, state.time);
   EXPECT_EQ(rod.name(), "before");
@@ -454,7 +455,7 @@ TEST(lean_simulation, an_island_that_fails_is_named_and_what_was_observed_is_kep
   EXPECT_NEAR(there.q[0], state.q[14], 1e-7);
 }
 
-TEST(lean_simulation, a_flexible_body_is_an_island_that_swings_sags_and_sleeps) {
+TEST(simulation_islands, a_flexible_body_is_an_island_that_swings_sags_and_sleeps) {
   const FiniteElementModel model =
       test::bar_model({.size = {0.3, 0.04, 0.03}, .bricks = {4, 1, 1}, .young = 3e6, .density = 1000});
   const auto basis = make_basis(model, MeanAxisFrame{}, 2, {.loaded = {{model.node_set("start")}}});
@@ -468,7 +469,7 @@ TEST(lean_simulation, a_flexible_body_is_an_island_that_swings_sags_and_sleeps) 
   SystemGraph alone, beside;
   auto &free = draw(alone, false), &other = draw(beside, true);
   Recorder free_tip{{modal_coordinates(free, "eta")}}, other_tip{{modal_coordinates(other, "eta")}};
-  LeanSimulation one{alone, automatic(1e-8)}, two{beside, automatic(1e-8)};
+  Simulation one{alone, automatic(1e-8)}, two{beside, automatic(1e-8)};
   one.observe(free_tip, every(0.05));
   two.observe(other_tip, every(0.05));
   State a = one.system().initial_state(), b = two.system().initial_state();
@@ -486,7 +487,7 @@ TEST(lean_simulation, a_flexible_body_is_an_island_that_swings_sags_and_sleeps) 
   std::printf("found to %.1e N; %s", still.out_of_balance, two.report().c_str());
 }
 
-TEST(lean_simulation, one_island_is_a_simulation_with_events_and_every_step) {
+TEST(simulation_islands, one_island_is_a_simulation_with_events_and_every_step) {
   class Steps : public Observer {
    public:
     int count = 0;
@@ -494,20 +495,20 @@ TEST(lean_simulation, one_island_is_a_simulation_with_events_and_every_step) {
   };
   SystemGraph graph;
   auto& rod = add_rod(graph, "rod", {0, 0, 0});
-  LeanSimulation lean{graph, automatic(1e-8)};
+  Simulation simulation{graph, automatic(1e-8)};
   Steps steps;
-  lean.observe(steps, every_step());
-  lean.on({.name = "below", .function = watch(position(rod.marker(), "p"), 0), .action = Event::Action::stop});
-  State state = lean.system().initial_state();
-  lean.run(state, 5);
-  EXPECT_EQ(lean.stopped_by(), "below");
+  simulation.observe(steps, every_step());
+  simulation.on({.name = "below", .function = watch(position(rod.marker(), "p"), 0), .action = Event::Action::stop});
+  State state = simulation.system().initial_state();
+  simulation.run(state, 5);
+  EXPECT_EQ(simulation.stopped_by(), "below");
   EXPECT_LT(state.time, 1);
   EXPECT_GT(steps.count, 5);
 
   // Asleep, it still comes to an event that the clock makes.
   Sleepers quiet;
   const auto parts = split(quiet.graph);
-  LeanSimulation sleeper{*parts[1], automatic(1e-8)};
+  Simulation sleeper{*parts[1], automatic(1e-8)};
   sleeper.on(
       {.name = "alarm", .function = [](Snapshot& now) { return now.time() - 0.7; }, .action = Event::Action::stop});
   State still = sleeper.system().initial_state();
@@ -517,58 +518,24 @@ TEST(lean_simulation, one_island_is_a_simulation_with_events_and_every_step) {
   EXPECT_NEAR(still.time, 0.7, 1e-12);
 
   add_rod(graph, "second", {0, 5, 0});
-  LeanSimulation two{graph, automatic(1e-8)};
+  Simulation two{graph, automatic(1e-8)};
   EXPECT_THAT(message_of<SceneError>([&] { two.observe(steps, every_step()); }), HasSubstr("2 islands"));
   EXPECT_THAT(message_of<SceneError>([&] { two.on({.name = "e", .function = watch(height(rod.marker()))}); }),
               HasSubstr(".split = false"));
   EXPECT_THAT(message_of<SceneError>([&] { two.run(state, 6); }), HasSubstr("7 coordinates"));
 }
 
-TEST(lean_simulation, observers_see_the_whole_of_which_a_smaller_scene_runs) {
+TEST(simulation_islands, observers_see_the_whole_of_which_a_simpler_scene_runs) {
   SystemGraph graph;
   auto& rod = add_rod(graph, "rod", {0, 0, 0});
   auto& base = graph.add<RigidBody>("base", {.mass = 7, .inertia = {1, 1, 1}, .position = {0, 0, 2}});
   auto& weld = graph.add<FixedJoint>("weld", {graph.ground().marker({0, 0, 2}), base.marker()});
-  const System whole = assemble(graph);
-  const auto small = SystemGraph::part_of(graph);  // without the base
-  small->share(graph.bodies()[1]);
-  small->share(graph.constraints()[0], graph.constraints()[0].markers);
-  const State drawn = whole.initial_state();
-  LeanSimulation lean{*small, automatic(1e-9), whole, [&](const State& from, State& to) {
-                        to = drawn;
-                        to.lambda.resize(0);
-                        to.time = from.time;
-                        to.q.head(7) = from.q;
-                        to.v.head(6) = from.v;
-                        to.v_dot.head(6) = from.v_dot;
-                        to.v_dot.tail(6).setZero();
-                        to.quarter_turns.head(1) = from.quarter_turns;
-                      }};
-  Recorder seen{{position(rod.marker(), "rod"), reaction(weld, 1, kWorldAxes, "weld"), total_energy("energy")}};
-  lean.observe(seen, every(0.1));
-  EXPECT_EQ(&lean.observed(), &whole);
-  State state = lean.system().initial_state();
-  EXPECT_EQ(state.q.size(), 7);
-  lean.run(state, 1);
-  EXPECT_EQ(seen.table().row_count(), 11);
-  for (int i = 0; i < 11; ++i) {
-    EXPECT_NEAR(seen.table().at(i, 6), 7 * 9.81, 1e-9);       // the weight of the base
-    EXPECT_NEAR(seen.table().at(i, 10), 7 * 9.81 * 2, 1e-6);  // its energy: the rod swings from height 0
-  }
-  EXPECT_EQ(seen.table().at(10, 1), state.q[0]);
-}
-
-TEST(lean_simulation, simplifies_by_itself) {
-  SystemGraph graph;
-  auto& rod = add_rod(graph, "rod", {0, 0, 0});
-  auto& base = graph.add<RigidBody>("base", {.mass = 7, .inertia = {1, 1, 1}, .position = {0, 0, 2}});
-  auto& weld = graph.add<FixedJoint>("weld", {graph.ground().marker({0, 0, 2}), base.marker()});
-  LeanSimulation drawn{graph, automatic(1e-10)}, simple{graph, automatic(1e-10), {.simplify = true}};
+  Simulation drawn{graph, automatic(1e-10)}, simple{graph, automatic(1e-10), {.simplify = true}};
   EXPECT_EQ(drawn.simplification(), nullptr);
   ASSERT_NE(simple.simplification(), nullptr);
   EXPECT_TRUE(simple.simplification()->smaller());
   EXPECT_EQ(&simple.observed(), &simple.simplification()->whole());
-  Recorder seen{{position(rod.marker(), "rod"), reaction(weld, 1, kWorldAxes, "weld")}};
+  Recorder seen{{position(rod.marker(), "rod"), reaction(weld, 1, kWorldAxes, "weld"), total_energy("energy")}};
   simple.observe(seen, every(0.1));
   State whole = drawn.start(), small = simple.start(), expanded;
   EXPECT_LT(small.q.size(), whole.q.size());
@@ -577,15 +544,54 @@ TEST(lean_simulation, simplifies_by_itself) {
   simple.simplification()->expand(small, expanded);
   EXPECT_LT((expanded.q - whole.q).lpNorm<Eigen::Infinity>(), 1e-6);
   EXPECT_EQ(seen.table().row_count(), 11);
-  EXPECT_NEAR(seen.table().at(10, 6), 7 * 9.81, 1e-9);  // the weight of the base
+  for (int i = 0; i < 11; ++i) {
+    EXPECT_NEAR(seen.table().at(i, 6), 7 * 9.81, 1e-9);       // the weight of the base
+    EXPECT_NEAR(seen.table().at(i, 10), 7 * 9.81 * 2, 1e-6);  // its energy: the rod swings from height 0
+  }
   EXPECT_EQ(seen.table().at(10, 1), expanded.q[0]);
-  EXPECT_THAT(
-      message_of<SceneError>([&] {
-        LeanSimulation{graph, automatic(1e-8), simple.observed(), [](const State&, State&) {}, {.simplify = true}};
-      }),
-      HasSubstr("leave .simplify out"));
+}
+
+/// A simulation of a graph that is one island, and one of its system with an integrator lent to it, are one.
+TEST(simulation_islands, a_graph_that_is_one_island_runs_as_its_system_does) {
+  SystemGraph graph;
+  auto& rod = add_rod(graph, "rod", {0, 0, 0});
+  const System system = assemble(graph);
+  const auto integrator = automatic(1e-8)();
+  Simulation lent{system, *integrator}, own{graph, automatic(1e-8), {.sleep = false}};
+  Recorder seen_lent{{position(rod.marker(), "rod")}}, seen_own{{position(rod.marker(), "rod")}};
+  lent.observe(seen_lent, every_step());
+  own.observe(seen_own, every_step());
+  EXPECT_EQ(&lent.system(), &system);
+  EXPECT_EQ(&lent.observed(), &system);
+  EXPECT_EQ(lent.simplification(), nullptr);
+  State a = lent.start(), b = own.start();
+  lent.run(a, 1);
+  own.run(b, 1);
+  EXPECT_EQ(a.q, b.q);
+  EXPECT_EQ(seen_lent.table().values, seen_own.table().values);
+  EXPECT_EQ(lent.statistics().steps, own.statistics().steps);
+  EXPECT_EQ(lent.report(), own.report());
+  Archive saved_lent, saved_own;
+  lent.save(a, saved_lent);
+  own.save(b, saved_own);
+  EXPECT_EQ(saved_lent.bytes(), saved_own.bytes());
+}
+
+TEST(simulation_islands, multipliers_that_nobody_asks_for_change_no_motion) {
+  SystemGraph graph;
+  add_rod(graph, "one", {0, 0, 0}), add_rod(graph, "two", {0, 5, 0});
+  Simulation asked{graph, runge_kutta(1e-8)}, unasked{graph, runge_kutta(1e-8)};
+  State found = asked.start(), later = found;
+  asked.run(found, 0.3);
+  unasked.run(later, 0.3, Multipliers::later);
+  EXPECT_EQ(found.lambda.size(), asked.system().layout().row_count());
+  EXPECT_EQ(found.q, later.q);
+  EXPECT_EQ(found.v, later.v);
+  long steps = 0;
+  for (const auto& island : asked.islands()) steps += island.statistics.steps;
+  EXPECT_EQ(asked.statistics().steps, steps);
 }
 
 }  // namespace
 
-}  // namespace lithe::test::lean_simulation_test
+}  // namespace lithe::test::simulation_islands_test

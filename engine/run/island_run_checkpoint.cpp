@@ -1,29 +1,23 @@
 #include <cmath>
 
 #include "engine/base/error.h"
-#include "engine/run/simulation.h"
+#include "engine/run/island_run.h"
 
 namespace lithe {
 
-void Simulation::checkpoint(std::string path, Schedule schedule) {
+void IslandRun::checkpoint(std::string path, Schedule schedule) {
   if (path.empty()) throw SceneError("checkpoints need a path", "Simulation::checkpoint", "give one, as in \"run.h5\"");
   checkpoints_ = {std::move(path), schedule};
 }
 
-void Simulation::save(State& state, Archive& archive) {
+void IslandRun::save(State& state, Archive& archive) {
   check(state, state.time);
   begin(state);
   history(archive, state);
   started_ = true;
 }
 
-void Simulation::save(State& state, const std::string& path) {
-  Archive archive(path);
-  save(state, archive);
-  write_checkpoint(archive, path);
-}
-
-State Simulation::resume(Archive& archive) {
+State IslandRun::resume(Archive& archive) {
   State state = system_.initial_state();
   started_ = false;  // unless all goes well
   history(archive, state);
@@ -31,13 +25,8 @@ State Simulation::resume(Archive& archive) {
   return state;
 }
 
-State Simulation::resume(const std::string& path) {
-  Archive archive = read_checkpoint(path);
-  return resume(archive);
-}
-
 /// Within a run.
-void Simulation::write_due_checkpoint(State& state) {
+void IslandRun::write_due_checkpoint(State& state) {
   if (!checkpoints_.pass(state.time)) return;
   Archive archive(checkpoints_.path());
   history(archive, state);
@@ -47,7 +36,7 @@ void Simulation::write_due_checkpoint(State& state) {
 }
 
 /// Saves or loads all that later runs depend on; the state is the one that the integrator has come to.
-void Simulation::history(Archive& archive, State& state) {
+void IslandRun::history(Archive& archive, State& state) {
   const bool loads = archive.loads();
   if (!scene_) scene_.emplace(system_);
   scene_->same(archive);
@@ -123,7 +112,7 @@ void Simulation::history(Archive& archive, State& state) {
 }
 
 /// Throws FileError for a state that does not fit the scene.
-void Simulation::check_loaded(const Archive& archive, const State& state) const {
+void IslandRun::check_loaded(const Archive& archive, const State& state) const {
   const Layout& layout = system_.layout();
   const auto fits = [](const VectorX& x, Eigen::Index size) { return x.size() == 0 || x.size() == size; };
   bool sound = fits(state.v_dot, layout.v_count()) && fits(state.lambda, layout.row_count()) &&
