@@ -2,7 +2,8 @@
 
 #include <algorithm>
 
-#include "bodies/beam/beam_cache.h"
+#include "bodies/beam/beam_cache_internal.h"
+#include "bodies/beam/se3_internal.h"
 #include "engine/assembly/batch_of.h"
 #include "engine/base/checks.h"
 #include "engine/base/rotations.h"

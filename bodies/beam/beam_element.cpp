@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "bodies/beam/se3_internal.h"
 #include "engine/assembly/batch_of.h"
 #include "engine/base/checks.h"
 
@@ -10,26 +11,7 @@ namespace lithe {
 
 namespace {
 
-/// dk/dt of chart_coefficient(t).
-double chart_coefficient_rate(double t) {
-  if (t < 0.5) {  // the series of chart_coefficient(), differentiated
-    constexpr double c2 = 1.0 / 720, c3 = 2.0 / 30240, c4 = 3.0 / 1209600, c5 = 4.0 / 47900160,
-                     c6 = 5 * 691.0 / 1307674368000, c7 = 6.0 / 74724249600, c8 = 7 * 3617.0 / 10670622842880000;
-    return c2 + t * (c3 + t * (c4 + t * (c5 + t * (c6 + t * (c7 + t * c8)))));
-  }
-  const double half = std::sqrt(t) / 2, sine = std::sin(half), cosine = std::cos(half);
-  // k = (1 - x cot x)/t, x = sqrt(t)/2
-  return ((half / sine - cosine) / (sine * 8 * half) - chart_coefficient(t)) / t;
-}
-
-/// log(H_A⁻¹ H_B) = (u, phi) in SE(3): u = Jl⁻¹(phi) R_Aᵀ d.
-Vector6 relative_log(const MarkerView& A, const MarkerView& B) {
-  const Vector3 phi = rotation_log(A.R.transpose() * B.R), d = A.R.transpose() * (B.p - A.p);
-  const Vector3 turned = phi.cross(d);
-  Vector6 xi;
-  xi << d - 0.5 * turned + chart_coefficient(phi.squaredNorm()) * phi.cross(turned), phi;
-  return xi;
-}
+Vector6 relative_log(const MarkerView& A, const MarkerView& B) { return se3::log_between(A.p, A.R, B.p, B.R); }
 
 }  // namespace
 
@@ -47,7 +29,7 @@ BeamElement::BeamElement(Parameters parameters) : section_(parameters.section), 
   }
 }
 
-/// With (u, phi) = log and k = chart_coefficient:
+/// With (u, phi) = log(H_A⁻¹ H_B) and k = se3::k_of(phi·phi):
 ///   log' = Jr⁻¹ (twist of B) - Jl⁻¹ (twist of A), each twist in the axes of its marker,
 ///   Jr⁻¹ = [M, N; 0, M], Jl⁻¹ = [Mᵀ, Nᵀ; 0, Mᵀ],   M = E + ½ phi~ + k phi~²,
 ///   N = dM/dphi u = ½ u~ + k (u~ phi~ + phi~ u~) + 2 k' (phi·u) phi~²
@@ -55,8 +37,9 @@ void BeamElement::evaluate(double, std::span<const MarkerView> markers, ForceRow
   const auto &A = markers[0], &B = markers[1];
   const Vector6 xi = relative_log(A, B);
   const Vector3 u = xi.head<3>(), phi = xi.tail<3>();
-  const double t = phi.squaredNorm(), k = chart_coefficient(t), along = phi.dot(u);
-  const double squares = 2 * chart_coefficient_rate(t) * along;
+  const double t = phi.squaredNorm(), along = phi.dot(u);
+  const auto [k, k_rate] = se3::k_of(t);
+  const double squares = 2 * k_rate * along;
   // phi~² = phi phiᵀ - t E,  u~ phi~ + phi~ u~ = u phiᵀ + phi uᵀ - 2 (phi·u) E
   Matrix3 M = (k * phi) * phi.transpose();
   M.diagonal().array() += 1 - k * t;
@@ -99,15 +82,10 @@ Vector6 BeamElement::strain(const MarkerView& A, const MarkerView& B) const {
 }
 
 std::vector<DrawnShape> BeamElement::drawn_shapes(int marker) const {
-  const double mass = section_.mass_per_length(), thinnest = 0.01 * length_;
+  const auto [edge_2, edge_3] = section_.edges(0.01 * length_);
   const Vector3 center = section_.mass_center();
-  const Matrix3 inertia = section_.mass.bottomRightCorner<3, 3>() + mass * skew(center) * skew(center);
-  // Of a rectangle b2 by b3: b3² / 12 about axis 2, b2² / 12 about axis 3.
-  const auto edge = [&](int about) {
-    return std::max(thinnest, std::sqrt(12 * std::max(0.0, inertia(about, about)) / mass));
-  };
   const double middle = (marker == 0 ? 0.25 : -0.25) * length_;
-  return {visual::box({0.5 * length_, edge(2), edge(1)}).at(Vector3(middle, center[1], center[2]))};
+  return {visual::box({0.5 * length_, edge_2, edge_3}).at(Vector3(middle, center[1], center[2]))};
 }
 
 template std::unique_ptr<ForceBatch> make_force_batch<BeamElement>();

@@ -1,5 +1,6 @@
-#include "bodies/beam/beam_cache.h"
-#include "bodies/beam/node_mass.h"
+#include "bodies/beam/beam_cache_internal.h"
+#include "bodies/beam/node_mass_internal.h"
+#include "bodies/beam/se3_internal.h"
 
 namespace lithe {
 namespace {

@@ -143,6 +143,15 @@ BeamSection BeamSection::damped(double time) const {
   return s;
 }
 
+std::array<double, 2> BeamSection::edges(double thinnest) const {
+  const Vector3 c = mass_center();
+  const Matrix3 inertia = mass.bottomRightCorner<3, 3>() + mass_per_length() * skew(c) * skew(c);
+  const auto edge = [&](int about) {  // b²/12 a mass
+    return std::max(thinnest, std::sqrt(12 * std::max(0.0, inertia(about, about)) / mass_per_length()));
+  };
+  return {edge(2), edge(1)};
+}
+
 Vector3 BeamSection::mass_center() const {
   // μ c~ stands below the diagonal.
   return Vector3(mass(5, 1), mass(3, 2), mass(4, 0)) / mass(0, 0);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "bodies/material.h"
 #include "engine/base/math.h"
 
@@ -55,6 +57,9 @@ struct BeamSection {
 
   double mass_per_length() const { return mass(0, 0); }
   Vector3 mass_center() const;  // in section axes, m
+  /// Edges along axes 2 and 3 (m) of the rectangle with its mass and inertia about the mass centre, to draw it; at
+  /// least `thinnest`.
+  std::array<double, 2> edges(double thinnest) const;
 };
 
 /// Between two sections, linear in every entry: `share` of the second.

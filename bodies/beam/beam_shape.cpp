@@ -1,23 +1,11 @@
 #include "bodies/beam/beam.h"
+#include "bodies/beam/se3_internal.h"
 
 namespace lithe {
 namespace {
 
 constexpr int kRings = 3;  // an element
 constexpr int kCorners = 4;
-
-/// Edges along axes 2 and 3 of the bar that has the section's mass and inertia: of a rectangle b2 by b3, b3² / 12 about
-/// axis 2 and b2² / 12 about axis 3.
-std::array<double, 2> edges(const BeamSpan& span) {
-  const BeamSection& section = span.section();
-  const double mass = section.mass_per_length();
-  const Vector3 center = section.mass_center();
-  const Matrix3 inertia = section.mass.bottomRightCorner<3, 3>() + mass * skew(center) * skew(center);
-  const auto edge = [&](int about) {
-    return std::max(0.01 * span.length(), std::sqrt(12 * std::max(0.0, inertia(about, about)) / mass));
-  };
-  return {edge(2), edge(1)};
-}
 
 }  // namespace
 
@@ -30,7 +18,7 @@ Matrix3X Beam::surface(std::span<const FramePose> nodes) const {
     const BeamSpan& span = spans_[static_cast<std::size_t>(e)];
     const FramePose &a = nodes[static_cast<std::size_t>(e)], &b = nodes[static_cast<std::size_t>(e) + 1];
     const Vector6 d = se3::log_between(a.position, a.axes, b.position, b.axes);
-    const auto [b2, b3] = edges(span);
+    const auto [b2, b3] = span.section().edges(0.01 * span.length());
     const Vector3 center = span.section().mass_center();
     for (int ring = 0; ring < kRings + (e + 1 == element_count() ? 1 : 0); ++ring) {
       const auto h = se3::exp<double>(Vector6(static_cast<double>(ring) / kRings * d));

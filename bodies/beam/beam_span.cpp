@@ -2,7 +2,8 @@
 
 #include <numbers>
 
-#include "bodies/beam/node_mass.h"
+#include "bodies/beam/node_mass_internal.h"
+#include "bodies/beam/se3_internal.h"
 #include "engine/base/error.h"
 
 namespace lithe {

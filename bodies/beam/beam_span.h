@@ -1,7 +1,6 @@
 #pragma once
 
 #include "bodies/beam/beam_section.h"
-#include "bodies/beam/se3.h"
 
 namespace lithe {
 

@@ -1,4 +1,4 @@
-#include "bodies/beam/node_mass.h"
+#include "bodies/beam/node_mass_internal.h"
 
 namespace lithe::rigid_piece {
 

@@ -1,4 +1,4 @@
-#include "bodies/beam/se3.h"
+#include "bodies/beam/se3_internal.h"
 
 namespace lithe::se3 {
 
