@@ -22,7 +22,7 @@ class IntegralState final : public Body {
   /// Its rate is the integral.
   JointCoordinate coordinate() const { return {JointCoordinate::Kind::displacement, {this, 0}, {this, 1}, /*axis=*/0}; }
 
-  Coordinates coordinates() const override { return {.frame = false, .linear = 1}; }
+  Coordinates coordinates() const override { return {.frames = 0, .linear = 1}; }
   std::unique_ptr<BodyCache> make_cache() const override { return std::make_unique<Cache>(*this); }
   void initial_state(VectorRef q, VectorRef v) const override { q[0] = 0, v[0] = start_; }
   void evaluate(const BodyState&, Level) const override {}

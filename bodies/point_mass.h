@@ -31,7 +31,7 @@ class PointMass final : public PointBody {
   /// The same; SceneError for a point of the world where the mass is not drawn (to 1e-9 of its distance, and 1e-9 m).
   Marker marker_at_world(const Point& point, const Matrix3& orientation = Matrix3::Identity());
 
-  Coordinates coordinates() const override { return {.frame = false, .linear = 3}; }
+  Coordinates coordinates() const override { return {.frames = 0, .linear = 3}; }
   std::unique_ptr<BodyCache> make_cache() const override { return std::make_unique<Cache>(*this); }
   void initial_state(VectorRef q, VectorRef v) const override { q = parameters_.position, v = parameters_.velocity; }
   void evaluate(const BodyState&, Level) const override {}

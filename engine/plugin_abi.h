@@ -154,6 +154,11 @@ typedef struct lithe_body_tangent {
   double* linear_frame;
   double* linear;
   int32_t linear_count; /* entries of `linear` */
+  /* Of several frames: `frame` has a 6 x 6 block for each, one after the other; pair i has two, (first, second) at
+     pair_values + pair_places[2 i] and (second, first) at pair_values + pair_places[2 i + 1]. */
+  double* pair_values;
+  const int32_t* pair_places;
+  int32_t pair_count;
 } lithe_body_tangent;
 
 typedef struct lithe_body_energy {
@@ -167,6 +172,7 @@ typedef struct lithe_marker_kinematics {
   double bias_v[3], bias_w[3]; /* accelerations at v_dot = 0 */
   double r[3];                 /* position in body axes */
   const double* elastic;       /* 6 x n, body axes; null: not moved by linear coordinates. Lives in the cache. */
+  int32_t frame;               /* of several frames, the one that the marker is fixed in; r is in its axes */
 } lithe_marker_kinematics;
 
 typedef struct lithe_body_type {
@@ -176,7 +182,7 @@ typedef struct lithe_body_type {
   size_t field_count;
   void* (*create)(const lithe_parameter*, size_t count, char* error, size_t error_size);
   void (*destroy)(void* body);
-  void (*coordinates)(const void* body, int32_t* frame, int32_t* linear); /* has a frame: 1 or 0; length of eta */
+  void (*coordinates)(const void* body, int32_t* frames, int32_t* linear); /* number of frames; length of eta */
   /* Entries of the lower triangle of the linear-linear block, by column, diagonal first; returns 0 if it is diagonal.
    */
   int32_t (*linear_pattern)(const void* body, const int32_t** rows, const int32_t** columns);
@@ -200,6 +206,8 @@ typedef struct lithe_body_type {
   int32_t (*marker_kinematics)(const void* body, const lithe_body_state*, int32_t marker, int32_t level,
                                lithe_marker_kinematics*);
   int32_t (*energy)(const void* body, const lithe_body_state*, const double* gravity, lithe_body_energy*);
+  /* Pairs of frames, first < second, that share a block of the tangent; returns how many. May be null: none. */
+  int32_t (*frame_pairs)(const void* body, const int32_t** firsts, const int32_t** seconds);
 } lithe_body_type;
 
 /* ---- integrators ---- */

@@ -135,7 +135,7 @@ class FlexibleBody final : public DeformableBody, public DrawableBody {
   }
 
   Coordinates coordinates() const override {
-    return {.frame = true, .linear = modes_, .pattern = diagonal_ ? nullptr : &pattern_};
+    return {.frames = 1, .linear = modes_, .pattern = diagonal_ ? nullptr : &pattern_};
   }
   std::unique_ptr<BodyCache> make_cache() const override { return std::make_unique<Cache>(*this); }
   void initial_state(VectorRef q, VectorRef v) const override;

@@ -29,12 +29,18 @@ std::string partners(const FreeMotion& motion, const Layout& layout) {
 std::string describe(const System& system) {
   const Layout& layout = system.layout();
   std::ostringstream out;
-  out << layout.bodies().size() << " bodies, " << layout.q_count() << " coordinates, " << layout.v_count()
+  out << system.graph().bodies().size() - 1 << " bodies, " << layout.q_count() << " coordinates, " << layout.v_count()
       << " velocities, " << layout.row_count() << " constraint rows of rank " << system.rank() << ", "
       << system.degrees_of_freedom() << " degrees of freedom\n";
-  for (const Layout::BodySlice& b : layout.bodies()) {
-    out << "  '" << b.name << "': " << (b.frame ? "a frame" : "no frame");
-    if (b.linear > 0) out << ", " << b.linear << " elastic coordinates";
+  for (const auto& entry : system.graph().bodies()) {
+    const Coordinates c = entry.body->coordinates();
+    if (c.v_count() == 0) continue;  // ground
+    out << "  '" << entry.body->name() << "': ";
+    if (c.frames > 1)
+      out << c.frames << " frames";
+    else
+      out << (c.frames == 1 ? "a frame" : "no frame");
+    if (c.linear > 0) out << ", " << c.linear << " elastic coordinates";
     out << '\n';
   }
   if (!system.redundant_rows().empty()) out << "redundant rows, handled:\n";

@@ -3,6 +3,7 @@
 
 #include "engine/assembly/assembler.h"
 #include "engine/assembly/batch_of.h"
+#include "engine/assembly/body_check.h"
 #include "engine/assembly/find_rigid_scene.h"
 #include "engine/assembly/moment_check.h"
 #include "engine/assembly/redundancy.h"
@@ -83,13 +84,11 @@ class SystemBuilder {
     q_.setZero(layout.q_count());
     v_.setZero(layout.v_count());
     for (const auto& s : layout.bodies()) {
+      if (s.part > 0) continue;
+      numbers_.emplace(s.body, static_cast<int>(numbers_.size()));
+      first_slices_.push_back(static_cast<int>(&s - layout.bodies().data()));
       const Coordinates c = s.body->coordinates();
-      auto q = q_.segment(s.q, c.q_count()), v = v_.segment(s.v, c.v_count());
-      s.body->initial_state(q, v);
-      for (int i = 0; i < q.size() + v.size(); ++i)
-        if (!std::isfinite(i < q.size() ? q[i] : v[i - q.size()]))
-          throw SceneError("body '" + s.body->name() + "' starts with a coordinate that is not finite", s.body->where(),
-                           "give finite initial position, orientation and velocities");
+      read_initial_state(*s.body, q_.segment(s.q, c.q_count()), v_.segment(s.v, c.v_count()));
     }
   }
 
@@ -162,11 +161,9 @@ class SystemBuilder {
     return k;
   }
 
-  const Layout::BodySlice& slice_of(const Body& body) {
-    if (slices_.empty())
-      for (std::size_t i = 0; i < system_.layout_.bodies().size(); ++i)
-        slices_[system_.layout_.bodies()[i].body] = static_cast<int>(i);
-    return system_.layout_.bodies()[slices_.at(&body)];
+  /// The first of the body's.
+  const Layout::BodySlice& slice_of(const Body& body) const {
+    return system_.layout_.bodies()[first_slices_[numbers_.at(&body)]];
   }
 
   std::vector<MarkerKinematics> drawn(const std::vector<Marker>& markers) const {
@@ -201,15 +198,17 @@ class SystemBuilder {
     BlockStructure& b = system_.blocks_;
     const Layout& layout = system_.layout_;
     b.velocity_count = layout.v_count();
-    for (const auto& s : layout.bodies()) {
-      BodyRecord record{s.q, s.v, -1, -1, {}, {}};
-      if (s.frame) {
-        record.frame = static_cast<int>(b.frames.size());
-        b.frames.push_back({s.v, b.reserve(36)});
-      }
+    std::vector<std::pair<int, int>> couplings;
+    for (int first : first_slices_) {
+      const Layout::BodySlice& s = layout.bodies()[first];
+      const Coordinates c = s.body->coordinates();
+      BodyRecord record{s.q, s.v, -1, -1, c.frames, {}, {}, {}};
+      if (s.frame) record.frame = static_cast<int>(b.frames.size());
+      for (int i = 0; i < c.frames; ++i) b.frames.push_back({s.v + 6 * i, b.reserve(36)});
+      for (const FramePair& p : c.pairs) couplings.emplace_back(record.frame + p.first, record.frame + p.second);
       if (s.linear > 0) {
         record.linear = static_cast<int>(b.linears.size());
-        const LinearPattern* pattern = s.body->coordinates().pattern;
+        const LinearPattern* pattern = c.pattern;
         const int n = s.linear, coupled = s.frame ? 6 * n : 0;
         BlockStructure::Linear linear{s.v + (s.frame ? 6 : 0), n, record.frame, 0, 0, 0, pattern};
         linear.frame_linear = b.reserve(coupled);
@@ -217,15 +216,14 @@ class SystemBuilder {
         linear.values = b.reserve(pattern ? static_cast<int>(pattern->rows.size()) : n);
         b.linears.push_back(linear);
       }
-      records_.push_back(record);
+      records_.push_back(std::move(record));
     }
-    std::vector<std::pair<int, int>> couplings;
     for (std::size_t i = 0; i < graph_.constraints().size(); ++i) {
       const auto& c = graph_.constraints()[i];
       const auto& rows = layout.rows()[i];
       ConnectorRecord record = connect(c.markers, rows.first, rows.count, -1, false);
       record.first_angle = system_.first_angles_[i];
-      if (couples(*c.constraint, drawn(c.markers))) add_couplings(record, couplings);
+      if (connector::couples(*c.constraint, drawn(c.markers))) add_couplings(record, couplings);
       constraint_records_.push_back(record);
     }
     b.row_count = layout.row_count();
@@ -250,11 +248,19 @@ class SystemBuilder {
       coupling.ba = b.reserve(36);
       b.couplings.push_back(coupling);
     }
+    for (std::size_t i = 0; i < records_.size(); ++i)
+      for (const FramePair& p : layout.bodies()[first_slices_[i]].body->coordinates().pairs) {
+        BodyRecord& record = records_[i];
+        const std::pair<int, int> frames(record.frame + p.first, record.frame + p.second);
+        const auto at = std::lower_bound(couplings.begin(), couplings.end(), frames);
+        const auto& coupling = b.couplings[at - couplings.begin()];
+        record.pairs.push_back({coupling.ab, coupling.ba});
+      }
   }
 
   ConnectorRecord connect(const std::vector<Marker>& markers, int first_row, int rows, int compliant, bool loads) {
     BlockStructure& b = system_.blocks_;
-    std::vector<MarkerSlot> slots(markers.size());
+    std::vector<MarkerSlot> slots;
     ConnectorRecord record;
     record.first_row = first_row;
     record.rows = -1;
@@ -262,48 +268,56 @@ class SystemBuilder {
       record.rows = static_cast<int>(b.rows.size());
       b.rows.push_back({first_row, rows, compliant});
     }
-    record.slot_count = static_cast<int>(markers.size());
+    record.marker_count = static_cast<int>(markers.size());
     struct Touched {
       int jacobian = -1;
       bool linear_written = false;
     };
-    std::map<const Body*, Touched> touched;
+    std::map<std::pair<const Body*, int>, Touched> touched;  // by body and frame
     const auto moves = [&](const Body* body) {  // any of the markers on it moves with its linear coordinates
       return std::any_of(markers.begin(), markers.end(), [&](const Marker& m) {
         return m.body == body && used_.at({m.body, m.index}).drawn.elastic != nullptr;
       });
     };
-    for (std::size_t i = 0; i < markers.size(); ++i) {
-      const Marker& m = markers[i];
-      const Used& used = used_.at({m.body, m.index});
-      MarkerSlot slot{used.place, -1, -1, -1, 0, -1, false, false};
-      if (m.body == &graph_.ground()) {
-        add_once(ground_.markers, m.index, used.place);
-        if (loads) add_once(ground_.loaded, m.index, used.place);
-      } else {
-        const auto& s = slice_of(*m.body);
-        BodyRecord& body = records_[&s - system_.layout_.bodies().data()];
-        add_once(body.markers, m.index, used.place);
-        if (loads) add_once(body.loaded, m.index, used.place);
-        slot.velocity = s.v;
-        slot.frame = body.frame;
-        if (used.drawn.elastic) slot.linear = body.linear, slot.size = s.linear;
-        Touched& t = touched[m.body];
-        if (rows > 0 && t.jacobian < 0) {
-          const bool linear = moves(m.body);
-          t.jacobian = static_cast<int>(b.jacobians.size());
-          slot.first_frame = true;
-          BlockStructure::Jacobian G{record.rows, body.frame, 0, linear ? body.linear : -1, 0, s.v};
-          if (body.frame >= 0) G.values = b.reserve(6 * rows);
-          if (linear) G.linear_values = b.reserve(rows * s.linear);
-          b.jacobians.push_back(G);
-        }
-        slot.jacobian = t.jacobian;
-        slot.first_linear = slot.linear >= 0 && !t.linear_written;
-        t.linear_written |= slot.first_linear;
+    // A slot on one frame, or on none; where the first of a connector's slots on a frame writes its block.
+    const auto place = [&](MarkerSlot& slot, const Marker& m, const Used& used, int frame) {
+      const auto& s = (&slice_of(*m.body))[frame];
+      BodyRecord& body = records_[numbers_.at(m.body)];
+      add_once(body.markers, m.index, used.place);
+      if (loads) add_once(body.loaded, m.index, used.place);
+      slot.velocity = s.v;
+      slot.frame = body.frame < 0 ? -1 : body.frame + frame;
+      if (used.drawn.elastic) slot.linear = body.linear, slot.size = s.linear;
+      Touched& t = touched[{m.body, frame}];
+      if (rows > 0 && t.jacobian < 0) {
+        const bool linear = moves(m.body);
+        t.jacobian = static_cast<int>(b.jacobians.size());
+        slot.first_frame = true;
+        BlockStructure::Jacobian G{record.rows, slot.frame, 0, linear ? body.linear : -1, 0, s.v};
+        if (slot.frame >= 0) G.values = b.reserve(6 * rows);
+        if (linear) G.linear_values = b.reserve(rows * s.linear);
+        b.jacobians.push_back(G);
       }
-      slots[i] = slot;
-    }
+      slot.jacobian = t.jacobian;
+      slot.first_linear = slot.linear >= 0 && !t.linear_written;
+      t.linear_written |= slot.first_linear;
+    };
+    for (int share : {0, 1})
+      for (std::size_t i = 0; i < markers.size(); ++i) {
+        const Marker& m = markers[i];
+        const Used& used = used_.at({m.body, m.index});
+        const MarkerBetween* between = used.drawn.between;
+        if (share > 0 && !between) continue;
+        MarkerSlot slot{used.place, -1, -1, -1, 0, -1, false, false, static_cast<int>(i), between ? share : -1};
+        if (m.body != &graph_.ground()) {
+          place(slot, m, used, between ? between->shares[share].frame : used.drawn.frame);
+        } else {
+          add_once(ground_.markers, m.index, used.place);
+          if (loads) add_once(ground_.loaded, m.index, used.place);
+        }
+        slots.push_back(slot);
+      }
+    record.slot_count = static_cast<int>(slots.size());
     record.slots = keep(slots.data(), record.slot_count);
     return record;
   }
@@ -325,9 +339,14 @@ class SystemBuilder {
     ContactRecord contact{entry.contact, static_cast<int>(system_.contacts_.size()), entry.place, markers, {}, {}};
     for (std::size_t i = 0; i < markers.size(); ++i) {
       contact.places.push_back(record.slots[i].marker);
-      contact.bodies.push_back(markers[i].body == &graph_.ground()
+      const Marker& m = markers[i];
+      if (used_.at({m.body, m.index}).drawn.between)
+        throw SceneError(
+            "'" + entry.contact->name() + "' has a collider on a marker between two frames of '" + m.body->name() + "'",
+            entry.contact->where(), "put it on a marker at a node");
+      contact.bodies.push_back(m.body == &graph_.ground()
                                    ? -1
-                                   : static_cast<int>(&slice_of(*markers[i].body) - system_.layout_.bodies().data()));
+                                   : first_slices_[numbers_.at(m.body)] + used_.at({m.body, m.index}).drawn.frame);
     }
     system_.contacts_.push_back(std::move(contact));
   }
@@ -355,22 +374,6 @@ class SystemBuilder {
       markers.emplace_back(index, place);
   }
 
-  /// Whether the load of a joint on one body depends on where the other is.
-  static bool couples(const Constraint& constraint, const std::vector<MarkerKinematics>& markers) {
-    const int n = static_cast<int>(markers.size());
-    ConstraintRows rows(n);
-    ConstraintRows::Stiffness K = ConstraintRows::Stiffness::Zero(6 * n, 6 * n);
-    double multipliers[kMaxRows];
-    for (int r = 0; r < kMaxRows; ++r) multipliers[r] = 1 + 0.37 * r;  // no accidental cancellation
-    rows.collect_stiffness(multipliers, &K);
-    constraint.evaluate(0, connector::Views(markers.data(), n), rows);
-    if (rows.written()) return true;
-    for (int i = 0; i < n; ++i)
-      for (int j = 0; j < n; ++j)
-        if (i != j && !K.block<6, 6>(6 * i, 6 * j).isZero(0)) return true;
-    return false;
-  }
-
   static void add_couplings(const ConnectorRecord& record, std::vector<std::pair<int, int>>& couplings) {
     for (int i = 0; i < record.slot_count; ++i)
       for (int j = 0; j < record.slot_count; ++j) {
@@ -387,7 +390,7 @@ class SystemBuilder {
       const auto [it, fresh] = number.try_emplace(entry.type, static_cast<int>(batches.bodies.size()));
       if (fresh) batches.bodies.push_back(entry.make_batch()), batch_sizes_.push_back(0);
       batches.bodies[it->second]->add(*entry.body, i == 0 ? ground_ : records_[i - 1]);
-      system_.body_places_.push_back({it->second, batch_sizes_[it->second]++});
+      system_.body_places_.push_back({it->second, batch_sizes_[it->second]++, i == 0 ? -1 : first_slices_[i - 1]});
     }
     number.clear();
     for (std::size_t i = 0; i < graph_.constraints().size(); ++i) {
@@ -578,9 +581,10 @@ class SystemBuilder {
   VectorX q_, v_;
   std::map<std::pair<const Body*, int>, Used> used_;
   std::map<const Body*, std::unique_ptr<BodyCache>> drawn_caches_;
-  std::map<const Body*, int> slices_;
-  std::vector<BodyRecord> records_;
-  BodyRecord ground_{0, 0, -1, -1, {}, {}};
+  std::map<const Body*, int> numbers_;  // of the graph's bodies, without ground
+  std::vector<int> first_slices_;       // by number, indices into Layout::bodies()
+  std::vector<BodyRecord> records_;     // by number
+  BodyRecord ground_{0, 0, -1, -1, 0, {}, {}, {}};
   std::vector<ConnectorRecord> constraint_records_, force_records_;
   std::vector<ReactionRecord> reactions_;
   std::vector<int> batch_sizes_;

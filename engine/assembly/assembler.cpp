@@ -85,7 +85,8 @@ Assembler::Assembler(const System& system) : system_(system), factor_(std::make_
   std::vector<int> loaded;
   for (const auto& entry : system.graph().forces())
     for (const Marker& m : entry.markers)
-      if (const int b = find_body(*m.body); b >= 0) loaded.push_back(b);
+      if (const int first = find_body(*m.body); first >= 0)
+        for (int i = 0; i < std::max(1, m.body->coordinates().frames); ++i) loaded.push_back(first + i);
   rigid_contacts_ = std::make_unique<RigidContacts>(RigidContacts::Scene{
       *this, system.blocks_, work_.values, system.contacts(), *contacts_, std::move(loaded), system.gravity().norm()});
 }
@@ -536,7 +537,7 @@ BodyState Assembler::body_state_at(std::size_t place) {
   const auto at = system_.body_places_[place];
   BodyCache* cache = &caches_[at.batch]->at(at.index);
   if (place == 0) return {nullptr, nullptr, cache};
-  const auto& slice = system_.layout().bodies()[place - 1];
+  const auto& slice = system_.layout().bodies()[at.slice];
   return {work_.q.data() + slice.q, work_.v.data() + slice.v, cache};
 }
 

@@ -14,7 +14,9 @@ namespace lithe {
 
 /// Where a body's blocks lie.
 struct BodyRecord {
-  int q, v, frame, linear;                   // frame, linear: indices into BlockStructure, -1: none
+  int q, v, frame, linear;  // frame, linear: indices into BlockStructure, -1: none; the first frame
+  int frames;               // how many
+  std::vector<BodyTangent::PairPlace> pairs;
   std::vector<std::pair<int, int>> markers;  // (marker of the body, place in the table): those that connectors use
   std::vector<std::pair<int, int>> loaded;   // of these, those that force elements use
 };
@@ -44,8 +46,8 @@ struct ConnectorRecord {
   int first_row, rows;  // rows vertex index in BlockStructure::rows
   int energy = -1;      // force elements: index into Workspace::force_energy
   int first_angle = 0;  // of the connector's measured angles, in Workspace::quarter_turns
-  int slot_count = 0;
-  const MarkerSlot* slots = nullptr;  // the system's
+  int marker_count = 0, slot_count = 0;
+  const MarkerSlot* slots = nullptr;  // the system's; those of the markers in their order first
 };
 
 /// All constraints of one type.

@@ -74,6 +74,7 @@ class BodyBatchOf final : public BodyBatch {
       for (const auto& [at, count] : {std::pair(frame, 36), std::pair(frame_linear, coupled),
                                       std::pair(linear_frame, coupled), std::pair(linear, entries)})
         if (at) std::fill_n(at, count, 0.0);
+      if (record.frames > 1) return write_frames(work, caches, v_dot, weights, increment, i, S);
       bodies_[i]->T::add_tangent(state_of(work, caches, i), v_dot + record.v, work.gravity, weights, S);
       if (!increment || record.frame < 0) return;
       // d_dot = Jr⁻¹ omega: corrections of the increment turn the state by Jr(psi)
@@ -86,6 +87,26 @@ class BodyBatchOf final : public BodyBatch {
   }
 
  private:
+  /// The tangent of a body with several frames; the blocks of their pairs are zero so far.
+  void write_frames(Workspace& work, Caches& caches, const double* v_dot, const TangentWeights& weights,
+                    const double* increment, std::size_t i, BodyTangent& S) const {
+    const BodyRecord& record = records_[i];
+    std::fill_n(S.frame.data() + 36, 36 * (record.frames - 1), 0.0);
+    S.values = work.values.data();
+    S.pairs = record.pairs;
+    bodies_[i]->T::add_tangent(state_of(work, caches, i), v_dot + record.v, work.gravity, weights, S);
+    if (!increment) return;
+    const auto turn = [&](Eigen::Map<Matrix6> block, int frame) {
+      const Matrix3 chart = right_jacobian_inverse(Eigen::Map<const Vector3>(increment + record.v + 6 * frame + 3));
+      auto columns = block.template rightCols<3>();
+      columns = columns.lazyProduct(chart).eval();
+    };
+    for (int k = 0; k < record.frames; ++k) turn(S.frame_block(k), k);
+    const auto pairs = bodies_[i]->T::coordinates().pairs;
+    for (int k = 0; k < static_cast<int>(pairs.size()); ++k)
+      turn(S.upper_block(k), pairs[k].second), turn(S.lower_block(k), pairs[k].first);
+  }
+
   struct TypedCaches final : Caches {
     std::vector<Cache> all;
     BodyCache& at(int i) override { return all[i]; }
@@ -114,7 +135,7 @@ inline constexpr int kRowsOf = [] {
 /// Views of the connector's markers, for a number of markers that the compiler may know.
 class Views {
  public:
-  Views(const MarkerKinematics* table, const ConnectorRecord& record) : count_(record.slot_count) {
+  Views(const MarkerKinematics* table, const ConnectorRecord& record) : count_(record.marker_count) {
     for (int m = 0; m < count_; ++m) new (at(m)) MarkerView(table[record.slots[m].marker], m);
   }
   Views(const MarkerKinematics* markers, int count) : count_(count) {
@@ -142,7 +163,7 @@ class ConstraintBatchOf final : public ConstraintBatch {
     constexpr int kRows = connector::kRowsOf<T>;
     for_each_named(constraints_, work.time, [&](std::size_t i) {
       const ConnectorRecord& record = records_[i];
-      ConstraintRows rows(record.slot_count);
+      ConstraintRows rows(record.marker_count);
       rows.recall(work.quarter_turns.data() + record.first_angle);
       connector::Views views(work.markers.data(), record);
       constraints_[i]->T::evaluate(work.time, views, rows);
@@ -154,15 +175,16 @@ class ConstraintBatchOf final : public ConstraintBatch {
       if (level == Level::acceleration)
         for (int r = 0; r < count; ++r) {
           double bias = rows.bias(r);
-          for (int m = 0; m < record.slot_count; ++m) {
+          for (int m = 0; m < record.marker_count; ++m) {
             const MarkerKinematics& k = work.markers[record.slots[m].marker];
             bias += rows.wrench(r, m).force.dot(k.bias_v) + rows.wrench(r, m).torque.dot(k.bias_w);
           }
           work.bias[record.first_row + r] = bias;
         }
-      for (int m = 0; m < record.slot_count; ++m)
-        connector::write_jacobian<kRows>(work, blocks, record.slots[m], count,
-                                         [&](int r) -> const Wrench& { return rows.wrench(r, m); });
+      for (int s = 0; s < record.slot_count; ++s)
+        connector::write_jacobian<kRows>(work, blocks, record.slots[s], count, [&](int r) -> const Wrench& {
+          return rows.wrench(r, record.slots[s].place);
+        });
     });
   }
 
@@ -172,13 +194,13 @@ class ConstraintBatchOf final : public ConstraintBatch {
       const ConnectorRecord& record = records_[i];
       const double* multipliers = lambda + record.first_row;
       ConstraintRows::Stiffness K;  // rows that have any set it to zero first
-      ConstraintRows rows(record.slot_count);
+      ConstraintRows rows(record.marker_count);
       rows.collect_stiffness(multipliers, &K);
       Wrench load[kMaxMarkers];
       const auto evaluate = [&](connector::Views&& views, ConstraintRows& into, Wrench* out) {
         into.recall(work.quarter_turns.data() + record.first_angle);
         constraints_[i]->T::evaluate(work.time, views, into);
-        for (int m = 0; m < record.slot_count; ++m) {
+        for (int m = 0; m < record.marker_count; ++m) {
           out[m] = {Vector3::Zero(), Vector3::Zero()};
           for (int r = 0; r < into.count(); ++r) {
             out[m].force += multipliers[r] * into.wrench(r, m).force;
@@ -188,16 +210,16 @@ class ConstraintBatchOf final : public ConstraintBatch {
       };
       evaluate({work.markers.data(), record}, rows, load);
       if (rows.written()) {  // its wrenches are differenced over the markers' motions
-        K.setZero(6 * record.slot_count, 6 * record.slot_count);
+        K.setZero(6 * record.marker_count, 6 * record.marker_count);
         connector::difference(
             work, record, Level::position,
             [&](const MarkerKinematics* markers, Wrench* out) {
-              ConstraintRows moved(record.slot_count);
-              evaluate({markers, record.slot_count}, moved, out);
+              ConstraintRows moved(record.marker_count);
+              evaluate({markers, record.marker_count}, moved, out);
             },
             K);
       }
-      for (int m = 0; m < record.slot_count; ++m)
+      for (int m = 0; m < record.marker_count; ++m)
         connector::add_load_stiffness(work, blocks, record.slots[m], load[m], weight);
       if (rows.written() || rows.stiff()) connector::add_marker_stiffness(work, blocks, record, K, weight);
     });
@@ -224,7 +246,7 @@ class ForceBatchOf final : public ForceBatch {
     const int constraints = static_cast<int>(work.residual.size());
     for_each_named(forces_, work.time, [&](std::size_t i) {
       const ConnectorRecord& record = records_[i];
-      ForceRows rows(record.slot_count);
+      ForceRows rows(record.marker_count);
       if (!reactions_.empty()) rows.set_reaction({Vector3::Zero(), Vector3::Zero()});  // until react()
       evaluate(work, i, rows);
       for (int r = 0; r < rows.count(); ++r) {
@@ -234,10 +256,11 @@ class ForceBatchOf final : public ForceBatch {
         work.row_damping[at] = rows.damping(r);
       }
       work.force_energy[record.energy] = rows.energy();
-      for (int m = 0; m < record.slot_count; ++m) {
-        connector::add_wrench(work, record.slots[m], rows.load(m), work.load.data());
+      for (int s = 0; s < record.slot_count; ++s) {
+        const int m = record.slots[s].place;
+        connector::add_wrench(work, record.slots[s], rows.load(m), work.load.data());
         if (rows.count() > 0)
-          connector::write_jacobian<kRows>(work, blocks, record.slots[m], rows.count(),
+          connector::write_jacobian<kRows>(work, blocks, record.slots[s], rows.count(),
                                            [&](int r) -> const Wrench& { return rows.wrench(r, m); });
       }
     });
@@ -247,7 +270,7 @@ class ForceBatchOf final : public ForceBatch {
     const int constraints = static_cast<int>(work.residual.size());
     for_each_named(forces_, work.time, [&](std::size_t i) {
       const ConnectorRecord& record = records_[i];
-      const int n = record.slot_count, first = record.first_row - constraints;
+      const int n = record.marker_count, first = record.first_row - constraints;
       // Wrench on the left-hand side: tensions as they are now, loads with the opposite sign.
       bool loads = false;
       const auto wrenches = [&](const MarkerKinematics* markers, Wrench* out) {
@@ -288,7 +311,7 @@ class ForceBatchOf final : public ForceBatch {
     const int constraints = static_cast<int>(work.residual.size());
     for (std::size_t k = 0; k < reacting_.size(); ++k) {
       const ConnectorRecord& record = records_[reacting_[k]];
-      ForceRows rows(record.slot_count);
+      ForceRows rows(record.marker_count);
       evaluate_reacting(work, k, lambda, rows, nullptr);
       for (int r = 0; r < rows.count(); ++r) {
         work.tension[record.first_row - constraints + r] = rows.tension(r);
@@ -299,8 +322,8 @@ class ForceBatchOf final : public ForceBatch {
 
   void write_reaction_tangent(Workspace& work, const BlockStructure& blocks, const double* lambda) const override {
     for (std::size_t k = 0; k < reacting_.size(); ++k) {
-      ForceRows rows(records_[reacting_[k]].slot_count);
-      ConstraintRows joint(reactions_[k].record.slot_count);
+      ForceRows rows(records_[reacting_[k]].marker_count);
+      ConstraintRows joint(reactions_[k].record.marker_count);
       evaluate_reacting(work, k, lambda, rows, &joint);
       // ∂σ/∂λ_j = -(∂σ/∂reaction) · W_j, over the row's compliance
       const auto& coupling = blocks.row_couplings[reactions_[k].coupling];
@@ -324,7 +347,7 @@ class ForceBatchOf final : public ForceBatch {
   void evaluate_reacting(const Workspace& work, std::size_t k, const double* lambda, ForceRows& rows,
                          ConstraintRows* joint_rows) const {
     const ReactionRecord& reaction = reactions_[k];
-    ConstraintRows own(reaction.record.slot_count);
+    ConstraintRows own(reaction.record.marker_count);
     ConstraintRows& joint = joint_rows ? *joint_rows : own;
     joint.recall(work.quarter_turns.data() + reaction.record.first_angle);
     reaction.joint->evaluate(work.time, connector::Views(work.markers.data(), reaction.record), joint);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "engine/assembly/batch_of.h"
+
 namespace lithe::connector {
 namespace {
 
@@ -20,13 +22,60 @@ const BlockStructure::Coupling* find_coupling(const BlockStructure& blocks, int 
   return at != blocks.couplings.end() && std::pair<int, int>(at->a, at->b) == key ? &*at : nullptr;
 }
 
+/// The block of S at two frames; null: they have none.
+double* find_block(Workspace& work, const BlockStructure& blocks, int row, int column) {
+  if (row == column) return work.values.data() + blocks.frames[row].values;
+  const auto* c = find_coupling(blocks, row, column);
+  return c ? work.values.data() + (c->a == row ? c->ab : c->ba) : nullptr;
+}
+
+void add_load_stiffness_between(Workspace& work, const BlockStructure& blocks, const MarkerSlot& slot,
+                                const MarkerBetween& between, const Vector3& force, const Vector3& torque) {
+  Eigen::Matrix<double, 12, 12> K = Eigen::Matrix<double, 12, 12>::Zero();
+  between.add_load_stiffness(force, torque, K);
+  const int first = slot.frame - between.shares[slot.share].frame;  // the body's
+  for (int i = 0; i < 2; ++i)
+    for (int j = 0; j < 2; ++j)
+      if (double* to = find_block(work, blocks, first + between.shares[i].frame, first + between.shares[j].frame))
+        Frame{to} += K.block<6, 6>(6 * i, 6 * j);
+}
+
+/// J of one slot, 6 x 6: (v, w) of its marker by the velocities of its frame.
+Matrix6 jacobian(const MarkerKinematics& k, const MarkerSlot& slot) {
+  if (slot.share >= 0) return k.between->shares[slot.share].J;
+  Matrix6 J = Matrix6::Identity();
+  J.topRightCorner<3, 3>() = -*k.A * skew(k.r);
+  J.bottomRightCorner<3, 3>() = *k.A;
+  return J;
+}
+
 }  // namespace
+
+bool couples(const Constraint& constraint, const std::vector<MarkerKinematics>& markers) {
+  const int n = static_cast<int>(markers.size());
+  ConstraintRows rows(n);
+  ConstraintRows::Stiffness K = ConstraintRows::Stiffness::Zero(6 * n, 6 * n);
+  double multipliers[kMaxRows];
+  for (int r = 0; r < kMaxRows; ++r) multipliers[r] = 1 + 0.37 * r;  // no accidental cancellation
+  rows.collect_stiffness(multipliers, &K);
+  constraint.evaluate(0, Views(markers.data(), n), rows);
+  if (rows.written()) return true;
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j)
+      if (i != j && !K.block<6, 6>(6 * i, 6 * j).isZero(0)) return true;
+  return false;
+}
 
 void add_wrench(const Workspace& work, const MarkerSlot& slot, const Wrench& w, double* r) {
   if (slot.velocity < 0) return;
   const MarkerKinematics& k = work.markers[slot.marker];
-  const Vector3 f = k.A->transpose() * w.force, t = k.A->transpose() * w.torque;
   double* to = r + slot.velocity;
+  if (slot.share >= 0) {
+    const Matrix6& J = k.between->shares[slot.share].J;
+    Eigen::Map<Vector6>(to) += J.topRows<3>().transpose() * w.force + J.bottomRows<3>().transpose() * w.torque;
+    return;
+  }
+  const Vector3 f = k.A->transpose() * w.force, t = k.A->transpose() * w.torque;
   if (slot.frame >= 0) {
     Eigen::Map<Vector3>(to) += w.force;
     Eigen::Map<Vector3>(to + 3) += k.r.cross(f) + t;
@@ -40,6 +89,10 @@ void add_wrench(const Workspace& work, const MarkerSlot& slot, const Wrench& w, 
 void add_load_stiffness(Workspace& work, const BlockStructure& blocks, const MarkerSlot& slot, const Wrench& w,
                         double weight) {
   const MarkerKinematics& k = work.markers[slot.marker];
+  if (slot.share >= 0) {
+    add_load_stiffness_between(work, blocks, slot, *k.between, weight * w.force, weight * w.torque);
+    return;
+  }
   if (slot.frame < 0) {
     if (slot.linear >= 0 && k.deflected)
       k.deflected->add_load_stiffness(weight * w.force, weight * w.torque,
@@ -73,16 +126,14 @@ void add_marker_stiffness(Workspace& work, const BlockStructure& blocks, const C
     for (int j = 0; j < record.slot_count; ++j) {
       const MarkerSlot& sj = record.slots[j];
       if (sj.frame < 0) continue;
-      const Matrix6 Kij = K.block<6, 6>(6 * i, 6 * j);
+      const Matrix6 Kij = K.block<6, 6>(6 * si.place, 6 * sj.place);
       if (Kij.isZero(0)) continue;
       const MarkerKinematics& kj = work.markers[sj.marker];
-      double* to;
-      if (si.frame == sj.frame) {
-        to = work.values.data() + blocks.frames[si.frame].values;
-      } else {
-        const auto* c = find_coupling(blocks, si.frame, sj.frame);
-        if (!c) continue;
-        to = work.values.data() + (c->a == si.frame ? c->ab : c->ba);
+      double* to = find_block(work, blocks, si.frame, sj.frame);
+      if (!to) continue;
+      if (si.share >= 0 || sj.share >= 0) {
+        Frame(to) += weight * jacobian(ki, si).transpose() * Kij * jacobian(kj, sj);
+        continue;
       }
       // K J_j, then J_iᵀ of it
       Matrix6 KJ;

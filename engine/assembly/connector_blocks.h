@@ -7,6 +7,21 @@ namespace lithe::connector {
 
 inline bool is_zero(const Vector3& a) { return a[0] == 0 && a[1] == 0 && a[2] == 0; }
 
+/// The same of a marker between two frames, for one of them.
+template <class WrenchOf>
+inline void write_share(double* to, const Matrix6& J, int rows, bool first, WrenchOf&& wrench) {
+  for (int row = 0; row < rows; ++row) {
+    const Wrench& w = wrench(row);
+    for (int i = 0; i < 6; ++i) {
+      const double value = w.force.dot(J.col(i).head<3>()) + w.torque.dot(J.col(i).tail<3>());
+      if (first)
+        to[row + rows * i] = value;
+      else
+        to[row + rows * i] += value;
+    }
+  }
+}
+
 /// Writes or adds W_m J_m of one marker: rows x 6 of the frame and rows x n of the linear coordinates.
 template <int Rows, class WrenchOf>
 inline void write_jacobian(Workspace& work, const BlockStructure& blocks, const MarkerSlot& slot, int row_count,
@@ -15,6 +30,10 @@ inline void write_jacobian(Workspace& work, const BlockStructure& blocks, const 
   const int R = Rows > 0 ? Rows : row_count;
   const MarkerKinematics& k = work.markers[slot.marker];
   const auto& G = blocks.jacobians[slot.jacobian];
+  if (slot.share >= 0) [[unlikely]] {
+    write_share(work.values.data() + G.values, k.between->shares[slot.share].J, R, slot.first_frame, wrench);
+    return;
+  }
   const Matrix3& A = *k.A;
   double* frame = G.frame >= 0 ? work.values.data() + G.values : nullptr;
   double* linear = slot.linear >= 0 ? work.values.data() + G.linear_values : nullptr;
@@ -43,6 +62,8 @@ inline void write_jacobian(Workspace& work, const BlockStructure& blocks, const 
   }
 }
 
+/// Whether the load of a joint on one body depends on where the other is.
+bool couples(const Constraint& constraint, const std::vector<MarkerKinematics>& markers);
 /// r += Jᵀ w of one marker.
 void add_wrench(const Workspace& work, const MarkerSlot& slot, const Wrench& w, double* r);
 /// Adds weight · ∂(Jᵀ w)/∂q, w fixed in world axes, to the body's own blocks.
@@ -58,7 +79,7 @@ template <class WrenchesOf>
 void difference(const Workspace& work, const ConnectorRecord& record, Level by, WrenchesOf&& wrenches,
                 ConstraintRows::Stiffness& K) {
   MarkerKinematics moved[kMaxMarkers];
-  const int n = record.slot_count;
+  const int n = record.marker_count;
   for (int m = 0; m < n; ++m) moved[m] = work.markers[record.slots[m].marker];
   Wrench plus[kMaxMarkers], minus[kMaxMarkers];
   double reach = 0;

@@ -78,7 +78,7 @@ std::string look_at(Assembler& assembler, const State& state) {
     return error.problem() + " (" + error.where() + ")";
   }
   for (const auto& slice : assembler.layout().bodies())
-    if (!is_finite(assembler, slice, state.v_dot)) return in_words(*slice.body, state.time);
+    if (slice.part == 0 && !is_finite(assembler, slice, state.v_dot)) return in_words(*slice.body, state.time);
   const SystemGraph& graph = assembler.system().graph();
   for (const auto& entry : graph.constraints())
     if (!is_finite(assembler, *entry.constraint, state.time)) return in_words(*entry.constraint, state.time);

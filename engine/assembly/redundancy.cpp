@@ -9,10 +9,11 @@
 namespace lithe {
 namespace {
 
+/// Bodies by number, in the order of the layout.
 Topology topology_of(const SystemGraph& graph, const Layout& layout) {
-  Topology topology{static_cast<int>(layout.bodies().size()), {}};
   std::map<const Body*, int> number;
   for (const auto& s : layout.bodies()) number.emplace(s.body, static_cast<int>(number.size()));
+  Topology topology{static_cast<int>(number.size()), {}};
   for (const auto& c : graph.constraints()) {
     std::vector<int> tie;
     for (const Marker& m : c.markers) {
@@ -60,7 +61,7 @@ std::vector<MatrixX> compliances(const BlockStructure& blocks, const std::vector
 bool is_tree(const SystemGraph& graph, const Layout& layout) {
   for (const auto& c : graph.constraints())
     for (const Marker& m : c.markers)
-      if (const Coordinates has = m.body->coordinates(); has.v_count() > 0 && !has.frame) return false;
+      if (const Coordinates has = m.body->coordinates(); has.v_count() > 0 && has.frames == 0) return false;
   return !has_loops(topology_of(graph, layout));
 }
 
@@ -78,11 +79,12 @@ std::string dependent_rows_text(const SystemGraph& graph, const Layout& layout, 
     ++counts[mechanism[*body]];
   }
   // 2. A line for each.
+  const std::vector<std::string> bodies = layout.body_names();
   std::string text;
   for (const auto& [number, count] : counts) {
     std::vector<std::string> names;
     for (std::size_t b = 0; b < mechanism.size(); ++b)
-      if (mechanism[b] == number) names.push_back("'" + layout.bodies()[b].name + "'");
+      if (mechanism[b] == number) names.push_back("'" + bodies[b] + "'");
     text += (text.empty() ? "mechanism of " : "\nmechanism of ");
     for (std::size_t i = 0; i < std::min(kNamed, names.size()); ++i) text += (i > 0 ? ", " : "") + names[i];
     if (names.size() > kNamed) text += " and " + std::to_string(names.size() - kNamed) + " more";

@@ -65,6 +65,7 @@ class System {
   Batches batches_;
   struct Place {
     int batch, index;
+    int slice;  // index into Layout::bodies(), -1: ground
   };
   std::vector<Place> body_places_;             // of graph bodies, ground first
   std::deque<std::vector<MarkerSlot>> slots_;  // of all connectors, in chunks that do not move

@@ -21,10 +21,11 @@ struct Workspace {
   VectorX row_stiffness, row_damping;  // of compliant rows
   VectorX load;                        // generalized force of loads, v_count
   VectorX force_energy;                // by force element and contact, as added, joules
-  VectorX quarter_turns;                   // of measured angles, as recalled
+  VectorX quarter_turns;               // of measured angles, as recalled
 };
 
-/// Where a connector's marker acts: its place in the marker table and its body's blocks.
+/// Where a connector's marker acts: its place in the marker table and its body's blocks. A marker between two frames
+/// has two slots, the second beyond those of all markers.
 struct MarkerSlot {
   int marker;        // index into Workspace::markers
   int velocity;      // first velocity of the body; -1: ground
@@ -33,6 +34,8 @@ struct MarkerSlot {
   int jacobian;      // index into jacobians, -1: none
   // The first of the connector's markers on a body writes its block, later ones add.
   bool first_frame, first_linear;
+  int place = 0;   // which of the connector's markers
+  int share = -1;  // index into MarkerBetween::shares, -1: fixed in one frame
 };
 
 }  // namespace lithe

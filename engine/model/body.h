@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 
 #include "engine/base/math.h"
 #include "engine/factor/linear_pattern.h"
@@ -9,14 +10,22 @@
 
 namespace lithe {
 
-/// The coordinates of a body. With a frame: q = (p, e, eta), v = (p_dot, omega, eta_dot), 7 + n and 6 + n numbers;
-/// without: q = eta, v = eta_dot.
+/// Two frames of a body, first < second, that share a block of its tangent: mass or stiffness couples them.
+struct FramePair {
+  int first, second;
+};
+
+/// The coordinates of a body: frames, each with a position p and a unit quaternion e, then linear coordinates eta.
+///   one frame:  q = (p, e, eta),  v = (p_dot, omega, eta_dot): 7 + n and 6 + n numbers
+///   several:    q = (p_1, e_1, p_2, e_2, …),  v = (p_1_dot, omega_1, …): 7 and 6 numbers a frame, no eta
+///   none:       q = eta,  v = eta_dot
 struct Coordinates {
-  bool frame = true;
+  int frames = 1;
   int linear = 0;                          // n, length of eta
   const LinearPattern* pattern = nullptr;  // of the linear-linear block, the body's own; null: it is diagonal
-  int q_count() const { return (frame ? 7 : 0) + linear; }
-  int v_count() const { return (frame ? 6 : 0) + linear; }
+  std::span<const FramePair> pairs{};      // of several frames; the body's own
+  int q_count() const { return 7 * frames + linear; }
+  int v_count() const { return 6 * frames + linear; }
 };
 
 /// Terms that a body computes once per state and shares among residual, tangent and markers. Bodies derive their own.
@@ -38,12 +47,24 @@ struct TangentWeights {
 };
 
 /// Where a body adds its block of the iteration matrix: frame-frame (6 x 6), frame-linear (6 x n), linear-frame (n x
-/// 6), column-major, and linear-linear: n diagonal entries, or one value for each entry of Coordinates::pattern.
+/// 6), column-major, and linear-linear: n diagonal entries, or one value for each entry of Coordinates::pattern. Of
+/// several frames each has a block, and each pair of them two.
 struct BodyTangent {
   Eigen::Map<Matrix6> frame;
   Eigen::Map<Matrix6X> frame_linear;
   Eigen::Map<MatrixX> linear_frame;
   Eigen::Map<VectorX> linear;
+  /// Of several frames: where in `values` the blocks (first, second) and (second, first) of a pair begin.
+  struct PairPlace {
+    int upper, lower;
+  };
+  double* values = nullptr;
+  std::span<const PairPlace> pairs{};  // in the order of Coordinates::pairs
+
+  /// The block of the i-th of several frames, and those of the i-th pair.
+  Eigen::Map<Matrix6> frame_block(int i) { return Eigen::Map<Matrix6>(frame.data() + 36 * i); }
+  Eigen::Map<Matrix6> upper_block(int i) const { return Eigen::Map<Matrix6>(values + pairs[i].upper); }
+  Eigen::Map<Matrix6> lower_block(int i) const { return Eigen::Map<Matrix6>(values + pairs[i].lower); }
 };
 
 /// Joules, gravity relative to the origin of the world.

@@ -20,7 +20,7 @@ class Ground final : public Body {
     return marker(point, orientation);
   }
 
-  Coordinates coordinates() const override { return {.frame = false, .linear = 0}; }
+  Coordinates coordinates() const override { return {.frames = 0, .linear = 0}; }
   std::unique_ptr<BodyCache> make_cache() const override { return std::make_unique<Cache>(*this); }
   void initial_state(VectorRef, VectorRef) const override {}
   void evaluate(const BodyState&, Level) const override {}

@@ -7,7 +7,9 @@ namespace lithe {
 void Layout::add_body(const Body& body) { add_body(body.name(), body.coordinates(), &body); }
 
 void Layout::add_body(std::string name, const Coordinates& c, const Body* body) {
-  bodies_.push_back({body, q_count_, v_count_, c.frame, c.linear, std::move(name)});
+  if (c.frames <= 1) bodies_.push_back({body, q_count_, v_count_, c.frames == 1, c.linear, std::move(name)});
+  for (int i = 0; i < c.frames && c.frames > 1; ++i)
+    bodies_.push_back({body, q_count_ + 7 * i, v_count_ + 6 * i, true, 0, name + " frame " + std::to_string(i), i});
   q_count_ += c.q_count();
   v_count_ += c.v_count();
 }
@@ -15,6 +17,13 @@ void Layout::add_body(std::string name, const Coordinates& c, const Body* body) 
 void Layout::add_rows(std::string name, int count) {
   rows_.push_back({std::move(name), row_count_, count});
   row_count_ += count;
+}
+
+std::vector<std::string> Layout::body_names() const {
+  std::vector<std::string> names;
+  for (const BodySlice& b : bodies_)
+    if (b.part == 0) names.push_back(b.body ? b.body->name() : b.name);
+  return names;
 }
 
 const Layout::BodySlice& Layout::slice(const Body& body) const {

@@ -11,12 +11,14 @@ namespace lithe {
 /// The slices of q, v and lambda of each body and constraint.
 class Layout {
  public:
+  /// A body, or one frame of a body that has several: those follow each other.
   struct BodySlice {
     const Body* body;
     int q, v;  // first index
     bool frame;
-    int linear;  // number of linear coordinates
-    std::string name;
+    int linear;        // number of linear coordinates
+    std::string name;  // "link"; "blade frame 3", counted from 0
+    int part = 0;      // which of the body's frames
   };
   struct RowSlice {
     std::string name;  // of the constraint
@@ -33,6 +35,9 @@ class Layout {
   int row_count() const { return row_count_; }
   const std::vector<BodySlice>& bodies() const { return bodies_; }
   const std::vector<RowSlice>& rows() const { return rows_; }
+  /// Of all bodies, in their order.
+  std::vector<std::string> body_names() const;
+  /// The first of the body's slices.
   const BodySlice& slice(const Body& body) const;
 
   /// out = q ⊕ d: positions move by d, quaternions turn by d (body axes), linear coordinates move. out may be q.

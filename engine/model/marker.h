@@ -34,15 +34,35 @@ class DeflectedMarker {
   virtual void add_load_stiffness(const Vector3& force, const Vector3& torque, double* linear) const = 0;
 };
 
+/// For a marker that moves with two frames of its body, as one between two nodes of a beam does:
+///   (v, w) = Σ J_k (p_dot_k, omega_k),   p_dot_k in world axes, omega_k in those of the frame.
+class MarkerBetween {
+ public:
+  struct Share {
+    int frame;
+    Matrix6 J;
+  };
+  Share shares[2];
+
+  virtual ~MarkerBetween() = default;
+  /// K += ∂(J_1ᵀ W, J_2ᵀ W)/∂(positions and turns of both frames) for a constant wrench in world axes; rotations by
+  /// axes of the frames. What Newton does not need may be left out.
+  virtual void add_load_stiffness(const Vector3& force, const Vector3& torque,
+                                  Eigen::Matrix<double, 12, 12>& K) const = 0;
+};
+
 /// Motion of a marker in world axes, and its Jacobian by the velocities of its body.
 ///   (v, w) = J v_body,   (v_dot, w_dot) = J v_body_dot + (bias_v, bias_w)
 /// J is never stored: for a body with a frame (rotation A, marker at r in body axes) and linear coordinates eta
 ///   J = [E, -A r~, A B; 0, A, A T],   elastic = [B; T] (6 x n, body axes, column-major; null if eta does not move it).
-/// A body without frame has A = E and only the elastic columns.
+/// A body without frame has A = E and only the elastic columns. Of a body with several frames, v_body is the velocity of
+/// one frame, A its rotation, and "body axes" are those of that frame.
 struct MarkerKinematics {
   const Matrix3* A = nullptr;
   const double* elastic = nullptr;
   const DeflectedMarker* deflected = nullptr;  // null: the columns are constant
+  const MarkerBetween* between = nullptr;      // null: it is fixed in one frame, if its body has any
+  int frame = 0;                               // of several frames, the one that it is fixed in
   Vector3 r;                                   // position in body axes
   Vector3 p;                                   // position
   Matrix3 R;                                   // marker axes to world axes

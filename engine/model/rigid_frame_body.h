@@ -33,7 +33,7 @@ class RigidFrameBody : public Body {
     explicit Cache(const RigidFrameBody&) {}
   };
 
-  Coordinates coordinates() const override { return {.frame = true, .linear = 0}; }
+  Coordinates coordinates() const override { return {.frames = 1, .linear = 0}; }
   std::unique_ptr<BodyCache> make_cache() const override { return std::make_unique<Cache>(*this); }
   void initial_state(VectorRef q, VectorRef v) const override {
     q << start_.pose.position, quaternion_of(start_.pose.axes);

@@ -181,10 +181,12 @@ Sensor coordinate_sensor(const JointCoordinate& x, Located name, const std::stri
   });
 }
 
-/// Endings of a body's columns: those of its frame, then "_eta_1" and so on.
+/// Endings of a body's columns: those of its frame ("_0_p_x" of the first of several), then "_eta_1" and so on.
 Names endings_of(const Coordinates& c, const Names& frame, const std::string& linear) {
   Names names;
-  if (c.frame) names = frame;
+  for (int i = 0; i < c.frames; ++i)
+    for (const std::string& ending : frame)
+      names.push_back((c.frames > 1 ? "_" + std::to_string(i) : "") + ending);
   for (int i = 1; i <= c.linear; ++i) names.push_back(linear + std::to_string(i));
   return names;
 }
@@ -195,8 +197,9 @@ Sensor slice_sensor(const Body& body, Located name, const Names& endings, Vector
   // p in m, e a quaternion, omega in rad/s; what a linear coordinate is, is the body's business.
   const bool rates = vector == &State::v;
   Names units(endings.size());
-  if (body.coordinates().frame && skip == 0)
-    for (std::size_t i = 0; i < 6; ++i) units[i] = rates ? (i < 3 ? "m/s" : "rad/s") : (i < 3 ? "m" : "");
+  const std::size_t frame = rates ? 6 : 7, frames = skip > 0 ? 0 : body.coordinates().frames;
+  for (std::size_t i = 0; i < frame * frames; ++i)
+    units[i] = i % frame < 3 ? (rates ? "m/s" : "m") : (rates ? "rad/s" : "");
   if (endings.empty())
     throw SceneError("body '" + body.name() + "' has no such coordinates", to_string(name.where),
                      "ask a body that has some");
@@ -319,12 +322,12 @@ Sensor generalized_velocities(const Body& body, Located name) {
 
 Sensor modal_coordinates(const Body& body, Located name) {
   const Coordinates c = body.coordinates();
-  return slice_sensor(body, std::move(name), endings_of(c, {}, "_eta_"), &State::q, c.frame ? 7 : 0);
+  return slice_sensor(body, std::move(name), endings_of(c, {}, "_eta_"), &State::q, 7 * c.frames);
 }
 
 Sensor modal_rates(const Body& body, Located name) {
   const Coordinates c = body.coordinates();
-  return slice_sensor(body, std::move(name), endings_of(c, {}, "_eta_dot_"), &State::v, c.frame ? 6 : 0);
+  return slice_sensor(body, std::move(name), endings_of(c, {}, "_eta_dot_"), &State::v, 6 * c.frames);
 }
 
 Sensor reaction(const Constraint& joint, int marker, Marker axes, Located name) {

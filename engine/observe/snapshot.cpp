@@ -42,7 +42,13 @@ Vector6 Snapshot::acceleration(const Marker& marker) {
   Vector6 result;
   result << k.bias_v, k.bias_w;
   if (marker.body->coordinates().v_count() == 0) return result;  // ground
-  const Layout::BodySlice& slice = assembler_.layout().slice(*marker.body);
+  const Layout::BodySlice& first = assembler_.layout().slice(*marker.body);
+  if (k.between) {
+    for (const MarkerBetween::Share& share : k.between->shares)
+      result += share.J * accelerations().segment<6>((&first)[share.frame].v);
+    return result;
+  }
+  const Layout::BodySlice& slice = (&first)[k.frame];
   // J v_body_dot in body axes: ω̇ × r + B η̈ and ω̇ + T η̈; the frame's own acceleration is in world axes.
   Vector3 v_dot = Vector3::Zero(), w_dot = Vector3::Zero();
   const double* v_body_dot = accelerations().data() + slice.v;

@@ -117,24 +117,27 @@ void SceneDescription::describe_bodies() {
     const bool moves = coordinates.v_count() > 0;
     plan_.body_number[entry.body] = number;
     BodyPart& part = plan_.bodies.emplace_back();
-    part = {.body = entry.body, .place = i, .frame = coordinates.frame, .linear = coordinates.linear};
+    part = {.body = entry.body,
+            .place = i,
+            .frame = coordinates.frames == 1,
+            .frames = coordinates.frames,
+            .linear = coordinates.linear};
     part.drawable = dynamic_cast<const DrawableBody*>(entry.body);
-    if (moves && !coordinates.frame && !part.drawable && entry.body->marker_count() > 0)
-      part.carrier = Marker{entry.body, 0};
+    if (moves && !part.frame && !part.drawable && entry.body->marker_count() > 0) part.carrier = Marker{entry.body, 0};
     Json json = {{"name", name},
                  {"kind", class_name(entry.type.name())},
-                 {"frame", coordinates.frame},
+                 {"frame", part.frame},
                  {"where", entry.body->where()},
                  {"shapes", Json::array()},
                  {"mesh", nullptr}};
-    if (coordinates.frame || part.carrier) {
+    if (part.frame || part.carrier) {
       part.pose = add_columns(7, "pose of '" + name + "'");
       json["position"] = row_json(part.pose, 3, "f32");
       json["rotation"] = row_json(part.pose + 3, 4, "f32");
     } else if (moves && !part.drawable) {
       notes_.push_back("'" + name + "' has neither a frame nor markers, so that it is not drawn.");
     }
-    if (coordinates.frame && coordinates.linear > 0 && !part.drawable)
+    if (part.frame && coordinates.linear > 0 && !part.drawable)
       notes_.push_back("The deformation of '" + name + "' is not drawn: its type does not tell its surface.");
     if (part.drawable) describe_mesh(i, json);
     if (moves && is_detailed(i - 1)) describe_coordinates(part, number);
@@ -146,17 +149,21 @@ void SceneDescription::describe_coordinates(BodyPart& part, int number) {
   const std::string& name = part.body->name();
   if (options_.coordinates && part.linear <= kMostLinear) {
     part.detail = plan_.width;
-    const auto add = [&](const std::vector<const char*>& endings, const char* unit) {
-      if (part.frame) add_channels(name, endings, unit, "coordinate", number, -1);
+    struct Columns {
+      std::vector<const char*> endings;
+      const char* unit;
+    };
+    const auto add = [&](const Columns& position, const Columns& rotation) {
+      for (int k = 0; k < part.frames; ++k)
+        for (const Columns& c : {position, rotation})
+          add_channels(part.frame ? name : name + "_" + std::to_string(k), c.endings, c.unit, "coordinate", number, -1);
     };
     const auto add_linear = [&](const char* what) {
       for (int k = 1; k <= part.linear; ++k) add_channel(name + what + std::to_string(k), "", "coordinate", number, -1);
     };
-    add({"_p_x", "_p_y", "_p_z"}, "m");
-    add({"_e_w", "_e_x", "_e_y", "_e_z"}, "");
+    add({{"_p_x", "_p_y", "_p_z"}, "m"}, {{"_e_w", "_e_x", "_e_y", "_e_z"}, ""});
     add_linear("_eta_");
-    add({"_p_dot_x", "_p_dot_y", "_p_dot_z"}, "m/s");
-    add({"_omega_x", "_omega_y", "_omega_z"}, "rad/s");
+    add({{"_p_dot_x", "_p_dot_y", "_p_dot_z"}, "m/s"}, {{"_omega_x", "_omega_y", "_omega_z"}, "rad/s"});
     add_linear("_eta_dot_");
   }
   if (options_.energies)

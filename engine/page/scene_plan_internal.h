@@ -16,7 +16,8 @@ struct ScenePlan {
   struct BodyPart {
     const Body* body;
     std::size_t place;  // in the graph
-    bool frame = false;
+    bool frame = false;  // one, of the body
+    int frames = 0;
     int linear = 0;
     // First columns of a row; -1: not recorded.
     int pose = -1;

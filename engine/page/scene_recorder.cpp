@@ -133,7 +133,7 @@ void SceneRecorder::fill(Snapshot& now, int number, VectorX& row, std::vector<do
   BodyEnergy total;
   for (const auto& part : plan.bodies) {
     const BodyState& state = plan.states[part.place];
-    const int q = (part.frame ? 7 : 0) + part.linear, v = (part.frame ? 6 : 0) + part.linear;
+    const int q = 7 * part.frames + part.linear, v = 6 * part.frames + part.linear;
     if (part.pose >= 0 && part.frame) put(part.pose, Eigen::Map<const VectorX>(state.q, 7));
     if (part.carrier) {
       const auto pose = plan.pose_of(part);

@@ -27,6 +27,7 @@ bool is_pattern(const int32_t* rows, const int32_t* columns, int32_t count, int3
 }  // namespace
 
 BodyFromC::Cache::Cache(const BodyFromC& body) : theirs(nullptr, body.table_.destroy_cache) {
+  if (body.coordinates_.frames > 1) rotations.resize(static_cast<std::size_t>(body.coordinates_.frames));
   ErrorText why;
   theirs.reset(body.table_.create_cache(body.object_.get(), why.text, sizeof why.text));
   if (!theirs) body.object_.fail(body, why);
@@ -34,12 +35,19 @@ BodyFromC::Cache::Cache(const BodyFromC& body) : theirs(nullptr, body.table_.des
 
 BodyFromC::BodyFromC(Parameters parameters)
     : table_(parameters.type->table), object_(*parameters.type, parameters.values) {
-  int32_t frame = 0, linear = 0;
-  table_.coordinates(object_.get(), &frame, &linear);
-  if (linear < 0 || linear > kMostCoordinates)
-    throw SceneError(object_.description() + " has " + std::to_string(linear) + " linear coordinates", "",
-                     "its author is to fix coordinates()");
-  coordinates_ = {.frame = frame != 0, .linear = linear};
+  int32_t frames = 0, linear = 0;
+  table_.coordinates(object_.get(), &frames, &linear);
+  if (linear < 0 || linear > kMostCoordinates || frames < 0 || frames > kMostCoordinates / 7)
+    throw SceneError(object_.description() + " has " + std::to_string(frames) + " frames and " +
+                         std::to_string(linear) + " linear coordinates",
+                     "", "its author is to fix coordinates()");
+  coordinates_ = {.frames = frames, .linear = linear};
+  if (frames > 1 && table_.frame_pairs) {
+    const int32_t *first = nullptr, *second = nullptr;
+    const int32_t pairs = table_.frame_pairs(object_.get(), &first, &second);
+    for (int32_t i = 0; i < pairs; ++i) pairs_.push_back({first[i], second[i]});
+    coordinates_.pairs = pairs_;
+  }
   set_marker_count(table_.marker_count(object_.get()));
   const int32_t *rows = nullptr, *columns = nullptr;
   const int32_t count = table_.linear_pattern(object_.get(), &rows, &columns);
@@ -92,8 +100,10 @@ Marker BodyFromC::marker(const Point& position, const Matrix3& orientation) {
 }
 
 Marker BodyFromC::marker_at_world(const Point& point, const Matrix3& orientation) {
-  if (!coordinates_.frame)
-    throw SceneError("'" + name() + "' has no frame to place a marker in", where(), "make its markers at nodes");
+  if (coordinates_.frames != 1)
+    throw SceneError("'" + name() + "' has " + (coordinates_.frames == 0 ? "no frame" : "several frames") +
+                         " to place a marker in",
+                     where(), "make its markers at nodes");
   VectorX q(coordinates_.q_count()), v(coordinates_.v_count());
   initial_state(q, v);
   const Matrix3 A = rotation_matrix(q.segment<4>(3));
@@ -121,6 +131,8 @@ void BodyFromC::evaluate(const BodyState& state, Level level) const {
   cache.retry = !call(state, [&](const lithe_body_state* s) {
     return table_.evaluate(object_.get(), s, static_cast<int32_t>(level), cache.A.data());
   });
+  for (std::size_t i = 0; i < cache.rotations.size(); ++i)
+    cache.rotations[i] = rotation_matrix(Eigen::Map<const Vector4>(state.q + 7 * i + 3));
 }
 
 void BodyFromC::add_residual(const BodyState& state, const double* v_dot, const Vector3& gravity, double* r) const {
@@ -138,7 +150,10 @@ void BodyFromC::add_tangent(const BodyState& state, const double* v_dot, const V
                                S.frame_linear.data(),
                                S.linear_frame.data(),
                                S.linear.data(),
-                               static_cast<int32_t>(S.linear.size())};
+                               static_cast<int32_t>(S.linear.size()),
+                               S.values,
+                               reinterpret_cast<const int32_t*>(S.pairs.data()),
+                               static_cast<int32_t>(S.pairs.size())};
   call(state, [&](const lithe_body_state* s) {  // a residual of NaN asks for the smaller step
     return table_.add_tangent(object_.get(), s, v_dot, gravity.data(), &w, &out);
   });
@@ -157,6 +172,14 @@ void BodyFromC::marker_kinematics(const BodyState& state, int marker, Level leve
   k.r = read(out.r);
   k.A = &state.cache->A;
   k.elastic = out.elastic;
+  if (coordinates_.frames > 1) {
+    if (out.frame < 0 || out.frame >= coordinates_.frames)
+      throw SceneError("'" + name() + "': " + object_.description() + " has marker " + std::to_string(marker) +
+                           " in frame " + std::to_string(out.frame) + " of " + std::to_string(coordinates_.frames),
+                       where(), "its author is to fix marker_kinematics()");
+    k.frame = out.frame;
+    k.A = &static_cast<Cache&>(*state.cache).rotations[static_cast<std::size_t>(out.frame)];
+  }
   if (level == Level::position) return;
   k.v = read(out.motion.v);
   k.w = read(out.motion.w);

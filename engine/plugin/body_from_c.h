@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "engine/assembly/batch.h"
 #include "engine/plugin/plugin_type.h"
@@ -18,6 +19,7 @@ class BodyFromC final : public Body {
   struct Cache : BodyCache {
     explicit Cache(const BodyFromC& body);
     std::unique_ptr<void, void (*)(void*)> theirs;
+    std::vector<Matrix3> rotations;  // of several frames
     bool retry = false;
   };
 
@@ -54,6 +56,7 @@ class BodyFromC final : public Body {
   const PluginObject object_;
   Coordinates coordinates_;
   LinearPattern pattern_;
+  std::vector<FramePair> pairs_;
 };
 
 extern template std::unique_ptr<BodyBatch> make_body_batch<BodyFromC>();

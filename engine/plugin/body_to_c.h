@@ -16,9 +16,9 @@ BodyState state_of(const lithe_body_state* s) {
 }
 
 template <class T>
-void coordinates(const void* body, int32_t* frame, int32_t* linear) noexcept {
+void coordinates(const void* body, int32_t* frames, int32_t* linear) noexcept {
   const Coordinates c = body_of<T>(body).coordinates();
-  *frame = c.frame;
+  *frames = c.frames;
   *linear = c.linear;
 }
 
@@ -29,6 +29,16 @@ int32_t linear_pattern(const void* body, const int32_t** rows, const int32_t** c
   *rows = pattern->rows.data();
   *columns = pattern->columns.data();
   return static_cast<int32_t>(pattern->rows.size());
+}
+
+template <class T>
+int32_t frame_pairs(const void* body, const int32_t** firsts, const int32_t** seconds) noexcept {
+  // The border has two arrays where the class has one of pairs; kept for as long as the thread lives or asks again.
+  thread_local std::vector<int32_t> first, second;
+  first.clear(), second.clear();
+  for (const FramePair& p : body_of<T>(body).coordinates().pairs) first.push_back(p.first), second.push_back(p.second);
+  *firsts = first.data(), *seconds = second.data();
+  return static_cast<int32_t>(first.size());
 }
 
 /// Index of the marker that `make` makes, or kFatal.
@@ -101,10 +111,15 @@ int32_t add_tangent(const void* body, const lithe_body_state* s, const double* v
                     const lithe_tangent_weights* weights, const lithe_body_tangent* out) noexcept {
   return guarded(s->error, s->error_size, [&] {
     const Coordinates c = body_of<T>(body).coordinates();
-    const int coupled = c.frame ? c.linear : 0;
+    const int coupled = c.frames == 1 ? c.linear : 0;
     BodyTangent S{Eigen::Map<Matrix6>(out->frame), Eigen::Map<Matrix6X>(out->frame_linear, 6, coupled),
                   Eigen::Map<MatrixX>(out->linear_frame, coupled, 6),
                   Eigen::Map<VectorX>(out->linear, out->linear_count)};
+    if (c.frames > 1) {  // a host that knows no such bodies has refused this one
+      S.values = out->pair_values;
+      S.pairs = {reinterpret_cast<const BodyTangent::PairPlace*>(out->pair_places),
+                 static_cast<std::size_t>(out->pair_count)};
+    }
     body_of<T>(body).T::add_tangent(state_of<T>(s), v_dot, Eigen::Map<const Vector3>(gravity),
                                     {weights->position, weights->velocity, weights->acceleration}, S);
     return kFine;
@@ -126,6 +141,10 @@ int32_t marker_kinematics(const void* body, const lithe_body_state* s, int32_t m
     write_numbers(k.bias_w, out->bias_w);
     write_numbers(k.r, out->r);
     out->elastic = k.elastic;
+    if (k.between)
+      throw SceneError("marker " + std::to_string(marker) + " moves with two frames", "",
+                       "make markers of plug-ins in one frame: such a marker does not cross the border");
+    if (k.frame != 0) out->frame = k.frame;  // a host that does not know it has no bodies with several frames
     return kFine;
   });
 }
@@ -157,6 +176,7 @@ lithe_body_type body_type(const char* name) {
   table.add_tangent = add_tangent<T>;
   table.marker_kinematics = marker_kinematics<T>;
   table.energy = energy<T>;
+  table.frame_pairs = frame_pairs<T>;
   return table;
 }
 

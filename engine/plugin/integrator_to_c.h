@@ -23,7 +23,7 @@ class HostEquations final : public EquationsOfMotion, public StepMemory, public 
                .reacts = host.reacts != 0} {
     for (int i = 0; i < host.body_count; ++i) {
       const lithe_body_slice& b = host.bodies[i];
-      layout_.add_body(b.name, {.frame = b.frame != 0, .linear = b.linear});
+      layout_.add_body(b.name, {.frames = b.frame != 0, .linear = b.linear});
     }
     for (int i = 0; i < host.row_slice_count; ++i) layout_.add_rows(host.row_slices[i].name, host.row_slices[i].count);
   }

@@ -45,6 +45,8 @@ std::string fields_problem(const lithe_field* fields, size_t count) {
 template <class Table>
 constexpr size_t kFirstSize = sizeof(Table);
 template <>
+constexpr size_t kFirstSize<lithe_body_type> = offsetof(lithe_body_type, frame_pairs);
+template <>
 constexpr size_t kFirstSize<lithe_integrator_type> = offsetof(lithe_integrator_type, save);
 
 template <class Type>

@@ -59,10 +59,10 @@ struct Places {
 /// "'crank', 'rod' and 3 more"
 std::string names(const Layout& layout) {
   constexpr std::size_t kNamed = 3;
-  const auto& bodies = layout.bodies();
+  const std::vector<std::string> bodies = layout.body_names();
   const std::size_t named = bodies.size() <= kNamed + 1 ? bodies.size() : kNamed;
   std::string text;
-  for (std::size_t i = 0; i < named; ++i) text += (i == 0 ? "'" : ", '") + bodies[i].name + "'";
+  for (std::size_t i = 0; i < named; ++i) text += (i == 0 ? "'" : ", '") + bodies[i] + "'";
   if (named < bodies.size()) text += " and " + std::to_string(bodies.size() - named) + " more";
   return text;
 }
@@ -432,12 +432,11 @@ Snapshot& LeanSimulation::look(const State& state) {
 std::vector<LeanSimulation::IslandReport> LeanSimulation::islands() const {
   std::vector<IslandReport> reports;
   for (const auto& island : islands_) {
-    IslandReport report{{},
+    IslandReport report{island->system.layout().body_names(),
                         island->system.degrees_of_freedom(),
                         island->integrator->name(),
                         island->asleep(),
                         island->simulation.statistics()};
-    for (const auto& body : island->system.layout().bodies()) report.bodies.push_back(body.name);
     reports.push_back(std::move(report));
   }
   return reports;

@@ -100,10 +100,11 @@ bool SceneFingerprint::sample(double away) {
     equations.constraint(Level::velocity, rows_.segment(rows, rows));
     equations.constraint(Level::acceleration, rows_.tail(rows));
     const VectorX& of_forces = equations.workspace().force_energy;
-    energy_.resize(3 * static_cast<Eigen::Index>(layout.bodies().size()) + of_forces.size());
+    const auto& bodies = system_.graph().bodies();
+    energy_.resize(3 * static_cast<Eigen::Index>(bodies.size() - 1) + of_forces.size());
     Eigen::Index at = 0;
-    for (const auto& b : layout.bodies()) {
-      const BodyEnergy e = b.body->energy(equations.body_state(*b.body), system_.gravity());
+    for (std::size_t i = 1; i < bodies.size(); ++i) {
+      const BodyEnergy e = bodies[i].body->energy(equations.body_state_at(i), system_.gravity());
       for (double joules : {e.kinetic, e.elastic, e.gravity}) energy_[at++] = joules;
     }
     energy_.tail(of_forces.size()) = of_forces;
@@ -155,8 +156,10 @@ void SceneFingerprint::same(Archive& archive) const {
     if (const auto i = first_difference(own, own_); i >= 0)
       differ(archive, "the same elements, but other parameters of body " + owner(i) + both(own, own_, i));
     if (const auto i = first_difference(energy, energy_); i >= 0) {
-      const auto of_bodies = static_cast<Eigen::Index>(3 * bodies.size());
-      std::string name = i < of_bodies ? "body '" + bodies[static_cast<std::size_t>(i) / 3].name + "'" : "forces";
+      const auto& elements = system_.graph().bodies();
+      const auto of_bodies = static_cast<Eigen::Index>(3 * (elements.size() - 1));
+      std::string name =
+          i < of_bodies ? "body '" + elements[static_cast<std::size_t>(i) / 3 + 1].body->name() + "'" : "forces";
       const auto is_it = [&](const Connector& element, int place) {
         if (place == i - of_bodies) name = "'" + element.name() + "'";
       };

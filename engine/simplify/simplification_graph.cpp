@@ -11,10 +11,12 @@ Simplifier::Simplifier(SystemGraph& whole, const SimplificationOptions& options,
   drawn_q_ = initial().q;
   VectorX v = initial().v;
   for (const auto& s : system_.layout().bodies()) {
+    if (s.part > 0) continue;
     const Coordinates c = s.body->coordinates();
     number_.emplace(s.body, static_cast<int>(number_.size()));
+    slices_.push_back(static_cast<int>(&s - system_.layout().bodies().data()));
     s.body->initial_state(drawn_q_.segment(s.q, c.q_count()), v.segment(s.v, c.v_count()));
-    rigid_.push_back(rigid_inertia_of(*s.body) && s.frame && s.linear == 0);
+    rigid_.push_back(rigid_inertia_of(*s.body) && c.frames == 1 && c.linear == 0);
   }
   for (const auto& entry : whole.bodies())
     if (entry.body != &whole.ground()) entries_.push_back(&entry);
@@ -42,7 +44,7 @@ FramePose Simplifier::pose(const Marker& m) {
 
 std::string Simplifier::name(const Item& item) const {
   std::string text;
-  for (int b : item.bodies) text += (text.empty() ? "" : " + ") + slice(b).name;
+  for (int b : item.bodies) text += (text.empty() ? "" : " + ") + entries_[b]->body->name();
   return text;
 }
 

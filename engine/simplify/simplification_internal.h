@@ -35,7 +35,8 @@ class Simplifier {
     Matrix3 axes;  // of its first marker
   };
 
-  const Layout::BodySlice& slice(int body) const { return system_.layout().bodies()[body]; }
+  /// The first of the body's.
+  const Layout::BodySlice& slice(int body) const { return system_.layout().bodies()[slices_[body]]; }
   const State& initial() const { return system_.initial_state(); }
   int body_of(const Marker& m) const { return m.body == &whole_.ground() ? kGround : number_.at(m.body); }
   /// The item a marker moves with.
@@ -91,6 +92,7 @@ class Simplifier {
   std::map<const Body*, int> number_;
   std::vector<const SystemGraph::BodyEntry*> entries_;  // of bodies
   std::map<const Constraint*, std::string> consumers_;  // force elements, by the joint whose reaction they want
+  std::vector<int> slices_;                             // of bodies, indices into the layout's
   std::vector<char> rigid_, held_;                      // of bodies; of groups
   std::vector<int> group_, size_;                       // of bodies; of groups
   std::vector<const Tie*> welded_;

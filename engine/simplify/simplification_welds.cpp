@@ -73,7 +73,7 @@ int Simplifier::find_refused() {
     if (c.constraint->freedom() && !consumers_.contains(c.constraint)) continue;
     for (const Marker& m : c.markers)
       if (const int body = body_of(m); body != kGround) {
-        say("bodies welded to '" + slice(body).name + "' stay apart: '" + c.constraint->name() +
+        say("bodies welded to '" + entries_[body]->body->name() + "' stay apart: '" + c.constraint->name() +
             "' acts between them.");
         return group_[body];
       }
@@ -150,7 +150,7 @@ void Simplifier::report_welds() {
   const auto in_ground = [&](int b) { return b != kGround && item_[b] == kGround; };
   std::vector<std::string> held;
   for (std::size_t b = 0; b < item_.size(); ++b)
-    if (in_ground(static_cast<int>(b))) held.push_back(slice(static_cast<int>(b)).name);
+    if (in_ground(static_cast<int>(b))) held.push_back(entries_[b]->body->name());
   if (!held.empty()) {
     say(quoted(held) + (held.size() > 1 ? " are" : " is") + " part of the ground: welded by " + by(in_ground) + ".");
     made_.smaller_ = true;
@@ -158,8 +158,8 @@ void Simplifier::report_welds() {
   for (std::size_t i = 0; i < items_.size(); ++i) {
     if (items_[i].bodies.size() < 2) continue;
     std::vector<std::string> others;
-    for (std::size_t k = 1; k < items_[i].bodies.size(); ++k) others.push_back(slice(items_[i].bodies[k]).name);
-    say(quoted(others) + (others.size() > 1 ? " are" : " is") + " one body with '" + slice(items_[i].bodies[0]).name +
+    for (std::size_t k = 1; k < items_[i].bodies.size(); ++k) others.push_back(entries_[items_[i].bodies[k]]->body->name());
+    say(quoted(others) + (others.size() > 1 ? " are" : " is") + " one body with '" + entries_[items_[i].bodies[0]]->body->name() +
         "': welded by " + by([&](int b) { return b != kGround && item_[b] == static_cast<int>(i); }) + ".");
     made_.smaller_ = true;
   }

@@ -50,7 +50,7 @@ class PlanarStandIn final : public PlanarBody {
   /// `pose` in world axes, at the reference.
   Marker marker(const FramePose& pose);
 
-  Coordinates coordinates() const override { return {.frame = false, .linear = 3}; }
+  Coordinates coordinates() const override { return {.frames = 0, .linear = 3}; }
   std::unique_ptr<BodyCache> make_cache() const override { return std::make_unique<Cache>(*this); }
   void initial_state(VectorRef q, VectorRef v) const override { q = parameters_.start, v = parameters_.rates; }
   void evaluate(const BodyState&, Level) const override;

@@ -17,7 +17,15 @@ namespace {
 void add_wrench(const Layout& layout, const Marker& marker, const MarkerKinematics& k, const Wrench& w,
                 VectorX& force) {
   if (marker.body->coordinates().v_count() == 0) return;  // ground
-  const Layout::BodySlice& b = layout.slice(*marker.body);
+  const Layout::BodySlice& first = layout.slice(*marker.body);
+  if (k.between) {
+    Vector6 wrench;
+    wrench << w.force, w.torque;
+    for (const MarkerBetween::Share& share : k.between->shares)
+      force.segment<6>((&first)[share.frame].v) += share.J.transpose() * wrench;
+    return;
+  }
+  const Layout::BodySlice& b = (&first)[k.frame];
   const Vector3 F = k.A->transpose() * w.force, T = k.A->transpose() * w.torque;
   int v = b.v;
   if (b.frame) {

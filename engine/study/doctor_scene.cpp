@@ -15,6 +15,7 @@ std::string quoted(const std::string& name) { return "'" + name + "'"; }
 State as_drawn(const System& system) {
   State state = system.initial_state();
   for (const Layout::BodySlice& b : system.layout().bodies()) {
+    if (b.part > 0) continue;
     const Coordinates c = b.body->coordinates();
     b.body->initial_state(state.q.segment(b.q, c.q_count()), state.v.segment(b.v, c.v_count()));
   }
@@ -171,7 +172,7 @@ void look_at_units(const System& system, const State& start, double length, std:
   Snapshot now(system, start);
   const auto reach_of = [&](const std::vector<Marker>& markers) {
     for (const Marker& m : markers)
-      if (m.body->coordinates().frame) reach = std::max(reach, now.marker(m).r.norm());
+      if (m.body->coordinates().frames > 0) reach = std::max(reach, now.marker(m).r.norm());
   };
   for (const auto& c : system.graph().constraints()) reach_of(c.markers);
   for (const auto& f : system.graph().forces()) reach_of(f.markers);
@@ -226,7 +227,7 @@ void look_at_ties(const System& system, std::vector<Finding>& out) {
   }
   std::string names;
   for (const auto& entry : graph.bodies())
-    if (!tied.contains(entry.body) && entry.body->coordinates().frame)
+    if (!tied.contains(entry.body) && entry.body->coordinates().frames > 0)
       names += (names.empty() ? "" : ", ") + quoted(entry.body->name());
   if (names.empty()) return;
   out.push_back({Cause::free_body, false, 0.5,

@@ -78,7 +78,7 @@ class InertialBody final : public Body, public DrawableBody {
   Vector3 angular_momentum(const BodyState&) const;
 
   Coordinates coordinates() const override {
-    return {.frame = false, .linear = 3 * node_count(), .pattern = &bricks_.pattern()};
+    return {.frames = 0, .linear = 3 * node_count(), .pattern = &bricks_.pattern()};
   }
   std::unique_ptr<BodyCache> make_cache() const override { return std::make_unique<Cache>(*this); }
   void initial_state(VectorRef q, VectorRef v) const override;

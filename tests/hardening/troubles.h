@@ -62,7 +62,7 @@ class TroubledSlider final : public Body {
     explicit Cache(const TroubledSlider&) {}
   };
   explicit TroubledSlider(When when) : when_(when) {}
-  Coordinates coordinates() const override { return {.frame = false, .linear = 1}; }
+  Coordinates coordinates() const override { return {.frames = 0, .linear = 1}; }
   std::unique_ptr<BodyCache> make_cache() const override { return std::make_unique<Cache>(*this); }
   void initial_state(VectorRef q, VectorRef v) const override { q.setZero(), v.setOnes(); }
   void evaluate(const BodyState&, Level) const override {}

@@ -23,6 +23,8 @@
 #include "joints/forces/joint_friction.h"
 #include "joints/forces/spring_damper.h"
 #include "joints/revolute_joint.h"
+#include "joints/spherical_joint.h"
+#include "tests/plugins/kinds/frame_chain.cpp"
 #include "tests/plugins/kinds/rattle_box.cpp"
 #include "tests/support/methods.h"
 
@@ -114,6 +116,12 @@ inline void draw_plug_ins(SystemGraph& graph) {
   const Marker at = box.marker({0, 0, 0});
   graph.add(registry.joint("massless_rod"), "string", {graph.ground().marker(), at}, {{"length", 0.3}});
   graph.add(registry.joint("massless_rod"), "rope", {at, bob.marker()}, {{"length", std::hypot(0.3, 0.1)}});
+}
+
+/// Three frames that springs and beads couple as one body, on a hinge.
+inline void draw_several_frames(SystemGraph& graph) {
+  auto& chain = graph.add<FrameChain>("chain", {.position = {0.1, 0, 0}, .velocity = {0, 0.3, 0}});
+  graph.add<SphericalJoint>("pin", {graph.ground().marker(), chain.marker_in(0, {-0.1, 0, 0})});
 }
 
 inline void draw_driven(SystemGraph& graph) {

@@ -79,6 +79,9 @@ TEST_P(Restart, of_a_flexible_body_has_the_bits_of_the_run_that_went_on) {
 TEST_P(Restart, of_compliant_contact_has_the_bits_of_the_run_that_went_on) {
   check("contact", draw_compliant, method(), 0.05);
 }
+TEST_P(Restart, of_several_frames_has_the_bits_of_the_run_that_went_on) {
+  check("several frames", draw_several_frames, method(), 0.05);
+}
 TEST_P(Restart, of_plug_ins_has_the_bits_of_the_run_that_went_on) { check("plug-ins", draw_plug_ins, method(), 0.05); }
 
 INSTANTIATE_TEST_SUITE_P(Methods, Restart, testing::Range(0, static_cast<int>(smooth_methods().size())),

@@ -12,8 +12,10 @@
 #include "joints/distance_joint.h"
 #include "joints/prismatic_joint.h"
 #include "joints/revolute_joint.h"
+#include "joints/spherical_joint.h"
 #include "plugins/cam_follower/cam_follower.cpp"
 #include "plugins/massless_rod/massless_rod.cpp"
+#include "tests/plugins/kinds/frame_chain.cpp"
 #include "tests/plugins/kinds/heun.cpp"
 #include "tests/plugins/kinds/nut_and_skate.cpp"
 #include "tests/plugins/kinds/rattle_box.cpp"
@@ -200,6 +202,25 @@ TEST(BodyFromC, moves_as_the_same_class_compiled_in_bit_by_bit) {
   const VectorX here = run(compiled, a, 1), there = run(loaded, b, 1);
   EXPECT_EQ(0, std::memcmp(here.data(), there.data(), 8 * here.size())) << (here - there).cwiseAbs().maxCoeff();
   EXPECT_GT((here - there.reverse()).norm(), 1);  // something moved
+}
+
+/// Three frames, blocks of their pairs and markers in each of them cross the border too.
+TEST(BodyFromC, with_several_frames_moves_as_the_same_class_compiled_in_bit_by_bit) {
+  Registry registry;
+  registry.load_plugin(library("frame_chain"));
+  const auto draw = [](SystemGraph& graph, auto& chain) {
+    graph.add<SphericalJoint>("pin", {graph.ground().marker({-0.1, 0, 0}), chain.marker({-0.1, 0, 0})});
+    auto& ball = graph.add<RigidBody>("ball", {.mass = 0.2, .inertia = {0.01, 0.01, 0.01}, .position = {1, 0, 0.4}});
+    graph.add<MasslessRod>("string", {chain.node(2), ball.marker()}, {.length = 0.4});
+  };
+  SystemGraph compiled, loaded;
+  draw(compiled, compiled.add<FrameChain>("chain", {.stiffness = 90}));
+  draw(loaded, loaded.add(registry.body("frame_chain"), "chain", {{"stiffness", 90}}));
+  GeneralizedAlpha a{{.step = 1e-3}}, b{{.step = 1e-3}};
+  const VectorX here = run(compiled, a, 0.5), there = run(loaded, b, 0.5);
+  ASSERT_EQ(here.size(), 28);
+  EXPECT_EQ(0, std::memcmp(here.data(), there.data(), 8 * here.size())) << (here - there).cwiseAbs().maxCoeff();
+  EXPECT_GT((here.segment<3>(14) - Vector3(1, 0, 0)).norm(), 0.1);  // something moved
 }
 
 TEST(BodyFromC, tells_which_markers_it_has) {

@@ -13,12 +13,17 @@ double relative(const MatrixX& got, const MatrixX& want, double scale = 0) {
   return (got - want).cwiseAbs().maxCoeff() / std::max({want.cwiseAbs().maxCoeff(), scale, 1e-300});
 }
 
-/// J v of a marker as documented, and J v_dot + bias, without the engine's joints.
+/// J v of a marker as documented, and J v_dot + bias, without the engine's joints; `frame`: velocities of frames.
 Vector6 twist(const MarkerKinematics& k, const VectorX& v, int frame) {
   Vector6 V = Vector6::Zero();
+  if (k.between) {
+    for (const MarkerBetween::Share& share : k.between->shares) V += share.J * v.segment<6>(6 * share.frame);
+    return V;
+  }
   if (frame) {
-    V.head<3>() = v.head<3>() + *k.A * Vector3(v.segment<3>(3)).cross(k.r);
-    V.tail<3>() = *k.A * v.segment<3>(3);
+    const int at = 6 * k.frame;
+    V.head<3>() = v.segment<3>(at) + *k.A * Vector3(v.segment<3>(at + 3)).cross(k.r);
+    V.tail<3>() = *k.A * v.segment<3>(at + 3);
   }
   const int n = static_cast<int>(v.size()) - frame;
   if (k.elastic) {
@@ -36,7 +41,7 @@ void check_body(SystemGraph& graph, const Body& body, const std::vector<Marker>&
   const System system = assemble(graph);
   const Layout& layout = system.layout();
   Assembler equations(system);
-  const int n = layout.v_count(), frame = body.coordinates().frame ? 6 : 0;
+  const int n = layout.v_count(), frame = 6 * body.coordinates().frames;
   const VectorX no_rows = VectorX::Zero(layout.row_count()), still = VectorX::Zero(n);
   RandomNumbers random(7);
 
@@ -75,7 +80,9 @@ void check_body(SystemGraph& graph, const Body& body, const std::vector<Marker>&
     const VectorX work = -jacobian(layout, q, potential).transpose();
     EXPECT_LT(relative(force, work), expected.tolerance);
     if (frame) {
-      EXPECT_LT(relative(force.head<3>(), expected.mass * system.gravity()), 1e-11);
+      Vector3 weight = Vector3::Zero();
+      for (int i = 0; i < frame; i += 6) weight += force.segment<3>(i);
+      EXPECT_LT(relative(weight, expected.mass * system.gravity()), 1e-11);
     }
 
     // The body's own motion: its energy changes by damping alone.

@@ -38,7 +38,7 @@ class MarkerBody final : public Body {
 
   Marker marker(int index = 0) const { return {this, index}; }
 
-  Coordinates coordinates() const override { return {.frame = true, .linear = modes()}; }
+  Coordinates coordinates() const override { return {.frames = 1, .linear = modes()}; }
   std::unique_ptr<BodyCache> make_cache() const override;
   void initial_state(VectorRef q, VectorRef v) const override;
   void evaluate(const BodyState& state, Level) const override;

@@ -22,7 +22,7 @@ class Particle final : public Body {
   Marker marker() { return new_marker(); }
 
   // What it has: no frame, three linear coordinates.
-  Coordinates coordinates() const override { return {.frame = false, .linear = 3}; }
+  Coordinates coordinates() const override { return {.frames = 0, .linear = 3}; }
   std::unique_ptr<BodyCache> make_cache() const override { return std::make_unique<Cache>(*this); }
   void initial_state(VectorRef q, VectorRef v) const override { q = parameters_.position, v = parameters_.velocity; }
 

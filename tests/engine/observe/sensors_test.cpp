@@ -74,7 +74,7 @@ class Slider final : public Body {
   static Vector3 turn() { return {0.5, 1.5, -1}; }
   Marker bead() const { return {this, 0}; }
 
-  Coordinates coordinates() const override { return {.frame = true, .linear = 1}; }
+  Coordinates coordinates() const override { return {.frames = 1, .linear = 1}; }
   std::unique_ptr<BodyCache> make_cache() const override { return std::make_unique<Cache>(*this); }
   void initial_state(VectorRef q, VectorRef v) const override {
     q << 0, 0, 0, 1, 0, 0, 0, 0;

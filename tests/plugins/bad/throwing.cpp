@@ -59,7 +59,7 @@ class ThrowingBody final : public Body {
     explicit Cache(const ThrowingBody&) {}
   };
   explicit ThrowingBody(When when) : when_(when) { when.made(); }
-  Coordinates coordinates() const override { return {.frame = false, .linear = 1}; }
+  Coordinates coordinates() const override { return {.frames = 0, .linear = 1}; }
   std::unique_ptr<BodyCache> make_cache() const override { return std::make_unique<Cache>(*this); }
   void initial_state(VectorRef q, VectorRef v) const override { q.setZero(), v.setZero(); }
   void evaluate(const BodyState&, Level) const override {}

@@ -41,7 +41,7 @@ class RattleBox final : public Body {
     return new_marker();
   }
 
-  Coordinates coordinates() const override { return {.frame = true, .linear = 1}; }
+  Coordinates coordinates() const override { return {.frames = 1, .linear = 1}; }
   std::unique_ptr<BodyCache> make_cache() const override { return std::make_unique<Cache>(*this); }
   void initial_state(VectorRef q, VectorRef v) const override {
     q << parameters_.position, 1, 0, 0, 0, 0;

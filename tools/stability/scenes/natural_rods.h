@@ -25,7 +25,7 @@ class NaturalRods final : public Body {
 
   Marker joint(int i) { return {this, i}; }
 
-  Coordinates coordinates() const override { return {.frame = false, .linear = count_, .pattern = &pattern_}; }
+  Coordinates coordinates() const override { return {.frames = 0, .linear = count_, .pattern = &pattern_}; }
   std::unique_ptr<BodyCache> make_cache() const override { return std::make_unique<Cache>(*this); }
   void initial_state(VectorRef q, VectorRef v) const override;
   void evaluate(const BodyState&, Level) const override {}
