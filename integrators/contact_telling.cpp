@@ -67,7 +67,8 @@ void ContactImpulses::tell_of_partings(RigidContacts& contacts, double h, const 
     bool left = false;
     for (; end != last.end() && pair == RigidContacts::Pair{end->element, end->point.A.collider, end->point.B.collider};
          ++end)
-      left |= end->bristle.dot(end->point.normal) * h > parameters_.position_tolerance;
+      if (const auto* kept = std::get_if<RigidMemory>(&end->memory))
+        left |= kept->velocity.dot(end->point.normal) * h > parameters_.position_tolerance;
     if (left || !contacts.located(pair.element)) continue;
     bool acts = false;
     for (const RigidContacts::Point& point : points)

@@ -130,6 +130,13 @@ NodalLoads nodal_loads(const FlexibleBody& body, Snapshot& snapshot, LoadGeometr
   const auto motion =
       body.nodal_motion(state, snapshot.accelerations().data() + snapshot.system().layout().slice(body).v);
 
+  for (const auto& entry : snapshot.system().graph().contacts())
+    for (const Marker& m : entry.markers)
+      if (m.body == &body)
+        throw SceneError(
+            "nodal loads of '" + body.name() + "', which the contact '" + entry.contact->name() + "' touches",
+            entry.contact->where(), "take nodal loads of a body without colliders");
+
   // Gravity and inertia, then what joints and force elements do to the nodes of their markers; body axes.
   const Matrix3X falling = A.transpose() * ((-motion.acceleration).colwise() + snapshot.system().gravity());
   Matrix3X forces = falling * basis.nodal_mass;

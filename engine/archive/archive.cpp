@@ -197,9 +197,12 @@ void Archive::operator()(std::string_view name, ContactMemory& memory) {
     if (loads_) memory.assign(static_cast<std::size_t>(std::max(count, 0)), {});
     std::vector<int> integers;
     std::vector<double> numbers;
-    constexpr std::size_t kIntegers = 13, kNumbers = 30;  // of a trace
+    constexpr std::size_t kIntegers = 14, kNumbers = 20, kOfCompliant = 10, kOfRigid = 5;  // of a trace
     // One walk over a trace for both ways.
     const auto walk = [](ContactTrace& t, auto&& whole, auto&& real) {
+      int law = static_cast<int>(t.memory.index());
+      whole(law);
+      if (law != static_cast<int>(t.memory.index())) t.memory = RigidMemory{};
       whole(t.element);
       for (ContactSide* side : {&t.point.A, &t.point.B}) {
         whole(side->collider), whole(side->node_count);
@@ -210,9 +213,19 @@ void Archive::operator()(std::string_view name, ContactMemory& memory) {
       std::memcpy(halves, &t.point.feature, sizeof halves);
       whole(halves[0]), whole(halves[1]);
       std::memcpy(&t.point.feature, halves, sizeof halves);
-      real(t.point.gap), real(t.point.curvature), real(t.impact_speed);
-      for (Vector3* x : {&t.point.position, &t.point.normal, &t.force, &t.moment, &t.on_A, &t.on_B, &t.bristle})
-        for (double& value : *x) real(value);
+      real(t.point.gap), real(t.point.curvature);
+      const auto vector = [&](Vector3& x) {
+        for (double& value : x) real(value);
+      };
+      vector(t.point.position), vector(t.point.normal), vector(t.force), vector(t.moment);
+      if (auto* kept = std::get_if<CompliantMemory>(&t.memory)) {
+        vector(kept->on_A), vector(kept->on_B), vector(kept->bristle);
+        real(kept->impact_speed);
+      } else {
+        auto& rigid = std::get<RigidMemory>(t.memory);
+        vector(rigid.velocity);
+        real(rigid.slip_at_start), real(rigid.slip_at_end);
+      }
     };
     if (!loads_)
       for (ContactTrace& trace : memory)
@@ -221,8 +234,13 @@ void Archive::operator()(std::string_view name, ContactMemory& memory) {
     (*this)("integers", integers);
     (*this)("numbers", numbers);
     if (!loads_) return;
-    if (integers.size() != kIntegers * memory.size() || numbers.size() != kNumbers * memory.size())
-      refuse("count", "does not fit the contacts that it holds");
+    bool fits = integers.size() == kIntegers * memory.size();
+    std::size_t needed = 0;
+    for (std::size_t i = 0; fits && i < integers.size(); i += kIntegers) {
+      fits = integers[i] == 0 || integers[i] == 1;
+      needed += kNumbers + (integers[i] == 0 ? kOfCompliant : kOfRigid);
+    }
+    if (!fits || numbers.size() != needed) refuse("count", "does not fit the contacts that it holds");
     auto whole = integers.begin();
     auto real = numbers.begin();
     for (ContactTrace& trace : memory)

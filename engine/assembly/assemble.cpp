@@ -100,8 +100,10 @@ class SystemBuilder {
     };
     for (const auto& c : graph_.constraints())
       for (const Marker& m : c.markers) use(m);
-    for (const auto& f : graph_.forces())
-      for (const Marker& m : f.markers) use(m);
+    const auto use_all = [&](const auto& entry) {
+      for (const Marker& m : entry.markers) use(m);
+    };
+    graph_.for_each_load(use_all, use_all);
     system_.marker_count_ = static_cast<int>(used_.size());
   }
 
@@ -177,8 +179,7 @@ class SystemBuilder {
                          "give at least one marker of a body");
       initialize(*c.constraint, c.markers);
     }
-    for (const auto& f : graph_.forces())
-      if (f.make_batch) initialize(*f.force, f.markers);
+    for (const auto& f : graph_.forces()) initialize(*f.force, f.markers);
   }
 
   template <class Connector>
@@ -226,20 +227,19 @@ class SystemBuilder {
       constraint_records_.push_back(record);
     }
     b.row_count = layout.row_count();
-    for (const auto& f : graph_.forces()) {
+    const auto plan_force = [&](const SystemGraph::ForceEntry& f) {
       const int rows = f.force->row_count();
       const int compliant = rows > 0 ? b.reserve(rows) : -1;
       ConnectorRecord record = connect(f.markers, b.row_count, rows, compliant, true);
-      record.energy = static_cast<int>(force_records_.size());
-      const auto* contact = dynamic_cast<const ContactElement*>(f.force);
-      if (contact) add_contact(*contact, f.markers, record);
+      record.energy = f.place;
       record.first_angle = system_.first_angles_[graph_.constraints().size() + force_records_.size()];
       reactions_.push_back(reaction_of(*f.force, record));
-      if (!contact) add_couplings(record, couplings);
+      add_couplings(record, couplings);
       force_records_.push_back(record);
       b.row_count += rows;
       system_.compliant_count_ += rows;
-    }
+    };
+    graph_.for_each_load(plan_force, [&](const SystemGraph::ContactEntry& contact) { add_contact(contact); });
     std::sort(couplings.begin(), couplings.end());
     couplings.erase(std::unique(couplings.begin(), couplings.end()), couplings.end());
     for (const auto& [a, c] : couplings) {
@@ -333,15 +333,17 @@ class SystemBuilder {
     return chunk.data() + chunk.size() - count;
   }
 
-  void add_contact(const ContactElement& element, const std::vector<Marker>& markers, const ConnectorRecord& record) {
-    ContactRecord contact{&element, static_cast<int>(system_.contacts_.size()), record.energy, markers, {}, {}};
+  void add_contact(const SystemGraph::ContactEntry& entry) {
+    const std::vector<Marker>& markers = entry.markers;
+    const ConnectorRecord record = connect(markers, system_.blocks_.row_count, 0, -1, true);
+    ContactRecord contact{entry.contact, static_cast<int>(system_.contacts_.size()), entry.place, markers, {}, {}};
     for (std::size_t i = 0; i < markers.size(); ++i) {
       contact.places.push_back(record.slots[i].marker);
       const Marker& m = markers[i];
       if (used_.at({m.body, m.index}).drawn.between)
         throw SceneError(
-            "'" + element.name() + "' has a collider on a marker between two frames of '" + m.body->name() + "'",
-            element.where(), "put it on a marker at a node");
+            "'" + entry.contact->name() + "' has a collider on a marker between two frames of '" + m.body->name() + "'",
+            entry.contact->where(), "put it on a marker at a node");
       contact.bodies.push_back(m.body == &graph_.ground()
                                    ? -1
                                    : first_slices_[numbers_.at(m.body)] + used_.at({m.body, m.index}).drawn.frame);
@@ -400,7 +402,6 @@ class SystemBuilder {
     number.clear();
     for (std::size_t i = 0; i < graph_.forces().size(); ++i) {
       const auto& entry = graph_.forces()[i];
-      if (!entry.make_batch) continue;
       const auto [it, fresh] = number.try_emplace(entry.type, static_cast<int>(batches.forces.size()));
       if (fresh) batches.forces.push_back(entry.make_batch());
       batches.forces[it->second]->add(*entry.force, force_records_[i], reactions_[i]);

@@ -63,7 +63,7 @@ Assembler::Assembler(const System& system) : system_(system), factor_(std::make_
   work_.load.setZero(layout.v_count());
   work_.quarter_turns = system.initial_.quarter_turns;
   work_.quarter_turns.conservativeResize(static_cast<int>(system.angles_.size()));
-  work_.force_energy.setZero(static_cast<int>(system.graph().forces().size()));
+  work_.force_energy.setZero(system.graph().load_count());
   for (const auto& batch : system.batches_.bodies) caches_.push_back(batch->make_caches());
   unknowns_.setZero(layout.v_count() + rows + compliant);
   zero_v_.setZero(layout.v_count());
@@ -85,7 +85,7 @@ Assembler::Assembler(const System& system) : system_(system), factor_(std::make_
   std::vector<int> loaded;
   for (const auto& entry : system.graph().forces())
     for (const Marker& m : entry.markers)
-      if (const int first = entry.make_batch ? find_body(*m.body) : -1; first >= 0)
+      if (const int first = find_body(*m.body); first >= 0)
         for (int i = 0; i < std::max(1, m.body->coordinates().frames); ++i) loaded.push_back(first + i);
   rigid_contacts_ = std::make_unique<RigidContacts>(RigidContacts::Scene{
       *this, system.blocks_, work_.values, system.contacts(), *contacts_, std::move(loaded), system.gravity().norm()});

@@ -5,7 +5,6 @@
 
 #include "engine/base/error.h"
 #include "engine/base/number_text.h"
-#include "engine/model/contact_element.h"
 
 namespace lithe {
 namespace {
@@ -83,10 +82,8 @@ std::string look_at(Assembler& assembler, const State& state) {
   const SystemGraph& graph = assembler.system().graph();
   for (const auto& entry : graph.constraints())
     if (!is_finite(assembler, *entry.constraint, state.time)) return in_words(*entry.constraint, state.time);
-  for (const auto& entry : graph.forces()) {
-    if (dynamic_cast<const ContactElement*>(entry.force)) continue;
+  for (const auto& entry : graph.forces())
     if (!is_finite(assembler, *entry.force, state.time)) return in_words(*entry.force, state.time);
-  }
   if (!assembler.workspace().load.allFinite()) return "a contact gives a value that is not finite";
   return "";
 }

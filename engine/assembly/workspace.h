@@ -20,7 +20,7 @@ struct Workspace {
   VectorX tension;                     // of compliant rows
   VectorX row_stiffness, row_damping;  // of compliant rows
   VectorX load;                        // generalized force of loads, v_count
-  VectorX force_energy;                // by force element, joules
+  VectorX force_energy;                // by force element and contact, as added, joules
   VectorX quarter_turns;               // of measured angles, as recalled
 };
 

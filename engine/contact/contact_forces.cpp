@@ -91,7 +91,7 @@ double ContactForces::speed_of_meeting(int element, const ContactPoint& point, d
   if (first == memory_.end() || first->element != element || first->point.A.collider != point.A.collider ||
       first->point.B.collider != point.B.collider)
     return now;
-  return first->impact_speed;
+  return std::get<CompliantMemory>(first->memory).impact_speed;
 }
 
 Vector3 ContactForces::place_of(int element, const ContactSide& side, const Vector3& on) const {
@@ -125,10 +125,11 @@ ContactMotion ContactForces::motion_of(const ContactRows& rows, const ContactRow
   if (!records_[row.element].element->remembers()) return motion;
   motion.impact_speed = speed_of_meeting(row.element, row.point, 0);
   if (const ContactTrace* trace = find_trace(row.element, row.point)) {
+    const auto& kept = std::get<CompliantMemory>(trace->memory);
     const Vector3 slip =
-        place_of(row.element, trace->point.B, trace->on_B) - place_of(row.element, trace->point.A, trace->on_A);
+        place_of(row.element, trace->point.B, kept.on_B) - place_of(row.element, trace->point.A, kept.on_A);
     motion.slip = row.frame.transpose() * slip;
-    motion.bristle = row.frame.transpose() * trace->bristle;
+    motion.bristle = row.frame.transpose() * kept.bristle;
     motion.slip[0] = motion.bristle[0] = 0;
   }
   return motion;
@@ -157,13 +158,14 @@ void ContactForces::track(ContactMemory& memory) {
       ContactTrace trace;
       trace.element = record.number;
       trace.point = row.point;
-      trace.impact_speed = speed_of_meeting(record.number, point, std::max(0.0, -u[0]));
+      auto& kept = trace.memory.emplace<CompliantMemory>();
+      kept.impact_speed = speed_of_meeting(record.number, point, std::max(0.0, -u[0]));
       const ContactLoad load = element.load(motion_of(rows, row));
       trace.force = row.frame * load.force;
       trace.moment = row.frame * load.moment;
-      trace.bristle = row.frame * load.bristle;
-      trace.on_A = on_side(record.number, point.A, row.point.position);
-      trace.on_B = on_side(record.number, point.B, row.point.position);
+      kept.bristle = row.frame * load.bristle;
+      kept.on_A = on_side(record.number, point.A, row.point.position);
+      kept.on_B = on_side(record.number, point.B, row.point.position);
       now.push_back(trace);
     }
   }
@@ -181,7 +183,7 @@ ContactMemory ContactForces::report() const {
     trace.point = row.point;
     trace.force = row.frame * acting_[i].load.force;
     trace.moment = row.frame * acting_[i].load.moment;
-    trace.on_A.setZero(), trace.on_B.setZero(), trace.bristle.setZero();
+    if (records_[row.element].element->law() == ContactElement::Law::rigid) trace.memory = RigidMemory{};
   }
   return all;
 }

@@ -6,6 +6,7 @@
 
 #include "engine/contact/contact_rows.h"
 #include "engine/model/body.h"
+#include "engine/model/contact_memory.h"
 
 namespace lithe {
 

@@ -254,7 +254,7 @@ void RigidContacts::recall(const ContactMemory& memory, double h, VectorRef r, V
     r.segment<3>(row.first) = h * (row.frame.transpose() * at->force);
     if (row.rows > 3) r.segment<3>(row.first + 3) = h * to_moment_rows(row.frame.transpose() * at->moment);
     // The step before left this velocity along its own H: what it is along this one differs by h Ḣ v.
-    const Vector3 change = (points_[i].before - row.frame.transpose() * at->bristle) / 2;
+    const Vector3 change = (points_[i].before - row.frame.transpose() * std::get<RigidMemory>(at->memory).velocity) / 2;
     if (change.norm() <= h * points_[i].turning) growth.segment<3>(row.first) = change;  // else v has been set anew
   }
 }
@@ -263,8 +263,9 @@ void RigidContacts::recall_slip(const ContactMemory& memory, VectorRef at_start,
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const ContactTrace* at = find_trace(memory, rows_.points()[i]);
     const auto k = static_cast<Eigen::Index>(i);
-    at_start[k] = at ? at->on_A[0] : std::nan("");
-    at_end[k] = at ? at->on_A[1] : std::nan("");
+    const RigidMemory kept = at ? std::get<RigidMemory>(at->memory) : RigidMemory{};
+    at_start[k] = kept.slip_at_start;
+    at_end[k] = kept.slip_at_end;
   }
 }
 
@@ -283,11 +284,9 @@ void RigidContacts::remember(ConstVectorRef r, ConstVectorRef v, double h, Const
     trace.moment.setZero();
     if (row.rows > 3) trace.moment = row.frame * from_moment_rows(r.segment<3>(row.first + 3)) / h;
     const auto k = static_cast<Eigen::Index>(i);
-    trace.on_A = {slip_at_start[k], slip_at_end[k], 0};
-    trace.on_B.setZero();
     double u[6] = {};
     rows_.velocity(row, v.data(), u);
-    trace.bristle = row.frame * Vector3(u[0], u[1], u[2]);
+    trace.memory = RigidMemory{row.frame * Vector3(u[0], u[1], u[2]), slip_at_start[k], slip_at_end[k]};
   }
   std::sort(memory.begin(), memory.end(), [](const ContactTrace& a, const ContactTrace& b) {
     return contact_key(a.element, a.point) < contact_key(b.element, b.point);

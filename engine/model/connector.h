@@ -34,7 +34,7 @@ class AngleMemory {
   const double* quarter_turns_ = nullptr;
 };
 
-/// An element between markers: a constraint or a force element.
+/// An element between markers: a constraint, a force element or a contact.
 class Connector : public Element {
  public:
   virtual int marker_count() const = 0;

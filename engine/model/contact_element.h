@@ -3,9 +3,8 @@
 #include <memory>
 #include <utility>
 
-#include "engine/model/contact_memory.h"
+#include "engine/model/connector.h"
 #include "engine/model/contact_point.h"
-#include "engine/model/force_element.h"
 
 namespace lithe {
 
@@ -37,9 +36,10 @@ struct RigidContact {
   double spinning = 0;         // m: largest moment about the normal over normal force
 };
 
-/// Surfaces that push where they touch: one marker per collider. A special force element: its contact points are
-/// found again at every state, and loads act at them. User's type: joints/contact/contact.h.
-class ContactElement : public ForceElement {
+/// Surfaces that push where they touch: one marker per collider. A kind of its own beside constraints and force
+/// elements: its contact points are found again at every state, and loads act at them instead of at its markers. Its
+/// angles are not counted, and initialize() is not called. User's type: joints/contact/contact.h.
+class ContactElement : public Connector {
  public:
   enum class Law {
     compliant,  // a force of depth and velocity: any integrator
@@ -58,11 +58,6 @@ class ContactElement : public ForceElement {
   virtual RigidContact rigid() const = 0;
   /// Pairs of colliders whose touches, separations and impacts simulations report as events.
   virtual std::vector<std::pair<int, int>> located_pairs() const = 0;
-
-  int row_count() const final { return 0; }
-  bool depends_on_time() const final { return false; }
-  /// Acts by points, not by its markers' own wrenches.
-  void evaluate(double, std::span<const MarkerView>, ForceRows&) const final {}
 };
 
 }  // namespace lithe

@@ -1,22 +1,35 @@
 #pragma once
 
+#include <limits>
 #include <tuple>
+#include <variant>
 #include <vector>
 
 #include "engine/model/contact_point.h"
 
 namespace lithe {
 
+/// What a compliant law keeps of a point.
+struct CompliantMemory {
+  Vector3 on_A = Vector3::Zero(), on_B = Vector3::Zero();  // what was in touch: the position in the axes of a side, m
+  Vector3 bristle = Vector3::Zero();                       // deflection of the bristles, world axes, m
+  double impact_speed = 0;                                 // with which the surfaces met, m/s
+};
+
+/// What a rigid law keeps of a point: its last step.
+struct RigidMemory {
+  Vector3 velocity = Vector3::Zero();  // of B's material point relative to A's that the step left, world axes, m/s
+  double slip_at_start = std::numeric_limits<double>::quiet_NaN();  // how fast the surfaces slid, m/s; NaN: not known
+  double slip_at_end = std::numeric_limits<double>::quiet_NaN();
+};
+
 /// Memory of a contact point from one accepted state to the next: plain data, part of State. Sorted by element, A, B
 /// (colliders) and feature.
 struct ContactTrace {
-  int element = 0;          // of the graph's contact elements
-  ContactPoint point;       // as it was found
-  Vector3 force, moment;    // on B, about the position, world axes, N, N m; rigid contacts: their mean over the step
-  Vector3 on_A, on_B;       // what was in touch: the position in the axes of either side; rigid contacts: on_A has how
-                            // fast they slid at the last step's start and end, m/s
-  Vector3 bristle;          // deflection of the bristles, world axes, m; rigid contacts: velocity of B to A, m/s
-  double impact_speed = 0;  // with which the surfaces met, m/s
+  int element = 0;        // of the graph's contact elements
+  ContactPoint point;     // as it was found
+  Vector3 force, moment;  // on B, about the position, world axes, N, N m; rigid contacts: their mean over the step
+  std::variant<CompliantMemory, RigidMemory> memory;  // by the element's law
 };
 using ContactMemory = std::vector<ContactTrace>;
 

@@ -18,14 +18,16 @@ std::vector<std::unique_ptr<SystemGraph>> split(SystemGraph& graph) {
     return bodies;
   };
   for (const auto& c : graph.constraints()) topology.ties.push_back(bodies_of(c.markers));
+  const auto tie_bodies = [&](const auto& entry) { topology.ties.push_back(bodies_of(entry.markers)); };
+  graph.for_each_load(tie_bodies, tie_bodies);
   for (const auto& f : graph.forces()) {
-    topology.ties.push_back(bodies_of(f.markers));
     if (!f.force->reaction_of()) continue;
     const auto joint = std::find_if(graph.constraints().begin(), graph.constraints().end(),
                                     [&](const auto& c) { return c.constraint == f.force->reaction_of(); });
     if (joint == graph.constraints().end()) continue;
     const auto pressed = bodies_of(joint->markers);
-    topology.ties.back().insert(topology.ties.back().end(), pressed.begin(), pressed.end());
+    auto& tied = topology.ties[graph.constraints().size() + static_cast<std::size_t>(f.place)];
+    tied.insert(tied.end(), pressed.begin(), pressed.end());
   }
   const std::vector<int> island = islands(topology);
 
@@ -43,8 +45,10 @@ std::vector<std::unique_ptr<SystemGraph>> split(SystemGraph& graph) {
   };
   for (const auto& c : graph.constraints())
     if (SystemGraph* part = part_of_tie()) part->share(c, c.markers);
-  for (const auto& f : graph.forces())
-    if (SystemGraph* part = part_of_tie()) part->share(f, f.markers);
+  const auto share = [&](const auto& entry) {
+    if (SystemGraph* part = part_of_tie()) part->share(entry, entry.markers);
+  };
+  graph.for_each_load(share, share);
   return parts;
 }
 

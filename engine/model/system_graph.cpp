@@ -46,9 +46,20 @@ void SystemGraph::share(const ConstraintEntry& entry, std::vector<Marker> marker
 
 void SystemGraph::share(const ForceEntry& entry, std::vector<Marker> markers) {
   check_shared(*entry.force, markers);
+  const int place = load_count();
   forces_.push_back(entry);
   forces_.back().markers = std::move(markers);
+  forces_.back().place = place;
   by_name_[entry.force->name()] = entry.force;
+}
+
+void SystemGraph::share(const ContactEntry& entry, std::vector<Marker> markers) {
+  check_shared(*entry.contact, markers);
+  const int place = load_count();
+  contacts_.push_back(entry);
+  contacts_.back().markers = std::move(markers);
+  contacts_.back().place = place;
+  by_name_[entry.contact->name()] = entry.contact;
 }
 
 void SystemGraph::check_shared(const Element& element, const std::vector<Marker>& markers) const {
@@ -124,7 +135,8 @@ std::string SystemGraph::graphviz() const {
   };
   for (const auto& c : constraints_)
     connect(*c.constraint, std::to_string(c.constraint->row_count()) + " rows", c.markers);
-  for (const auto& f : forces_) connect(*f.force, "force", f.markers);
+  for_each_load([&](const ForceEntry& f) { connect(*f.force, "force", f.markers); },
+                [&](const ContactEntry& c) { connect(*c.contact, "contact", c.markers); });
   return ::lithe::graphviz(drawing);
 }
 

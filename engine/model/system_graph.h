@@ -29,8 +29,8 @@ class JointFromC;
 class ForceFromC;
 class BodyFromC;
 
-/// What the user draws: bodies tied by constraints and force elements at markers. Owns every element; addresses last as
-/// long as the graph. Calls give name, markers, parameters, in that order.
+/// What the user draws: bodies tied by constraints, force elements and contacts at markers. Owns every element;
+/// addresses last as long as the graph. Calls give name, markers, parameters, in that order.
 class SystemGraph {
  public:
   struct Parameters {
@@ -113,11 +113,32 @@ class SystemGraph {
     ForceElement* force;
     std::vector<Marker> markers;
     std::type_index type;
-    std::unique_ptr<ForceBatch> (*make_batch)();  // null: a contact, which the engine evaluates by itself
+    std::unique_ptr<ForceBatch> (*make_batch)();
+    int place;  // among force elements and contacts, in the order in which they were added
+  };
+  struct ContactEntry {
+    ContactElement* contact;
+    std::vector<Marker> markers;  // one a collider
+    std::type_index type;
+    int place;  // as of ForceEntry
   };
   const std::vector<BodyEntry>& bodies() const { return bodies_; }  // ground first
   const std::vector<ConstraintEntry>& constraints() const { return constraints_; }
   const std::vector<ForceEntry>& forces() const { return forces_; }
+  const std::vector<ContactEntry>& contacts() const { return contacts_; }
+  /// Calls on_force(entry) or on_contact(entry) for each of both, in the order in which they were added: that of sums
+  /// of loads and energies, of files and of pages.
+  template <class OnForce, class OnContact>
+  void for_each_load(OnForce&& on_force, OnContact&& on_contact) const {
+    auto force = forces_.begin();
+    auto contact = contacts_.begin();
+    while (force != forces_.end() || contact != contacts_.end())
+      if (contact == contacts_.end() || (force != forces_.end() && force->place < contact->place))
+        on_force(*force++);
+      else
+        on_contact(*contact++);
+  }
+  int load_count() const { return static_cast<int>(forces_.size() + contacts_.size()); }
 
   /// A graph of some elements of `whole`, which stays their owner and must outlive it: its ground, and what is shared.
   /// Elements of its own may be added too. For parts of a scene, and scenes simplified
@@ -128,8 +149,9 @@ class SystemGraph {
   /// of bodies that are not in this graph.
   void share(const ConstraintEntry& entry, std::vector<Marker> markers);
   void share(const ForceEntry& entry, std::vector<Marker> markers);
+  void share(const ContactEntry& entry, std::vector<Marker> markers);
 
-  /// Body, constraint or force of that name; null if there is none.
+  /// Body, constraint, force or contact of that name; null if there is none.
   const Element* find(const std::string& name) const;
   /// The same as its own type or a base of it: graph.find<RevoluteJoint>("pin"), graph.find<Body>("link"). Null if
   /// there is none; SceneError if that name is of something else.
@@ -169,9 +191,9 @@ class SystemGraph {
     if constexpr (std::derived_from<T, Constraint>)
       constraints_.push_back({&element, std::move(markers), typeid(T), make_constraint_batch<T>});
     else if constexpr (std::derived_from<T, ContactElement>)
-      forces_.push_back({&element, std::move(markers), typeid(T), nullptr});
+      contacts_.push_back({&element, std::move(markers), typeid(T), load_count()});
     else
-      forces_.push_back({&element, std::move(markers), typeid(T), make_force_batch<T>});
+      forces_.push_back({&element, std::move(markers), typeid(T), make_force_batch<T>, load_count()});
     return element;
   }
   struct PartOf {
@@ -192,6 +214,7 @@ class SystemGraph {
   std::vector<BodyEntry> bodies_;
   std::vector<ConstraintEntry> constraints_;
   std::vector<ForceEntry> forces_;
+  std::vector<ContactEntry> contacts_;
 };
 
 extern template std::unique_ptr<BodyBatch> make_body_batch<Ground>();

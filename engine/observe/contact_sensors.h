@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/model/contact_element.h"
+#include "engine/model/contact_memory.h"
 #include "engine/observe/sensors.h"
 
 namespace lithe {

@@ -108,9 +108,6 @@ Wrench wrench_of(Snapshot& now, const Constraint& joint, int marker) {
 
 /// A force element at a snapshot.
 ForceRows rows_of(Snapshot& now, const ForceElement& force) {
-  if (dynamic_cast<const ContactElement*>(&force))
-    throw SceneError("'" + force.name() + "' is a contact", force.where(),
-                     "ask for contact_force() (engine/observe/contact_sensors.h)");
   const ConnectorMarkers markers(now, entry_of(now.system().graph(), force).markers);
   ForceRows rows(force.marker_count());
   rows.recall(now.assembler().quarter_turns_of(force));

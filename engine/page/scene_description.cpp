@@ -271,15 +271,15 @@ void SceneDescription::find_connectors() {
     plan_.connectors.push_back(
         {.joint = entry.constraint, .markers = &entry.markers, .first_row = rows[i].first, .rows = rows[i].count});
   }
-  for (const auto& entry : graph_.forces()) {
-    const auto number = static_cast<int>(plan_.connectors.size());
-    plan_.connectors.push_back({.force = entry.force, .markers = &entry.markers});
-    for (const ContactRecord& contact : now_.system().contacts())
-      if (contact.element == entry.force) {
-        plan_.connectors.back().contact = contact.number;
-        plan_.connector_of_contact[contact.number] = number;
-      }
-  }
+  int contacts = 0;
+  graph_.for_each_load(
+      [&](const SystemGraph::ForceEntry& entry) {
+        plan_.connectors.push_back({.force = entry.force, .markers = &entry.markers});
+      },
+      [&](const SystemGraph::ContactEntry& entry) {
+        plan_.connector_of_contact[contacts] = static_cast<int>(plan_.connectors.size());
+        plan_.connectors.push_back({.surfaces = entry.contact, .markers = &entry.markers, .contact = contacts++});
+      });
 }
 
 void SceneDescription::describe_connectors() {
@@ -287,7 +287,7 @@ void SceneDescription::describe_connectors() {
   scene_["connectors"] = Json::array();
   for (std::size_t i = 0; i < plan_.connectors.size(); ++i) {
     ConnectorPart& part = plan_.connectors[i];
-    const Connector& element = part.joint ? static_cast<const Connector&>(*part.joint) : *part.force;
+    const Connector& element = part.element();
     const auto* in_plane = dynamic_cast<const RowsInPlane*>(&element);
     const Connector& kind = in_plane ? in_plane->whole() : element;
     const int number = static_cast<int>(i);
@@ -341,7 +341,7 @@ void SceneDescription::add_shapes(const std::vector<SceneRecorder::Drawn>& drawn
   };
   for (const auto& one : drawn) add(plan_.body_number.at(one.body), one.shape, "visual");
   for (const ConnectorPart& part : plan_.connectors) {
-    const auto* drawable = dynamic_cast<const DrawableConnector*>(part.force);
+    const auto* drawable = dynamic_cast<const DrawableConnector*>(&part.element());
     for (std::size_t m = 0; drawable && m < part.markers->size(); ++m) {
       const Marker& marker = (*part.markers)[m];
       const ScenePlan::Pose pose = plan_.in_body(marker);

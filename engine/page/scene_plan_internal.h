@@ -32,12 +32,16 @@ struct ScenePlan {
   struct ConnectorPart {
     const Constraint* joint = nullptr;
     const ForceElement* force = nullptr;
+    const ContactElement* surfaces = nullptr;
     const std::vector<Marker>* markers = nullptr;
     std::size_t at = 0;  // marker at which its load is reported
     int first_row = 0, rows = 0;
     int contact = -1;                                 // number among the contacts
     int reaction = -1, own_axes = -1, residual = -1;  // columns
     int summed = -1;                                  // of a contact: Σ |force|, number of points
+    const Connector& element() const {
+      return joint ? static_cast<const Connector&>(*joint) : force ? static_cast<const Connector&>(*force) : *surfaces;
+    }
   };
   struct Pose {
     Vector3 p = Vector3::Zero();

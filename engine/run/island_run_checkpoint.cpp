@@ -119,7 +119,9 @@ void IslandRun::check_loaded(const Archive& archive, const State& state) const {
                fits(state.quarter_turns, system_.initial_state().quarter_turns.size()) && std::isfinite(state.time) &&
                state.q.allFinite() && state.v.allFinite() && system_.may_leave_out(state.left_out);
   for (const ContactTrace& trace : state.contacts)
-    sound = sound && trace.element >= 0 && trace.element < static_cast<int>(system_.contacts().size());
+    sound = sound && trace.element >= 0 && trace.element < static_cast<int>(system_.contacts().size()) &&
+            std::holds_alternative<RigidMemory>(trace.memory) ==
+                (system_.contacts()[trace.element].element->law() == ContactElement::Law::rigid);
   if (!sound)
     throw FileError("the checkpoint's state does not fit the scene, or is not finite", archive.source(),
                     "resume from an older one, or start a new run");

@@ -38,8 +38,13 @@ std::vector<std::string> elements(const System& system) {
   for (const auto& b : graph.bodies()) texts.push_back("body '" + b.body->name() + "' " + b.type.name());
   for (const auto& c : graph.constraints())
     texts.push_back("constraint '" + c.constraint->name() + "' " + c.type.name() + markers(c.markers));
-  for (const auto& f : graph.forces())
-    texts.push_back("force '" + f.force->name() + "' " + f.type.name() + markers(f.markers));
+  graph.for_each_load(
+      [&](const SystemGraph::ForceEntry& f) {
+        texts.push_back("force '" + f.force->name() + "' " + f.type.name() + markers(f.markers));
+      },
+      [&](const SystemGraph::ContactEntry& c) {
+        texts.push_back("contact '" + c.contact->name() + "' " + c.type.name() + markers(c.markers));
+      });
   return texts;
 }
 
@@ -117,7 +122,7 @@ void SceneFingerprint::same_elements(Archive& archive) const {
   const auto count = [](const std::vector<std::string>& texts, const std::string& kind) {
     return std::count_if(texts.begin(), texts.end(), [&](const std::string& t) { return t.starts_with(kind); });
   };
-  for (const char* kind : {"body", "constraint", "force"})
+  for (const char* kind : {"body", "constraint", "force", "contact"})
     if (const auto had = count(then, kind), has = count(now, kind); had != has)
       differ(archive, "it had " + std::to_string(had) + " elements of the kind '" + kind + "', this one has " +
                           std::to_string(has) + ", ground counted among bodies");
@@ -151,12 +156,15 @@ void SceneFingerprint::same(Archive& archive) const {
     if (const auto i = first_difference(own, own_); i >= 0)
       differ(archive, "the same elements, but other parameters of body " + owner(i) + both(own, own_, i));
     if (const auto i = first_difference(energy, energy_); i >= 0) {
-      const auto& forces = system_.graph().forces();
       const auto& elements = system_.graph().bodies();
-      const auto place = static_cast<std::size_t>(i), of_bodies = 3 * (elements.size() - 1);
-      const std::string name = place < of_bodies ? "body '" + elements[place / 3 + 1].body->name() + "'"
-                               : place - of_bodies < forces.size() ? "'" + forces[place - of_bodies].force->name() + "'"
-                                                                   : "forces";
+      const auto of_bodies = static_cast<Eigen::Index>(3 * (elements.size() - 1));
+      std::string name =
+          i < of_bodies ? "body '" + elements[static_cast<std::size_t>(i) / 3 + 1].body->name() + "'" : "forces";
+      const auto is_it = [&](const Connector& element, int place) {
+        if (place == i - of_bodies) name = "'" + element.name() + "'";
+      };
+      system_.graph().for_each_load([&](const auto& f) { is_it(*f.force, f.place); },
+                                    [&](const auto& c) { is_it(*c.contact, c.place); });
       differ(archive, "the same elements, but other parameters or gravity of " + name + both(energy, energy_, i));
     }
     if (const auto i = first_difference(rows, rows_); i >= 0) {

@@ -128,7 +128,8 @@ void Simplifier::draw_connectors() {
     made_.graph_->add<TurnCount>(joint->constraint->name(), moved(joint->markers), {.of = joint->constraint});
     keep_angles(first, count);
   }
-  for (const auto& f : whole_.forces()) draw_force(f);
+  whole_.for_each_load([&](const auto& force) { draw_force(force); },
+                       [&](const auto& contact) { draw_contact(contact); });
   if (!idle.empty()) say(quoted(idle) + (idle.size() > 1 ? " hold" : " holds") + " what is welded already.");
   if (left_out_ > 0) say(std::to_string(left_out_) + " rows that say nothing in these planes are left out.");
 }
@@ -158,14 +159,22 @@ void Simplifier::draw_constraint(int number, std::vector<std::string>& idle) {
 void Simplifier::draw_force(const SystemGraph::ForceEntry& f) {
   const int angles = static_cast<int>(f.force->angles().size()), first_angle = angle_;
   angle_ += angles;
-  // What acts on ground alone moves nothing.
-  if (std::all_of(f.markers.begin(), f.markers.end(), [&](const Marker& m) { return item_of(m) == kGround; })) return;
+  if (is_on_ground(f.markers)) return;
   keep_angles(first_angle, angles);
   const std::vector<Marker> markers = moved(f.markers);
   std::vector<CoordinateSwitch> switches = f.force->switches();
   if (switches.empty() || markers == f.markers) return made_.graph_->share(f, markers);
   for (CoordinateSwitch& s : switches) s.coordinate.A = moved(s.coordinate.A), s.coordinate.B = moved(s.coordinate.B);
   made_.graph_->add<MovedForce>(f.force->name(), markers, {.whole = f.force, .switches = switches});
+}
+
+void Simplifier::draw_contact(const SystemGraph::ContactEntry& contact) {
+  if (!is_on_ground(contact.markers)) made_.graph_->share(contact, moved(contact.markers));
+}
+
+/// What acts on ground alone moves nothing.
+bool Simplifier::is_on_ground(const std::vector<Marker>& markers) const {
+  return std::all_of(markers.begin(), markers.end(), [&](const Marker& m) { return item_of(m) == kGround; });
 }
 
 /// Of the connector drawn next.

@@ -78,6 +78,8 @@ class Simplifier {
   void draw_connectors();
   void draw_constraint(int number, std::vector<std::string>& idle);
   void draw_force(const SystemGraph::ForceEntry& force);
+  void draw_contact(const SystemGraph::ContactEntry& contact);
+  bool is_on_ground(const std::vector<Marker>& markers) const;
   void keep_angles(int first, int count);
   void note_slices();
 

@@ -37,7 +37,7 @@ std::vector<Finding> find_no_number(const Case& c) {
     const State state = moved(system, c.run.last, ahead * stride(c));
     now.evaluate(state);
     for (const auto& entry : system.graph().forces())
-      if (entry.make_batch && !force_values(now, *entry.force).allFinite())
+      if (!force_values(now, *entry.force).allFinite())
         return {{Cause::no_number, true, 0.99, named(*entry.force) + " is not finite at " + time_text(state.time),
                  "look for a division by a zero distance or speed, a root or a logarithm of what is negative"}};
   }
@@ -52,7 +52,6 @@ std::vector<Finding> find_jumps(const Case& c) {
   std::vector<State> places{c.run.last};
   places.insert(places.end(), c.run.dips.begin(), c.run.dips.end());
   for (const auto& entry : system.graph().forces()) {
-    if (!entry.make_batch) continue;  // contacts kink where surfaces meet
     const auto value = [&](const State& place, double dt) {
       now.evaluate(moved(system, place, dt));
       return force_values(now, *entry.force);

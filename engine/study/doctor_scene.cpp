@@ -176,6 +176,7 @@ void look_at_units(const System& system, const State& start, double length, std:
   };
   for (const auto& c : system.graph().constraints()) reach_of(c.markers);
   for (const auto& f : system.graph().forces()) reach_of(f.markers);
+  for (const auto& c : system.graph().contacts()) reach_of(c.markers);
   // 2. Bodies.
   const std::vector<BodyInertia> all = inertias(system, start);
   for (const BodyInertia& b : all) {
@@ -222,6 +223,7 @@ void look_at_ties(const System& system, std::vector<Finding>& out) {
     };
     for (const auto& c : graph.constraints()) spread(c.markers);
     for (const auto& f : graph.forces()) spread(f.markers);
+    for (const auto& c : graph.contacts()) spread(c.markers);
   }
   std::string names;
   for (const auto& entry : graph.bodies())
@@ -244,6 +246,7 @@ VectorX drive_rates(const System& system) {
   return largest;
 }
 
+/// Contacts are passive: they need no look.
 bool is_conservative(const System& system, const std::vector<State>& states) {
   if (system.layout().row_count() > 0 && drive_rates(system).maxCoeff() > 0) return false;
   Snapshot now(system);

@@ -242,7 +242,8 @@ class Estimate {
           loaded_.push_back(m);
     };
     for (const auto& c : graph.constraints()) add(c.markers);
-    for (const auto& f : graph.forces()) add(f.markers);
+    const auto add_of = [&](const auto& entry) { add(entry.markers); };
+    graph.for_each_load(add_of, add_of);
   }
 
   void embed() {

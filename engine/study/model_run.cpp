@@ -113,7 +113,8 @@ std::unique_ptr<SystemGraph> under(const std::vector<RecordedWrench::Parameters>
   auto loaded = SystemGraph::part_of(graph);
   for (std::size_t i = 1; i < graph.bodies().size(); ++i) loaded->share(graph.bodies()[i]);
   for (const auto& c : graph.constraints()) loaded->share(c, c.markers);
-  for (const auto& f : graph.forces()) loaded->share(f, f.markers);
+  const auto share = [&](const auto& entry) { loaded->share(entry, entry.markers); };
+  graph.for_each_load(share, share);
   for (const RecordedWrench::Parameters& wrench : wrenches)
     loaded->add<RecordedWrench>("feedback on " + wrench.marker.body->name(), {wrench.marker}, wrench);
   return loaded;

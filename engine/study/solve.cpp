@@ -47,9 +47,9 @@ namespace {
 /// Impulses are not for the methods that a certificate rests on; what a force does to modes is looked at by samples.
 std::vector<std::string> look_at_contacts(const SystemGraph& graph, const BodyModels& bodies) {
   std::vector<std::string> remarks;
-  for (const auto& entry : graph.forces()) {
-    const auto* contact = dynamic_cast<const ContactElement*>(entry.force);
-    if (!contact || contact->law() == ContactElement::Law::sensing) continue;
+  for (const auto& entry : graph.contacts()) {
+    const ContactElement* contact = entry.contact;
+    if (contact->law() == ContactElement::Law::sensing) continue;
     if (contact->law() == ContactElement::Law::rigid)
       throw SceneError("solve() certifies smooth motion, and '" + contact->name() + "' has rigid surfaces",
                        contact->where(),

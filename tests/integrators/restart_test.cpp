@@ -93,6 +93,52 @@ TEST(RestartOfRigidContact, has_the_bits_of_the_run_that_went_on) {
     check("rigid contact", draw_rigid_contact, method, 0.2);
 }
 
+TEST(RestartOfRigidContact, tells_its_memory_from_that_of_a_compliant_law) {
+  const auto draw = [](SystemGraph& graph) {
+    draw_rigid_contact(graph);
+    auto& puck = graph.add<RigidBody>(
+        "puck", {.mass = 1, .inertia = {4e-3, 4e-3, 4e-3}, .position = {3, 0, 0.0995}, .velocity = {0.3, 0, 0}});
+    graph.add<Contact>("soft", {{graph.ground().marker(), shape::half_space()}, {puck.marker(), shape::sphere(0.1)}},
+                       {.law = Compliance{.stiffness = 2e4, .exponent = 1},
+                        .friction = {.coefficient = 0.4, .bristle_stiffness = 3e3}});
+  };
+  const std::vector<double> times = {0.02, 0.03};
+  Machine whole(draw, of<MoreauJean>({.step = 1e-3})), resumed(draw, of<MoreauJean>({.step = 1e-3}));
+  std::vector<Archive> saved;
+  whole.simulation.run(whole.state, times[0]);
+  const ContactMemory before = whole.state.contacts;
+  whole.simulation.save(whole.state, saved.emplace_back());
+  saved[0].rewind();
+  resumed.state = resumed.simulation.resume(saved[0]);
+  const ContactMemory& after = resumed.state.contacts;
+  int rigid = 0, compliant = 0;
+  ASSERT_EQ(after.size(), before.size());
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    ASSERT_EQ(after[i].memory.index(), before[i].memory.index());
+    if (const auto* now = std::get_if<CompliantMemory>(&after[i].memory)) {
+      const auto& then = std::get<CompliantMemory>(before[i].memory);
+      EXPECT_EQ(after[i].element, 1);
+      EXPECT_GT(now->bristle.norm(), 0);
+      EXPECT_EQ(now->bristle, then.bristle);
+      EXPECT_EQ(now->on_A, then.on_A);
+      EXPECT_EQ(now->on_B, then.on_B);
+      EXPECT_EQ(now->impact_speed, then.impact_speed);
+      ++compliant;
+    } else {
+      const auto &kept = std::get<RigidMemory>(after[i].memory), &then = std::get<RigidMemory>(before[i].memory);
+      EXPECT_EQ(after[i].element, 0);
+      EXPECT_GT(kept.velocity.norm(), 0);
+      EXPECT_EQ(kept.velocity, then.velocity);
+      EXPECT_EQ(std::memcmp(&kept.slip_at_start, &then.slip_at_start, sizeof(double)), 0);  // may be NaN
+      EXPECT_EQ(std::memcmp(&kept.slip_at_end, &then.slip_at_end, sizeof(double)), 0);
+      ++rigid;
+    }
+  }
+  EXPECT_GT(rigid, 0);
+  EXPECT_GT(compliant, 0);
+  EXPECT_EQ(resumed.go_on(times, 1, nullptr), whole.go_on(times, 1, nullptr));
+}
+
 TEST(RestartOfOthers, has_the_bits_of_the_run_that_went_on) {
   check("driven loop", draw_driven, {"kinematics", of<Kinematics>({.step = 2e-3})}, 0.2);
   for (const bool keeps : {true, false})

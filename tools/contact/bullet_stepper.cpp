@@ -238,11 +238,14 @@ class BulletStepper::World {
 
   void find_pieces(const System& system) {
     int contacts = 0;
-    for (const auto& f : system.graph().forces()) {
-      const auto* contact = dynamic_cast<const Contact*>(f.force);
+    for (const auto& f : system.graph().forces())
+      bullet_stepper::refuse(*f.force, "is a force that Bullet's stepper does not support",
+                             "it supports gravity, contact and some joints: use MoreauJean");
+    for (const auto& entry : system.graph().contacts()) {
+      const auto* contact = dynamic_cast<const Contact*>(entry.contact);
       if (!contact)
-        bullet_stepper::refuse(*f.force, "is a force that Bullet's stepper does not support",
-                               "it supports gravity, contact and some joints: use MoreauJean");
+        bullet_stepper::refuse(*entry.contact, "is a contact of a type that Bullet's stepper does not support",
+                               "use joints/contact/contact.h");
       if (contact->law() == ContactElement::Law::sensing) continue;
       if (contact->law() == ContactElement::Law::compliant)
         bullet_stepper::refuse(*contact, "is compliant", "Bullet's stepper knows RigidSurfaces");
