@@ -26,6 +26,7 @@ class MoreauJean final : public Integrator {
   std::string name() const override { return "Moreau-Jean"; }
   const IntegratorStatistics& statistics() const override { return statistics_; }
   bool handles_rigid_contacts() const override { return true; }
+  bool follows_equations() const override { return false; }  // lambda: of the step's impulses
   const ContactImpulses& impulses() const { return impulses_; }
 
  protected:

@@ -23,6 +23,7 @@ class NonsmoothGeneralizedAlpha final : public GeneralizedAlpha {
 
   std::string name() const override { return "nonsmooth generalized-alpha"; }
   bool handles_rigid_contacts() const override { return true; }
+  bool follows_equations() const override { return false; }  // lambda: of the step's impulses
   const ContactImpulses& impulses() const { return impulses_; }
 
  protected:

@@ -126,6 +126,8 @@ class FlexibleBody final : public DeformableBody, public DrawableBody {
   VectorX candidate_stiffness() const override;
   VectorX candidate_damping() const override;
   VectorX candidate_reach() const override;
+  VectorX candidate_forces(const BodyState&, const double* v_dot, std::span<const MarkerLoad> loads,
+                           const Vector3& gravity) const override;
   Deflection finest_deflection() const override;
   const Fidelity& fidelity() const override { return fidelity_; }
   void set_fidelity(Fidelity fidelity) override;

@@ -2,6 +2,8 @@
 #include <cmath>
 
 #include "bodies/flexible/flexible_body.h"
+#include "bodies/flexible/inertia_integrals.h"
+#include "bodies/flexible/node_sets.h"
 #include "bodies/flexible/selected_basis.h"
 #include "engine/base/error.h"
 
@@ -30,6 +32,53 @@ VectorX FlexibleBody::candidate_reach() const {
   for (Eigen::Index k = 0; k < reach.size(); ++k)
     reach[k] = Eigen::Map<const Matrix3X>(basis.modes.col(k).data(), 3, basis.nodes.cols()).colwise().norm().maxCoeff();
   return reach;
+}
+
+VectorX FlexibleBody::candidate_forces(const BodyState& state, const double* v_dot, std::span<const MarkerLoad> loads,
+                                       const Vector3& gravity) const {
+  if (!has_candidates()) return {};
+  const ModalBasis& whole = *drawn_.basis;
+  const bool second_order = fidelity_.deflection != Deflection::linear && !fidelity_.modes.empty() && whole.deflection;
+  // 1. On the displacement fields: the candidates', and those of the second order.
+  const InertiaIntegrals inertia = second_order               ? whole.deflection->integrals
+                                   : whole.integrals.mass > 0 ? whole.integrals
+                                                              : inertia_integrals(whole);
+  const Matrix3& A = state.cache->A;
+  const Vector3 omega(state.v[3], state.v[4], state.v[5]), turning(v_dot[3], v_dot[4], v_dot[5]);
+  const Vector3 falling = A.transpose() * (gravity - Vector3(v_dot[0], v_dot[1], v_dot[2]));
+  VectorX forces = inertia.Ct.transpose() * falling - inertia.C0.transpose() * turning;
+  Vector6 squares;  // of ω, as the inertias are packed: ½ ωᵀ ∂J/∂η ω
+  squares << 0.5 * omega.cwiseAbs2(), omega.x() * omega.y(), omega.x() * omega.z(), omega.y() * omega.z();
+  forces += inertia.J1.transpose() * squares;
+  for (const MarkerLoad& load : loads) {
+    const auto& [nodes, weights] = markers_[static_cast<size_t>(load.marker)].nodes;
+    if (nodes.empty()) continue;  // on the frame, or modal
+    const Vector3 force = A.transpose() * load.force, torque = A.transpose() * load.torque;
+    if (nodes.size() == 1) {
+      forces += whole.node_modes(nodes[0], second_order).transpose() * force;
+      if (const Matrix3X turns = whole.node_rotation_modes(nodes[0], second_order); turns.cols() > 0)
+        forces += turns.transpose() * torque;
+      continue;
+    }
+    const NodeAverage mean(whole.nodes, nodes, weights, name());
+    const Vector3 spread = mean.spread_inverse * torque;
+    for (size_t i = 0; i < nodes.size(); ++i) {
+      const auto column = static_cast<Eigen::Index>(i);
+      forces += whole.node_modes(nodes[i], second_order).transpose() *
+                (mean.weights[column] * (force + spread.cross(mean.arms.col(column))));
+    }
+  }
+  if (!second_order) return forces;
+  // 2. On the modes: a mode moves the fields by ∂ξ/∂η_j = e_j + Σ_k η_k C_jk.
+  const int candidates = whole.mode_count();
+  const VectorX pairs = whole.deflection->curvature.transpose() * forces;
+  VectorX out = forces.head(candidates);
+  for (int j = 0; j < candidates; ++j)
+    for (size_t i = 0; i < fidelity_.modes.size(); ++i) {
+      const int low = std::min(j, fidelity_.modes[i]), high = std::max(j, fidelity_.modes[i]);
+      out[j] += state.q[7 + i] * pairs[high * (high + 1) / 2 + low];
+    }
+  return out;
 }
 
 Deflection FlexibleBody::finest_deflection() const {

@@ -266,6 +266,8 @@ Equilibrium find_equilibrium(const System& system, const State& start, const Equ
   state.v_dot.setZero();
   equations.evaluate(state.time, state.q, state.v, Level::velocity);
   equations.minimum_norm(state.lambda);
+  found.left_out = deflection_left_out(system, state);
+  tell_left_out(found.left_out);
   return found;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/analysis/left_out.h"
 #include "engine/assembly/system.h"
 #include "engine/model/state.h"
 
@@ -17,6 +18,7 @@ struct Equilibrium {
   int iterations = 0;         // of Newton: tangents factorised, those of steps refused among them
   double out_of_balance = 0;  // largest |Gᵀ λ - f| left, N or N m
   double round_off = 0;       // what round-off makes of it at most, in the row where that is largest
+  std::vector<DeflectionLeftOut> left_out;  // an estimate of what the modes of deformable bodies leave out
 };
 
 /// Static equilibrium near a state: F(q, λ) = Gᵀ λ - f(q, 0, t) = 0, g(q, t) = 0 at the start's time, with drives held
@@ -37,6 +39,7 @@ struct Equilibrium {
 /// Each row is balanced down to `tolerance`, or to its round-off if that is larger, as it may be for stiff rows.
 /// A start already in balance is returned unchanged, stable or not: see Linearization::lowest_stiffness().
 /// Redundant rows are left out and their multipliers are those of least norm.
+/// Modes that bodies have and do not use are estimated (Equilibrium::left_out), and told of above kLeftOutToTell.
 /// Throws SimulationError naming the worst coordinate if no equilibrium is found (a body that nothing holds falls),
 /// SceneError for a state of another system.
 Equilibrium find_equilibrium(const System& system, const State& start, const EquilibriumOptions& options = {});

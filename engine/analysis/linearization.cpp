@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 #include "engine/base/error.h"
@@ -126,6 +127,24 @@ std::vector<Mode> holonomic_modes(const Linearization& l, const MatrixX& Phi, co
   return modes_of(std::move(A), shapes);
 }
 
+/// What modes not in use would change of the softest shape that is stable.
+void estimate_left_out(const System& system, const MatrixX& Phi, const MatrixX& Zp_engine, Linearization& out) {
+  if (std::none_of(out.left_out.begin(), out.left_out.end(), [](const auto& body) { return body.known(); })) return;
+  const double rigid = 100 * kRoundOff * out.undamped[out.undamped.size() - 1];
+  for (Eigen::Index k = 0; k < out.undamped.size(); ++k) {
+    if (!(out.undamped[k] > rigid)) continue;
+    out.frequency_left_out = frequency_left_out(system, out.state, Zp_engine * Phi.col(k),
+                                                Phi.col(k).dot(out.M * Phi.col(k)), out.undamped[k]);
+    break;
+  }
+  if (out.frequency_left_out > kLeftOutToTell) {
+    char share[32];
+    std::snprintf(share, sizeof share, "%.0f %%", 100 * out.frequency_left_out);
+    log::warn(std::string("linearize: modes not in use would lower the lowest frequency by some ") + share +
+              "\n  fix:  use more modes, or static modes of the loaded interfaces (Reduction::loaded).");
+  }
+}
+
 }  // namespace
 
 Linearization linearize(const System& system, const State& state, const LinearizeOptions& options) {
@@ -133,6 +152,7 @@ Linearization linearize(const System& system, const State& state, const Lineariz
   Perturbation near(system, state, options.axes);
   Linearization out;
   out.state = near.base();
+  out.left_out = deflection_left_out(system, out.state);
 
   // 1. What the rows allow: bases of positions and velocities.
   const MatrixX G_all = near.jacobian(), G = G_all(near.rows(), Eigen::all);
@@ -203,6 +223,7 @@ Linearization linearize(const System& system, const State& state, const Lineariz
   undamped_modes(0.5 * (out.K + out.K.transpose()), out.M, out.undamped, Phi);
   const int kept = options.mode_count > 0 ? std::min(options.mode_count, nw) : nw;
   out.modes = holonomic_modes(out, Phi.leftCols(kept), Zp_engine);
+  estimate_left_out(system, Phi, Zp_engine, out);
   return out;
 }
 

@@ -3,6 +3,7 @@
 #include <complex>
 #include <vector>
 
+#include "engine/analysis/left_out.h"
 #include "engine/analysis/perturbation.h"
 #include "engine/observe/observer.h"
 
@@ -34,6 +35,8 @@ struct Linearization {
   MatrixX M, C, K;          // of the second-order form; empty with nonholonomic rows
   VectorX undamped;         // ω² of (K + Kᵀ)/2 and M, ascending, 1/s²; negative: an unstable stiffness
   std::vector<Mode> modes;  // by frequency, those that do not oscillate first
+  std::vector<DeflectionLeftOut> left_out;  // of the base: an estimate of what its bodies' modes leave out
+  double frequency_left_out = 0;            // relative error of the lowest stable frequency by these modes, an estimate
   double unsteadiness = 0;  // 1/s: how fast Z turns among the coordinates; 0 at rest and in relative equilibria
 
   /// Hz of the undamped modes, 0 for those without positive stiffness.
@@ -51,6 +54,7 @@ struct LinearizeOptions {
 
 /// Linearizes about `state` (positions and velocities that satisfy the rows). M, C, K have some ten digits:
 /// fourth-order differences with a step of a thousandth of the bodies' size. Dense: for up to some thousand velocities.
+/// Modes that bodies have and do not use are estimated (engine/analysis/left_out.h), and told of above kLeftOutToTell.
 /// Throws SceneError for a state of another system or one off its constraints.
 Linearization linearize(const System& system, const State& state, const LinearizeOptions& options = {});
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "engine/model/body.h"
@@ -21,6 +22,12 @@ struct Fidelity {
   bool operator==(const Fidelity&) const = default;
 };
 
+/// A force and a torque at a marker of a body, about the marker's point, world axes.
+struct MarkerLoad {
+  int marker;  // of the body
+  Vector3 force, torque;
+};
+
 /// A body that can be modelled in more or less detail, from which solve() chooses (engine/study/solve.h). Its candidate
 /// modes are orthonormal in mass and orthogonal in stiffness: M = E, K = diag(ω²).
 class DeformableBody : public Body {
@@ -39,6 +46,11 @@ class DeformableBody : public Body {
   virtual Marker body_frame() = 0;
   /// Largest displacement of a node by a unit of each candidate mode, m.
   virtual VectorX candidate_reach() const = 0;
+  /// Generalised force on each candidate mode, in use or not, N per unit of η (√kg m): of loads at markers, of gravity,
+  /// and of the inertia of the frame's motion (v_dot: of the body, v_count long), at the present deflection; with its
+  /// second order where that is in use. Modal markers are left out. Empty: the body has one model only.
+  virtual VectorX candidate_forces(const BodyState&, const double* v_dot, std::span<const MarkerLoad> loads,
+                                   const Vector3& gravity) const = 0;
 };
 
 }  // namespace lithe

@@ -79,6 +79,11 @@ class Integrator {
   /// starts it anew wherever it is saved, and so does the resumed one: both go on with the same bits.
   bool history(Archive& archive, EquationsOfMotion& equations, const State& state);
 
+  /// Whether the motion is that of the equations at (t, q, v), which then tell v_dot and lambda at any time; false where
+  /// a part of the scene is held back, or pressed by impulses. Events watch what the equations tell: dense output has
+  /// lambda by interpolation alone.
+  virtual bool follows_equations() const { return true; }
+
  protected:
   /// The method's own start and step; angles are counted around them.
   virtual void prepare(EquationsOfMotion& equations, State& state) = 0;

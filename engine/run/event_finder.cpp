@@ -46,8 +46,12 @@ double EventFinder::value(Watched& w) {
   return value;
 }
 
-void EventFinder::start(const State& state) {
-  snapshot_.evaluate(state);
+void EventFinder::evaluate(const Integrator& integrator, const State& state) {
+  snapshot_.evaluate(state, integrator.follows_equations() ? Accelerations::solved : Accelerations::as_left);
+}
+
+void EventFinder::start(const Integrator& integrator, const State& state) {
+  evaluate(integrator, state);
   for (Watched& w : watched_) {
     w.start = value(w);
     w.by_trend = w.start == 0;
@@ -80,7 +84,7 @@ void EventFinder::history(Archive& archive) {
 void EventFinder::look(const Step& step, double s) {
   const double time = step.from.time + s * (step.to.time - step.from.time);
   step.integrator.interpolate(snapshot_.system().layout(), step.from, step.to, time, state_);
-  snapshot_.evaluate(state_);
+  evaluate(step.integrator, state_);
 }
 
 double EventFinder::value_at(const Step& step, Watched& w, double s) {
@@ -93,7 +97,7 @@ const std::vector<EventFinder::Crossing>& EventFinder::find(const Integrator& in
   const Step step{integrator, from, to};
   crossings_.clear();
   // 1. Samples, all functions at once.
-  snapshot_.evaluate(to);
+  evaluate(integrator, to);
   for (Watched& w : watched_) w.end = value(w);
   look(step, 0.5);
   for (Watched& w : watched_) w.middle = value(w);

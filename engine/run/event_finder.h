@@ -12,7 +12,9 @@ class Archive;
 /// Finds where functions pass their levels within the steps of an integrator: by a change of sign between the ends or
 /// the middle of a step, or where the parabola through these has an extremum near the level (two passages in one step);
 /// then on the integrator's dense output, by bracketing (Alefeld, Potra & Shi 1995), to round-off of time. What passes
-/// its level more than twice within a step may be missed. Has an assembler of its own.
+/// its level more than twice within a step may be missed. Functions of accelerations and reactions are given those of
+/// the equations at each state looked at, at one factorisation each (Integrator::follows_equations()). Has an assembler
+/// of its own.
 class EventFinder {
  public:
   explicit EventFinder(const System& system);
@@ -23,7 +25,7 @@ class EventFinder {
 
   /// A new state to go on from. Where a function lies at its level, or has just been dealt with, its sign is that of
   /// its trend in the next step: so an event is not found again where it happened.
-  void start(const State& state);
+  void start(const Integrator& integrator, const State& state);
   /// Whether a function lay below its level as the step began.
   bool below(int watched) const { return watched_[watched].start < 0; }
   void dealt_with(int watched) { watched_[watched].by_trend = true; }
@@ -55,6 +57,7 @@ class EventFinder {
     const State &from, &to;
   };
   double value(Watched& w);
+  void evaluate(const Integrator& integrator, const State& state);
   void look(const Step& step, double s);
   double value_at(const Step& step, Watched& w, double s);
   double extremum(const Step& step, Watched& w, double sign);

@@ -93,7 +93,7 @@ void IslandRun::begin(State& state) {
     const State given = state;
     try {
       integrator_.start(equations_, state);
-      if (finder_) finder_->start(state);
+      if (finder_) finder_->start(integrator_, state);
     } catch (...) {
       state = given;
       throw;

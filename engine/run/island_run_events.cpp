@@ -167,7 +167,7 @@ void IslandRun::meet(State& state) {
     move_onto_constraints();
   }
   restart(state);
-  finder_->start(state);
+  finder_->start(integrator_, state);
   for (const EventFinder::Crossing& c : met_) finder_->dealt_with(c.watched);
   approach_ = {};
   if (!restarted) return;

@@ -60,6 +60,7 @@ class ModeFreezing final : public Integrator {
   const IntegratorStatistics& statistics() const override { return statistics_; }
   /// With modes frozen, the equations that observers could solve are not those that the scene moves by.
   bool approximates_accelerations() const override { return held_.empty() && method_->approximates_accelerations(); }
+  bool follows_equations() const override { return held_.empty() && method_->follows_equations(); }
   void interpolate(const Layout& layout, const State& from, const State& to, double time, State& out) const override;
 
  protected:

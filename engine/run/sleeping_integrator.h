@@ -26,6 +26,7 @@ class SleepingIntegrator final : public Integrator {
   /// Of the method; zero while it has slept since start().
   const IntegratorStatistics& statistics() const override { return asleep_ ? none_ : method_->statistics(); }
   bool approximates_accelerations() const override { return !asleep_ && method_->approximates_accelerations(); }
+  bool follows_equations() const override { return !asleep_ && method_->follows_equations(); }
   void interpolate(const Layout& layout, const State& from, const State& to, double time, State& out) const override;
 
  protected:

@@ -105,8 +105,7 @@ ModesLeftOut find_modes_left_out(SystemGraph& graph, const System& system, const
 
 double ModesLeftOut::largest() const {
   double most = frequency_error;
-  for (const Body& body : bodies)
-    if (body.deflection > 0) most = std::max(most, body.missing / body.deflection);
+  for (const Body& body : bodies) most = std::max(most, body.share());
   return most;
 }
 
@@ -116,8 +115,7 @@ std::string ModesLeftOut::text() const {
   for (const Body& body : bodies) {
     if (body.known())
       std::snprintf(line, sizeof line, "  %s: %d of %d modes; of %.3g m the others bring %.2g m (%.2g %%)\n",
-                    body.name.c_str(), body.used, body.candidates, body.deflection, body.missing,
-                    body.deflection > 0 ? 100 * body.missing / body.deflection : 0.0);
+                    body.name.c_str(), body.used, body.candidates, body.deflection, body.missing, 100 * body.share());
     else
       std::snprintf(line, sizeof line, "  %s: all %d modes of its basis, what others would bring is not known\n",
                     body.name.c_str(), body.candidates);

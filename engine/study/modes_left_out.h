@@ -13,13 +13,7 @@ namespace lithe {
 ///   .basis = make_basis(model, frame, 24), .mode_count = 8
 /// A body that uses all of its candidates has nothing to compare with, and says so.
 struct ModesLeftOut {
-  struct Body {
-    std::string name;
-    int used, candidates;
-    double deflection;  // largest displacement of a node by the modes of the richer answer, a bound, m
-    double missing;     // by what these modes have moved on or are new, likewise, m
-    bool known() const { return used < candidates; }
-  };
+  using Body = DeflectionLeftOut;
   std::vector<Body> bodies;
   double lowest_stiffness = 0, richer_stiffness = 0;  // lowest ω² with the modes in use, with all candidates, 1/s²
   double frequency_error = 0;  // of the lowest frequency that both have, relative; where either is unstable, 1
