@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/assembly/find_rigid_scene.h"
+#include "engine/assembly/forward_part.h"
 #include "engine/assembly/least_norm.h"
 #include "engine/base/error.h"
 #include "engine/contact/contact_correction.h"
@@ -24,30 +24,6 @@ struct Assembler::ComplexPart {
   std::vector<std::complex<double>> values;
   ComplexVectorX unknowns;
   ContactCorrection<std::complex<double>> contacts;
-};
-
-/// Of one assembler: a kernel for the scene, with the forces that act in it.
-class Assembler::Forward final : public ForwardDynamics {
- public:
-  explicit Forward(Assembler& assembler) : assembler_(assembler) {}
-
-  void accelerations(double time, ConstVectorRef q, ConstVectorRef v, VectorRef v_dot) override {
-    kernel().accelerations(q.data(), v.data(), assembler_.applied_forces(time, q, v), v_dot.data());
-  }
-  bool project(double, VectorRef q, VectorRef v, double tolerance) override {
-    if (!kernel().project(q.data(), v.data(), tolerance)) return false;
-    if (!assembler_.system_.angles_.empty()) assembler_.place_markers(q);  // track() is to read them
-    return true;
-  }
-
- private:
-  ForwardKernel& kernel() {
-    if (!kernel_) kernel_ = make_forward_kernel(*assembler_.system_.rigid_);
-    return *kernel_;
-  }
-
-  Assembler& assembler_;
-  std::unique_ptr<ForwardKernel> kernel_;  // once asked for
 };
 
 Assembler::Assembler(const System& system) : system_(system), factor_(std::make_unique<BlockFactor>(system.blocks_)) {
@@ -75,7 +51,7 @@ Assembler::Assembler(const System& system) : system_(system), factor_(std::make_
             .has_loops = factor_->guarded()};
   for (const RedundantRow& r : system.redundant_) facts_.redundant_rows.push_back(r.row);
   factor_->drop_rows(facts_.redundant_rows);
-  if (system.rigid_) forward_ = std::make_unique<Forward>(*this);
+  if (system.rigid_) forward_ = std::make_unique<ForwardPart>(*system.rigid_, *this);
   if (system.contacts().empty()) return;
   std::vector<BodyState> bodies;
   for (const auto& slice : layout.bodies()) bodies.push_back(body_state(*slice.body));
@@ -109,7 +85,7 @@ void Assembler::track_contacts(State& state) {
   contacts_->track(state.contacts);
 }
 
-/// Here, where Forward is known.
+/// Here, where the parts are complete types.
 Assembler::~Assembler() = default;
 
 const double* Assembler::applied_forces(double time, ConstVectorRef q, ConstVectorRef v) {
@@ -135,7 +111,8 @@ void Assembler::add_applied_forces() {
   if (contacts_) contacts_->evaluate(work_.load, work_.force_energy);
 }
 
-void Assembler::place_markers(ConstVectorRef q) {
+void Assembler::place_measured_angles(ConstVectorRef q) {
+  if (system_.angles_.empty()) return;
   work_.q = q;
   for (std::size_t b = 0; b < caches_.size(); ++b)
     system_.batches_.bodies[b]->evaluate(work_, *caches_[b], Level::position, Level::position);

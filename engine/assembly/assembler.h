@@ -67,6 +67,12 @@ class Assembler final : public EquationsOfMotion, public StepMemory, public Comp
   /// rows.
   void minimum_norm(VectorRef lambda);
 
+  // ---- what forward dynamics takes from the evaluation ----
+  /// Generalized forces besides gravity at a state: loads and compliant rows; null if the scene has none.
+  const double* applied_forces(double time, ConstVectorRef q, ConstVectorRef v);
+  /// Places the markers that track() reads, where the scene measures angles.
+  void place_measured_angles(ConstVectorRef q);
+
  private:
   friend class SystemBuilder;
   void add_row_forces(const double* lambda, const double* tension, double* r) const;  // Gᵀ (lambda, tension)
@@ -77,10 +83,6 @@ class Assembler final : public EquationsOfMotion, public StepMemory, public Comp
   bool has_forces() const { return !system_.batches_.forces.empty() || contacts_; }
   void add_applied_forces();
   void add_contact_diagonals(const TangentWeights& weights);
-
-  /// Generalized forces besides gravity at a state: loads and compliant rows; null if the scene has none.
-  const double* applied_forces(double time, ConstVectorRef q, ConstVectorRef v);
-  void place_markers(ConstVectorRef q);
 
   const System& system_;
   Workspace work_;
@@ -102,8 +104,6 @@ class Assembler final : public EquationsOfMotion, public StepMemory, public Comp
   } held_;
   mutable VectorX unknowns_;  // velocities, constraint rows, compliant rows
   VectorX zero_v_, zero_rows_;
-  class Forward;
-  friend class Forward;
   std::unique_ptr<ForwardDynamics> forward_;  // null: the scene has none
 };
 
