@@ -37,7 +37,8 @@ void MomentumBalance::prepare(EquationsOfMotion& equations, State& state) {
   for (VectorX* x : {&v_, &v_dot_, &rv_, &zero_v_, &x_, &product_, &offset_}) x->setZero(nv);
   for (VectorX* x : {&lambda_, &rl_, &zero_rows_}) x->setZero(rows);
   q_ = state.q;
-  deforms_ = std::any_of(layout.bodies().begin(), layout.bodies().end(), [](const auto& b) { return b.linear > 0; });
+  deforms_ = std::any_of(layout.bodies().begin(), layout.bodies().end(),
+                         [](const auto& b) { return b.linear > 0 || b.part > 0; });  // frames may couple as they turn
   equations_ = &equations;
   projector_.emplace(equations);
   if (state.v_dot.size() != nv) state.v_dot.setZero(nv);

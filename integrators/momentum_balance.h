@@ -54,7 +54,7 @@ class MomentumBalance : public Integrator {
 
   double newton_tolerance_;
   IntegratorStatistics statistics_;
-  bool deforms_ = false;  // the mass of a body may depend on its linear coordinates
+  bool deforms_ = false;  // the mass of a body may depend on its linear coordinates, or on several frames
   VectorX q_, v_, v_dot_, lambda_;
   VectorX rv_, rl_, zero_v_, zero_rows_;
 

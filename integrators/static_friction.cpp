@@ -63,8 +63,7 @@ StaticFriction::Load StaticFriction::load(const RigidContacts& contacts, const V
 
 /// The load over its normal part passes the static coefficient within the step, on a straight line of the mean
 /// `last_ratio` in the last step and `ratio` in this one.
-bool StaticFriction::settle(RigidContacts& contacts, int first, int end, Phase phase, double ratio,
-                            double last_ratio) {
+bool StaticFriction::settle(RigidContacts& contacts, int first, int end, Phase phase, double ratio, double last_ratio) {
   const RigidContact& law = contacts.points()[first].law;
   const double rise = ratio - last_ratio;
   double friction = law.friction;

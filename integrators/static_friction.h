@@ -39,7 +39,7 @@ class StaticFriction {
   bool any_ = false;
   double h_ = 0, at_rest_ = 0;  // s, m
   std::vector<Phase> phases_;
-  std::vector<char> rested_;  // through the last step
+  std::vector<char> rested_;       // through the last step
   VectorX earlier_, start_, end_;  // slip at the start of the last step, of this one, at its end
   VectorX held_slip_;              // with the static cone
   VectorX last_, growth_, u_;

@@ -72,9 +72,7 @@ class Cable final : public PointBody, public DrawableBody {
   /// Of each element, damping included; negative where it is compressed, N.
   const VectorX& tensions(const BodyState& state) const { return static_cast<const Cache&>(*state.cache).tensions; }
 
-  Coordinates coordinates() const override {
-    return {.frames = 0, .linear = 3 * node_count(), .pattern = &pattern_};
-  }
+  Coordinates coordinates() const override { return {.frames = 0, .linear = 3 * node_count(), .pattern = &pattern_}; }
   std::unique_ptr<BodyCache> make_cache() const override { return std::make_unique<Cache>(*this); }
   void initial_state(VectorRef q, VectorRef v) const override;
   void evaluate(const BodyState&, Level) const override;

@@ -182,9 +182,8 @@ class ConstraintBatchOf final : public ConstraintBatch {
           work.bias[record.first_row + r] = bias;
         }
       for (int s = 0; s < record.slot_count; ++s)
-        connector::write_jacobian<kRows>(work, blocks, record.slots[s], count, [&](int r) -> const Wrench& {
-          return rows.wrench(r, record.slots[s].place);
-        });
+        connector::write_jacobian<kRows>(work, blocks, record.slots[s], count,
+                                         [&](int r) -> const Wrench& { return rows.wrench(r, record.slots[s].place); });
     });
   }
 

@@ -55,8 +55,8 @@ class MarkerBetween {
 ///   (v, w) = J v_body,   (v_dot, w_dot) = J v_body_dot + (bias_v, bias_w)
 /// J is never stored: for a body with a frame (rotation A, marker at r in body axes) and linear coordinates eta
 ///   J = [E, -A r~, A B; 0, A, A T],   elastic = [B; T] (6 x n, body axes, column-major; null if eta does not move it).
-/// A body without frame has A = E and only the elastic columns. Of a body with several frames, v_body is the velocity of
-/// one frame, A its rotation, and "body axes" are those of that frame.
+/// A body without frame has A = E and only the elastic columns. Of a body with several frames, v_body is the velocity
+/// of one frame, A its rotation, and "body axes" are those of that frame.
 struct MarkerKinematics {
   const Matrix3* A = nullptr;
   const double* elastic = nullptr;

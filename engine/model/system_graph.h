@@ -70,9 +70,9 @@ class SystemGraph {
   /// Adds an element of a type known by name, compiled in or loaded: graph.add(registry.joint("massless_rod"),
   /// "string", {A, B}, {{"length", 0.5}}). Throws SceneError likewise, and for parameters that the type does not have.
   JointFromC& add(const JointType& type, Located name, std::vector<Marker> markers,
-                   const ParameterList& parameters = {});
+                  const ParameterList& parameters = {});
   ForceFromC& add(const ForceType& type, Located name, std::vector<Marker> markers,
-                   const ParameterList& parameters = {});
+                  const ParameterList& parameters = {});
   BodyFromC& add(const BodyType& type, Located name, const ParameterList& parameters = {});
 
   /// Adds an element that acts on joint coordinates: {pin.angle()}, {slide.displacement(), screw.angle()}.

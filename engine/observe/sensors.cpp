@@ -185,8 +185,7 @@ Sensor coordinate_sensor(const JointCoordinate& x, Located name, const std::stri
 Names endings_of(const Coordinates& c, const Names& frame, const std::string& linear) {
   Names names;
   for (int i = 0; i < c.frames; ++i)
-    for (const std::string& ending : frame)
-      names.push_back((c.frames > 1 ? "_" + std::to_string(i) : "") + ending);
+    for (const std::string& ending : frame) names.push_back((c.frames > 1 ? "_" + std::to_string(i) : "") + ending);
   for (int i = 1; i <= c.linear; ++i) names.push_back(linear + std::to_string(i));
   return names;
 }

@@ -15,7 +15,7 @@ namespace lithe {
 struct ScenePlan {
   struct BodyPart {
     const Body* body;
-    std::size_t place;  // in the graph
+    std::size_t place;   // in the graph
     bool frame = false;  // one, of the body
     int frames = 0;
     int linear = 0;

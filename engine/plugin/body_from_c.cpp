@@ -101,9 +101,9 @@ Marker BodyFromC::marker(const Point& position, const Matrix3& orientation) {
 
 Marker BodyFromC::marker_at_world(const Point& point, const Matrix3& orientation) {
   if (coordinates_.frames != 1)
-    throw SceneError("'" + name() + "' has " + (coordinates_.frames == 0 ? "no frame" : "several frames") +
-                         " to place a marker in",
-                     where(), "make its markers at nodes");
+    throw SceneError(
+        "'" + name() + "' has " + (coordinates_.frames == 0 ? "no frame" : "several frames") + " to place a marker in",
+        where(), "make its markers at nodes");
   VectorX q(coordinates_.q_count()), v(coordinates_.v_count());
   initial_state(q, v);
   const Matrix3 A = rotation_matrix(q.segment<4>(3));
@@ -143,7 +143,7 @@ void BodyFromC::add_residual(const BodyState& state, const double* v_dot, const 
 }
 
 void BodyFromC::add_tangent(const BodyState& state, const double* v_dot, const Vector3& gravity,
-                             const TangentWeights& weights, BodyTangent& S) const {
+                            const TangentWeights& weights, BodyTangent& S) const {
   const lithe_tangent_weights w{weights.position, weights.velocity, weights.acceleration};
   const lithe_body_tangent out{sizeof out,
                                S.frame.data(),

@@ -30,7 +30,7 @@ class IntegratorFromC final : public Integrator {
   struct Border {
     EquationsOfMotion* equations = nullptr;
     VectorX increment, quarter_turns;  // some functions want a vector
-    std::exception_ptr trouble;    // what the equations threw, held back until the plug-in has returned
+    std::exception_ptr trouble;        // what the equations threw, held back until the plug-in has returned
     std::vector<lithe_body_slice> bodies;
     std::vector<lithe_row_slice> rows;
     std::vector<int32_t> redundant, on_velocity;

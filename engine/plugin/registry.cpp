@@ -177,11 +177,11 @@ std::unique_ptr<Integrator> Registry::integrator(Located name, const ParameterLi
 // ---- what a graph knows of types by name ----
 
 JointFromC& SystemGraph::add(const JointType& type, Located name, std::vector<Marker> markers,
-                              const ParameterList& parameters) {
+                             const ParameterList& parameters) {
   return add<JointFromC>(std::move(name), std::move(markers), {&type, parameters});
 }
 ForceFromC& SystemGraph::add(const ForceType& type, Located name, std::vector<Marker> markers,
-                              const ParameterList& parameters) {
+                             const ParameterList& parameters) {
   return add<ForceFromC>(std::move(name), std::move(markers), {&type, parameters});
 }
 BodyFromC& SystemGraph::add(const BodyType& type, Located name, const ParameterList& parameters) {

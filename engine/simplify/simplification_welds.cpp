@@ -158,9 +158,11 @@ void Simplifier::report_welds() {
   for (std::size_t i = 0; i < items_.size(); ++i) {
     if (items_[i].bodies.size() < 2) continue;
     std::vector<std::string> others;
-    for (std::size_t k = 1; k < items_[i].bodies.size(); ++k) others.push_back(entries_[items_[i].bodies[k]]->body->name());
-    say(quoted(others) + (others.size() > 1 ? " are" : " is") + " one body with '" + entries_[items_[i].bodies[0]]->body->name() +
-        "': welded by " + by([&](int b) { return b != kGround && item_[b] == static_cast<int>(i); }) + ".");
+    for (std::size_t k = 1; k < items_[i].bodies.size(); ++k)
+      others.push_back(entries_[items_[i].bodies[k]]->body->name());
+    say(quoted(others) + (others.size() > 1 ? " are" : " is") + " one body with '" +
+        entries_[items_[i].bodies[0]]->body->name() + "': welded by " +
+        by([&](int b) { return b != kGround && item_[b] == static_cast<int>(i); }) + ".");
     made_.smaller_ = true;
   }
 }

@@ -475,7 +475,7 @@ TEST(ModeFreezing, is_an_option_of_a_simulation) {
   ModeFreezing freezing(explicit_method(), {.displacement = 0.02});
   Simulation(system, freezing).run(by_hand, 0.2);
   Simulation simulation(graph, [] { return explicit_method(); },
-                      {.sleep = false, .freeze = ModeFreezing::Parameters{.displacement = 0.02}});
+                        {.sleep = false, .freeze = ModeFreezing::Parameters{.displacement = 0.02}});
   simulation.run(state, 0.2);
   ASSERT_EQ(freezing.frozen_count(), kModes);
   EXPECT_EQ(state.q, by_hand.q);

@@ -186,11 +186,17 @@ TEST(SeveralFrames, RestAndSwingAsBodiesOfTheirOwn) {
   const Equilibrium many = find_equilibrium(parts.system, parts.system.initial_state());
   // What is free to turn about the vertical may rest anywhere: heights and frequencies do not know.
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(one.state.q[7 * i + 2], many.state.q[7 * i + 2], 1e-8) << i;
-  const Linearization a = linearize(scene.system, one.state), b = linearize(parts.system, many.state);
-  ASSERT_EQ(a.modes.size(), b.modes.size());
-  EXPECT_GT(a.modes.back().frequency(), 1);
-  for (std::size_t i = 0; i < a.modes.size(); ++i)
-    EXPECT_NEAR(a.modes[i].frequency(), b.modes[i].frequency(), 1e-5 * (1 + b.modes[i].frequency())) << i;
+  // The free turn has a zero of two, which round-off makes one oscillation or two modes that do not oscillate.
+  const auto frequencies = [](const Scene& of, const State& state) {
+    std::vector<double> found;
+    for (const Mode& mode : linearize(of.system, state).modes)
+      if (mode.frequency() > 0.01) found.push_back(mode.frequency());
+    return found;
+  };
+  const std::vector<double> a = frequencies(scene, one.state), b = frequencies(parts, many.state);
+  ASSERT_EQ(a.size(), 15u);
+  ASSERT_EQ(b.size(), 15u);
+  for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], 1e-5 * (1 + b[i])) << i;
 }
 
 /// Names, sensors and reactions.

@@ -5,8 +5,8 @@
 #include <cstring>
 
 #include "engine/analysis/kinematics.h"
-#include "engine/run/simulation.h"
 #include "engine/run/mode_freezing.h"
+#include "engine/run/simulation.h"
 #include "joints/spherical_joint.h"
 #include "tests/integrators/restart_scenes.h"
 

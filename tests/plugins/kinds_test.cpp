@@ -218,7 +218,7 @@ TEST(BodyFromC, with_several_frames_moves_as_the_same_class_compiled_in_bit_by_b
   draw(loaded, loaded.add(registry.body("frame_chain"), "chain", {{"stiffness", 90}}));
   GeneralizedAlpha a{{.step = 1e-3}}, b{{.step = 1e-3}};
   const VectorX here = run(compiled, a, 0.5), there = run(loaded, b, 0.5);
-  ASSERT_EQ(here.size(), 28);
+  ASSERT_GE(here.size(), 28);  // coordinates first
   EXPECT_EQ(0, std::memcmp(here.data(), there.data(), 8 * here.size())) << (here - there).cwiseAbs().maxCoeff();
   EXPECT_GT((here.segment<3>(14) - Vector3(1, 0, 0)).norm(), 0.1);  // something moved
 }

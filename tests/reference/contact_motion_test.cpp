@@ -137,8 +137,9 @@ TEST(ContactMotion, a_simulation_by_islands_moves_bodies_in_touch_alike) {
   draw_balls(plain).start(Stepper::moreau_jean, 1e-3);
   draw_balls(islands);
   plain.run(1);
-  Simulation simulation(
-      islands.graph, [] { return std::make_unique<MoreauJean>(MoreauJean::Parameters{.step = 1e-3}); }, {.sleep = false});
+  Simulation simulation(islands.graph,
+                        [] { return std::make_unique<MoreauJean>(MoreauJean::Parameters{.step = 1e-3}); },
+                        {.sleep = false});
   State state = simulation.system().initial_state();
   simulation.run(state, 1);
   EXPECT_LT((state.q - plain.state().q).lpNorm<Eigen::Infinity>(), 1e-9);

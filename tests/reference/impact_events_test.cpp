@@ -91,8 +91,7 @@ TEST_P(EventsBy, elastic_balls_in_a_row_keep_their_energy_however_near_they_are)
         scene.start(GetParam(), 1e-3, {.impacts = impacts, .tolerance = 1e-10});
         scene.run(0.05);
         double energy = 0, momentum = 0;
-        for (int i = 0; i < n; ++i)
-          energy += std::pow(scene.state().v[6 * i], 2), momentum += scene.state().v[6 * i];
+        for (int i = 0; i < n; ++i) energy += std::pow(scene.state().v[6 * i], 2), momentum += scene.state().v[6 * i];
         EXPECT_NEAR(energy, 1, 1e-8) << n << " balls, gap " << gap;
         EXPECT_NEAR(momentum, 1, 1e-12);
         const auto met = of(scene, ContactChange::impact);
@@ -142,9 +141,9 @@ TEST_P(EventsBy, a_flexible_rods_impact_is_told_at_its_time) {
   const FiniteElementModel model =
       brick_mesh({.size = {0.4, 0.04, 0.04}, .divisions = {8, 1, 1}, .type = "C3D20", .material = {2e9, 0.3, 1000}});
   ContactScene scene;
-  auto& rod = scene.graph.add<FlexibleBody>("rod", {.basis = make_basis(model, MeanAxisFrame{}, 6),
-                                                    .damping = {.modal_ratios = {0.02}},
-                                                    .position = {0, 0, 0.5}});
+  auto& rod = scene.graph.add<FlexibleBody>(
+      "rod",
+      {.basis = make_basis(model, MeanAxisFrame{}, 6), .damping = {.modal_ratios = {0.02}}, .position = {0, 0, 0.5}});
   const SurfaceMesh skin = surface(rod);
   scene.contact({scene.plane(), {skin.frame, shape::surface(skin.nodes, skin.points, skin.triangles, skin.reach)}}, 0,
                 0.5);

@@ -45,8 +45,8 @@ TEST_P(StickSlipBy, a_mass_on_a_belt_has_the_period_of_two_coefficients) {
     auto& guide = scene.graph.add<PrismaticJoint>(
         "guide", {scene.graph.ground().marker({0, 0, -0.5}, along), carrier.marker({}, along)});
     scene.graph.add<CoordinateDrive>("drive", {guide.displacement()}, {.motion = ramp(0, belt.speed)});
-    auto& block = scene.box("block", {0.4, 0.4, 0.2}, belt.mass, {belt.start(), 0, 0.1}, Matrix3::Identity(),
-                            {belt.speed, 0, 0});
+    auto& block =
+        scene.box("block", {0.4, 0.4, 0.2}, belt.mass, {belt.start(), 0, 0.1}, Matrix3::Identity(), {belt.speed, 0, 0});
     scene.graph.add<SpringDamper>("spring", {scene.graph.ground().marker({-1, 0, 0}), block.marker({0, 0, -0.1})},
                                   {.stiffness = belt.stiffness, .natural_length = 1});
     scene.graph.add<Contact>(
@@ -89,8 +89,7 @@ TEST_P(StickSlipBy, a_mass_on_a_spring_stops_at_the_first_turn_that_static_frict
   auto& block = scene.box("block", {0.4, 0.4, 0.2}, 1, {first, 0, 0.1});
   scene.graph.add<SpringDamper>("spring", {scene.graph.ground().marker({-1, 0, 0}), block.marker({0, 0, -0.1})},
                                 {.stiffness = stiffness, .natural_length = 1});
-  scene.graph.add<Contact>("floor",
-                           std::vector<Collider>{scene.plane(), {block.marker(), shape::box({0.4, 0.4, 0.2})}},
+  scene.graph.add<Contact>("floor", std::vector<Collider>{scene.plane(), {block.marker(), shape::box({0.4, 0.4, 0.2})}},
                            Contact::Parameters{.friction = {.coefficient = kinetic, .static_coefficient = still}});
   scene.start(GetParam(), 1e-3);
   scene.run(3);
@@ -124,8 +123,7 @@ TEST_P(StickSlipBy, an_equal_static_coefficient_changes_no_bit) {
   for (const double still : {0.0, 0.3}) {
     ContactScene scene;
     auto& ball = scene.sphere("ball", 0.1, 1, {0, 0, 0.3}, {2, 0.5, 0}, {0, 3, 1});
-    scene.graph.add<Contact>("floor",
-                             std::vector<Collider>{scene.plane(), {ball.marker(), shape::sphere(0.1)}},
+    scene.graph.add<Contact>("floor", std::vector<Collider>{scene.plane(), {ball.marker(), shape::sphere(0.1)}},
                              Contact::Parameters{.law = RigidSurfaces{.restitution = 0.5},
                                                  .friction = {.coefficient = 0.3, .static_coefficient = still}});
     scene.start(GetParam(), 1e-3);
@@ -145,11 +143,11 @@ TEST_P(StickSlipBy, a_flexible_rod_breaks_away_at_the_static_coefficient) {
   ContactScene scene;
   auto& rod = scene.graph.add<FlexibleBody>("rod", {.basis = basis, .damping = {.modal_ratios = {0.05}}});
   const SurfaceMesh skin = surface(rod);
-  scene.graph.add<Contact>("floor",
-                           std::vector<Collider>{scene.plane(),
-                                                 {skin.frame, shape::surface(skin.nodes, skin.points, skin.triangles,
-                                                                             skin.reach)}},
-                           Contact::Parameters{.friction = {.coefficient = kinetic, .static_coefficient = still}});
+  scene.graph.add<Contact>(
+      "floor",
+      std::vector<Collider>{scene.plane(),
+                            {skin.frame, shape::surface(skin.nodes, skin.points, skin.triangles, skin.reach)}},
+      Contact::Parameters{.friction = {.coefficient = kinetic, .static_coefficient = still}});
   scene.graph.add<UserForce>("pull", {skin.frame}, {[](double time, const MarkerView&) -> Wrench {
                                return force({rate * time, 0, 0});
                              }});

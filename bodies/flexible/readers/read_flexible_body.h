@@ -22,9 +22,9 @@ struct ImportOptions {
 
 /// A flexible body read from a file, in SI units, with checks of what was read.
 struct FlexibleBodyFile {
-  std::string format;              // "CalculiX matrices"
-  std::vector<std::string> files;  // all that were read
-  std::string units;               // units of the file: "mm-t-s (N, MPa): density 7850 kg/m3, ..."
+  std::string format;                               // "CalculiX matrices"
+  std::vector<std::string> files;                   // all that were read
+  std::string units;                                // units of the file: "mm-t-s (N, MPa): density 7850 kg/m3, ..."
   std::shared_ptr<const FiniteElementModel> model;  // null for a body that came reduced
   std::shared_ptr<const ModalBasis> basis;          // of a body that came reduced, else null
   MatrixX modes;                                    // dofs x k, that came along (.frd), else empty
