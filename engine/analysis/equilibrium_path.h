@@ -28,7 +28,7 @@ struct EquilibriumPath {
 /// By pseudo-arclength (Keller 1977; Crisfield 1981): with the factor of (K, G) the tangent (a, 1) solves K a + Gᵀ l =
 /// -∂F/∂t, G a = -∂g/∂t; each step starts along it and Newton returns to the path at right angles to it, in the metric
 /// aᵀ M a / S² + 1/T² with S the motion that the first tangent foretells for the whole time T. Steps are as long as
-/// Newton takes some three iterations.
+/// Newton takes some five iterations.
 ///   for (const State& s : follow_equilibria(system, start).states) snapshot.evaluate(s), … // load factor s.time
 /// Throws SimulationError, with the time reached, if the path is lost or max_states do not reach its end;
 /// SceneError for a start that is not in balance, and for a state of another system.

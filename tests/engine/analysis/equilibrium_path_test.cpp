@@ -62,10 +62,11 @@ TEST(EquilibriumPath, LeadsATrussThroughBothLimitPoints) {
   }
   EXPECT_EQ(path.states.back().time, 1);
   EXPECT_LT(path.states.back().q[2], -Truss::kHeight);
-  // Both limit points, as far as the states are dense.
-  EXPECT_NEAR(most, Truss::limit(), 0.02 * Truss::limit());
+  // Both limit points, as far as the states are dense: some 28 of them.
+  EXPECT_NEAR(most, Truss::limit(), 0.1 * Truss::limit());
   EXPECT_LE(most, Truss::limit() + 1e-9);
-  EXPECT_NEAR(least, -Truss::limit(), 0.02 * Truss::limit());
+  EXPECT_NEAR(least, -Truss::limit(), 0.1 * Truss::limit());
+  EXPECT_LT(path.states.size(), 40u);
   EXPECT_LT(path.iterations, 8 * static_cast<int>(path.states.size()));
   std::printf("truss: %zu states, %d iterations, limit %.6f of %.6f\n", path.states.size(), path.iterations, most,
               Truss::limit());
