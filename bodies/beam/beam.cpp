@@ -125,13 +125,13 @@ Beam::Beam(Parameters parameters) : parameters_(std::move(parameters)) {
 }
 
 Matrix6 Beam::lumped_mass(int node) const {
-  const FramePose& pose = poses_[static_cast<std::size_t>(node)];
-  const double here = arcs_[static_cast<std::size_t>(node)];
+  const FramePose& about = pose(node);
+  const double here = arc(node);
   Matrix6 mass = Matrix6::Zero();
   for (const int beside : {node - 1, node + 1}) {
     if (beside < 0 || beside >= node_count()) continue;
     const double middle = 0.5 * (here + arcs_[static_cast<std::size_t>(beside)]);
-    add_stretch(parameters_, pose, std::min(here, middle), std::max(here, middle), mass);
+    add_stretch(parameters_, about, std::min(here, middle), std::max(here, middle), mass);
   }
   return 0.5 * (mass + mass.transpose());
 }

@@ -67,8 +67,12 @@ class Beam final : public Body, public DrawableBody {
   double length() const { return arcs_.back(); }  // m
   double mass() const;                            // kg
   int node_count() const { return static_cast<int>(poses_.size()); }
-  double arc(int node) const { return arcs_[checked_node(node)]; }                 // m
-  const Matrix3& axes(int node) const { return poses_[checked_node(node)].axes; }  // as drawn
+  double arc(int node) const { return arcs_[checked_node(node)]; }              // m
+  const Matrix3& axes(int node) const { return pose(node).axes; }               // as drawn
+  const FramePose& pose(int node) const { return poses_[checked_node(node)]; }  // likewise
+  /// Of the piece that a node carries with lumped mass, about the node, in its axes.
+  Matrix6 lumped_mass(int node) const;
+  const Parameters& parameters() const { return parameters_; }
   int element_count() const { return static_cast<int>(spans_.size()); }
   const BeamSpan& element(int i) const { return spans_[checked_element(i)]; }
   /// The element that holds the section at an arc length; of two the later one.
@@ -111,7 +115,6 @@ class Beam final : public Body, public DrawableBody {
   std::size_t checked_element(int i) const;
   Sensor make_sensor(int element, Located name, bool resultants) const;
   int node_of(const Place& place) const;  // -1: between two
-  Matrix6 lumped_mass(int node) const;
   Matrix3X surface(std::span<const FramePose> nodes) const;
 
   const Parameters parameters_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/SparseCore>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -36,14 +37,18 @@ struct StressStiffness {
 /// I-II). Degree of freedom 3 * node + axis for translations, then one for each of `rotations`; no support is applied:
 /// K has six zero eigenvalues.
 struct FiniteElementModel {
-  std::string name;                                   // where it came from, for messages
-  std::vector<int> node_ids;                          // labels of the FE code, by node index
-  Matrix3X nodes;                                     // 3 x n positions, metres
-  std::vector<RotationalDof> rotations;               // degrees of freedom 3n, 3n + 1, ...; none for solids
-  SparseMatrix stiffness;                             // dofs x dofs, N/m, both triangles
-  SparseMatrix mass;                                  // dofs x dofs, kg, both triangles, consistent or lumped
-  SparseMatrix damping;                               // dofs x dofs, N s/m, or empty: none given
-  std::vector<StressStiffness> stress_stiffness{};    // for bodies whose elements are not known; may be empty
+  std::string name;                                 // where it came from, for messages
+  std::vector<int> node_ids;                        // labels of the FE code, by node index
+  Matrix3X nodes;                                   // 3 x n positions, metres
+  std::vector<RotationalDof> rotations;             // degrees of freedom 3n, 3n + 1, ...; none for solids
+  SparseMatrix stiffness;                           // dofs x dofs, N/m, both triangles
+  SparseMatrix mass;                                // dofs x dofs, kg, both triangles, consistent or lumped
+  SparseMatrix damping;                             // dofs x dofs, N s/m, or empty: none given
+  std::vector<StressStiffness> stress_stiffness{};  // for bodies whose elements are not known; may be empty
+  /// Third derivatives of the strain energy, of elements that are not solids: for modes (dofs x nm, mesh axes; rotation
+  /// vectors at nodes) the forces v ↦ ∂²ε/∂η_k∂η_l · ∂σ/∂v, dofs x pairs as QuadraticDeflection counts them. May be
+  /// empty.
+  std::function<MatrixX(const MatrixX& modes)> second_order_forces{};
   std::map<std::string, std::vector<int>> node_sets;  // node labels by set name
   std::vector<ElementBlock> elements;                 // may be empty
 

@@ -6,6 +6,7 @@
 
 #include "bodies/flexible/elastic_problem.h"
 #include "bodies/flexible/elements/solid_element.h"
+#include "bodies/flexible/general_inertia.h"
 #include "bodies/flexible/inertia_integrals.h"
 #include "bodies/flexible/static_modes.h"
 #include "engine/base/error.h"
@@ -189,14 +190,16 @@ void split_fields(const ModalBasis& basis, const SparseMatrix& mass, MatrixX the
 
 }  // namespace
 
-std::shared_ptr<const QuadraticDeflection> make_quadratic_deflection(const FiniteElementModel& model,
-                                                                     const ModalBasis& basis,
-                                                                     const SupportedProblem& problem,
-                                                                     const Reduction& reduction,
-                                                                     const std::string& where) {
+std::shared_ptr<const QuadraticDeflection> make_quadratic_deflection(
+    const FiniteElementModel& model, const ModalBasis& basis, const SupportedProblem& problem, const SparseMatrix& mass,
+    const Reduction& reduction, const std::string& where) {
   const bool whole = reduction.deflection == Deflection::quadratic;
-  const bool by_loads = !whole && !model.stress_stiffness.empty();
-  if (!model.rotations.empty() || (model.elements.empty() && !by_loads))
+  const bool by_forces = static_cast<bool>(model.second_order_forces);
+  const bool by_loads = !whole && !by_forces && !model.stress_stiffness.empty();
+  if (whole && by_forces)
+    throw SceneError("a strain energy of fourth order needs solid elements, and this model has beams.", where,
+                     "give Deflection::stiffened, or keep the Beam as it is: it is exact.");
+  if (!by_forces && (!model.rotations.empty() || (model.elements.empty() && !by_loads)))
     throw SceneError("stiffening needs the solid elements and their material, or the stress stiffness of unit loads.",
                      where, "read the model with its deck, or fill FiniteElementModel::stress_stiffness.");
   if (!(reduction.deflection_tolerance >= 0 && reduction.deflection_tolerance < 1))
@@ -205,7 +208,11 @@ std::shared_ptr<const QuadraticDeflection> make_quadratic_deflection(const Finit
   auto out = std::make_shared<QuadraticDeflection>();
   const int nm = basis.mode_count();
   MatrixX theta;
-  if (by_loads) {
+  if (by_forces) {
+    const MatrixX forces =
+        turned(model.second_order_forces(turned(basis.modes, basis.rotation)), basis.rotation.transpose());
+    theta = -(problem.T * deflections(problem, problem.T.transpose() * forces, where));
+  } else if (by_loads) {
     theta = fields_of_loads(model, basis, problem, where);
   } else {
     require_stiffness_of_elements(model, where);
@@ -220,17 +227,18 @@ std::shared_ptr<const QuadraticDeflection> make_quadratic_deflection(const Finit
           symmetrised(4 * energy.membrane - z.transpose() * loads - energy.relaxed + turning + turning.transpose(), nm);
     }
   }
-  split_fields(basis, model.mass, std::move(theta), reduction.deflection_tolerance, *out);
+  split_fields(basis, mass, std::move(theta), reduction.deflection_tolerance, *out);
 
   ModalBasis all;
   all.nodes = basis.nodes;
+  all.rotations = basis.rotations;
   all.nodal_mass = basis.nodal_mass;
   all.modes.resize(basis.modes.rows(), nm + out->field_count());
   all.modes << basis.modes, out->fields;
   all.modal_mass.resize(all.modes.cols(), all.modes.cols());
   all.modal_mass.setIdentity();
   all.stiffness = all.modal_mass;
-  out->integrals = inertia_integrals(all);
+  out->integrals = basis.rotations.empty() ? inertia_integrals(all) : general_inertia_integrals(all, mass);
   log::info(where + ": " + std::to_string(out->field_count()) + " fields of second order for " +
             std::to_string(nm * (nm + 1) / 2) + " pairs of modes" + (whole ? ", energy to fourth order" : ""));
   return out;

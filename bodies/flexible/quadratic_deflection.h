@@ -24,11 +24,10 @@ struct SupportedProblem {
 /// `stiffened` leaves it at ½ ηᵀ K^ η; `quadratic` adds the fourth order. (Quadratic manifolds: Jain, Tiso, Rutzmoser &
 /// Rixen 2017, Computers & Structures 188; their modal derivatives solve for more than s_kl.) Needs the elements and
 /// their materials, which must give the model's K; `stiffened` also takes the model's stress_stiffness instead, for
-/// loads in the span of those given. SceneError if neither is available.
-std::shared_ptr<const QuadraticDeflection> make_quadratic_deflection(const FiniteElementModel& model,
-                                                                     const ModalBasis& basis,
-                                                                     const SupportedProblem& problem,
-                                                                     const Reduction& reduction,
-                                                                     const std::string& where);
+/// loads in the span of those given, or its second_order_forces (beams). `mass`: of the model, in body axes.
+/// SceneError if none is available.
+std::shared_ptr<const QuadraticDeflection> make_quadratic_deflection(
+    const FiniteElementModel& model, const ModalBasis& basis, const SupportedProblem& problem, const SparseMatrix& mass,
+    const Reduction& reduction, const std::string& where);
 
 }  // namespace lithe

@@ -315,7 +315,7 @@ std::shared_ptr<const ModalBasis> make_basis(const FiniteElementModel& model, co
           model, *basis,
           supported(body.K, body.M, free_motions(placed, model.rotations, indices_of(model, reduction.rigid)).T,
                     placed.rigid, placed.means),
-          reduction, placed.where);
+          body.M, reduction, placed.where);
   }
   log_basis(*basis, placed.where);
   return basis;

@@ -69,6 +69,7 @@ std::vector<Face> boundary_faces(const std::vector<ElementBlock>& elements, cons
   std::vector<Face> faces;
   for (const ElementBlock& block : elements)
     for (const std::vector<int>& element : block.nodes) {
+      if (element.size() == 2) continue;  // a line
       const auto* solid = find_solid(block.type, element.size());
       if (!solid)
         throw SceneError("the faces of an element of type '" + block.type + "' with " + std::to_string(element.size()) +
@@ -166,6 +167,9 @@ std::vector<std::array<int, 2>> boundary_edges(const std::vector<ElementBlock>& 
         add(face.middles[i], next);
       }
     }
+  for (const ElementBlock& block : elements)
+    for (const std::vector<int>& element : block.nodes)
+      if (element.size() == 2) add(element[0], element[1]);
   return {edges.begin(), edges.end()};
 }
 

@@ -119,7 +119,6 @@ TEST(BeamBuckling, ColumnIsSofterUnderLoad) {
     State state = system.initial_state();
     state.time = 1;
     const Equilibrium found = find_equilibrium(system, state, {.tolerance = 1e-13});
-    if (std::getenv("LITHE_PRINT")) std::printf("  %d iterations\n", found.iterations);
     Snapshot now(system, found.state);
     return now.marker(tip).p[1];
   };

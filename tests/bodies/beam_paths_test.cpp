@@ -45,8 +45,6 @@ Path path_of(SystemGraph& graph, const Marker& loaded, double most) {
     const Vector3 way = now.marker(loaded).p - drawn;
     path.emplace_back(most * state.time, way[0], -way[1]);
   }
-  if (std::getenv("LITHE_PRINT"))
-    std::printf("  %zu states, %d Newton iterations\n", found.states.size(), found.iterations);
   return path;
 }
 
