@@ -1,5 +1,6 @@
 #include "bodies/beam/beam.h"
 #include "bodies/beam/se3_internal.h"
+#include "bodies/surface_writer.h"
 
 namespace lithe {
 namespace {
@@ -60,6 +61,24 @@ void Beam::drawn_points(const BodyState& state, const DrawnMesh&, Matrix3X& poin
     nodes[i] = {Eigen::Map<const Vector3>(state.q + 7 * i),
                 rotation_matrix(Eigen::Map<const Vector4>(state.q + 7 * i + 3))};
   points = surface(nodes);
+}
+
+SurfaceWriter::Fields section_fields(const Beam& beam) {
+  return [&beam](const BodyState& state, const DrawnMesh& mesh) {
+    const int nodes = beam.node_count(), elements = beam.element_count();
+    MatrixX elemental(12, elements);
+    for (int e = 0; e < elements; ++e) elemental.col(e) << beam.strain(state, e), beam.resultants(state, e);
+    MatrixX values(12, mesh.points.cols());
+    for (Eigen::Index point = 0; point < values.cols(); ++point) {
+      const int ring = point < nodes ? kRings * static_cast<int>(point) : static_cast<int>(point - nodes) / kCorners;
+      const int after = ring / kRings, before = ring % kRings == 0 ? after - 1 : after;
+      values.col(point) = 0.5 * (elemental.col(std::max(before, 0)) + elemental.col(std::min(after, elements - 1)));
+    }
+    return std::vector<VtuField>{{"strain", values.topRows<3>()},
+                                 {"curvature", values.middleRows<3>(3)},
+                                 {"force", values.middleRows<3>(6)},
+                                 {"moment", values.bottomRows<3>()}};
+  };
 }
 
 std::vector<std::pair<int, double>> Beam::nodes_of_marker(int marker) const {

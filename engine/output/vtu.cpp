@@ -28,8 +28,8 @@ constexpr std::uint8_t kVtkWedge = 13;
 
 const std::map<std::string, CellType, std::less<>>& cell_types() {
   static const std::map<std::string, CellType, std::less<>> types = {
-      {"C3D4", {10, 4}},  {"C3D6", {kVtkWedge, 6}}, {"C3D8", {12, 8}},   {"C3D8I", {12, 8}},
-      {"C3D8R", {12, 8}}, {"C3D10", {24, 10}},      {"C3D20", {25, 20}}, {"C3D20R", {25, 20}}};
+      {"C3D4", {10, 4}},   {"C3D6", {kVtkWedge, 6}}, {"C3D8", {12, 8}},    {"C3D8I", {12, 8}}, {"C3D8R", {12, 8}},
+      {"C3D10", {24, 10}}, {"C3D20", {25, 20}},      {"C3D20R", {25, 20}}, {"S3", {5, 3}},     {"B31", {3, 2}}};
   return types;
 }
 

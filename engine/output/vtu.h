@@ -7,7 +7,7 @@
 
 namespace lithe {
 
-/// Elements of one type, in CalculiX/Abaqus naming and node order: C3D4, C3D6, C3D8 (I, R), C3D10, C3D20 (R).
+/// Elements of one type, in CalculiX/Abaqus naming and node order: C3D4, C3D6, C3D8 (I, R), C3D10, C3D20 (R), S3, B31.
 ///
 /// Node orders against VTK's: C3D4, C3D8, C3D10 and C3D20 agree (C3D20: corners, bottom edges, top edges, vertical
 /// edges, as in VTK_QUADRATIC_HEXAHEDRON). C3D6 does not: the first triangle of VTK_WEDGE looks outwards, so nodes 2
