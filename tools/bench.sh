@@ -27,7 +27,7 @@ for option in "$@"; do
   esac
 done
 
-counted_programs=(chain explicit_chain pendulum limit_chain limit_explicit limit_flexible)
+counted_programs=(chain explicit_chain pendulum limit_chain limit_explicit limit_flexible beam limit_beam)
 counted=build/count  # valgrind knows no AVX-512: instructions are counted in a build for x86-64-v3
 stage_count=3
 [[ $mode == measure ]] && stage_count=5

@@ -37,22 +37,21 @@ Matrix6 damping_of(const BeamSection& section) {
   return U.transpose() * D.cwiseProduct(section.damping).asDiagonal() * U;
 }
 
-/// ∂(T⁻¹(d)ᵀ σ)/∂d, by complex steps.
-Matrix6 bent(const Vector6& d, const Vector6& sigma) {
-  Matrix6 out;
-  const Vector6c f = se3::exchanged<Complex>(sigma.cast<Complex>());
-  for (int i = 0; i < 6; ++i) {
-    Vector6c at = -d.cast<Complex>();
-    at[i] -= Complex(0, kTiny);
-    out.col(i) = se3::exchanged<Complex>(se3::right_inverse<Complex>(at, f)).imag() / kTiny;
-  }
-  return out;
+/// T(d)⁻¹ of its blocks.
+Matrix6 whole(const Matrix3& F, const Matrix3& G) {
+  Matrix6 T;
+  T << F, G, Matrix3::Zero(), F;
+  return T;
 }
 
 }  // namespace
 
 BeamSpan::BeamSpan(const BeamSection& section, double length, const Vector6& drawn)
-    : section_(section), length_(length), drawn_(drawn), damping_(damping_of(section)) {
+    : section_(section),
+      length_(length),
+      drawn_(drawn),
+      damping_(damping_of(section)),
+      damped_(!section.damping.isZero(0)) {
   const double helix = drawn.head<3>().norm(), turn = drawn.tail<3>().norm();
   if (turn > std::numbers::pi / 2)
     throw SceneError("its ends are drawn " + std::to_string(turn * 180 / std::numbers::pi) + " degrees apart", "",
@@ -67,10 +66,15 @@ BeamSpan::BeamSpan(const BeamSection& section, double length, const Vector6& dra
 }
 
 Vector6 BeamSpan::strain_rate(const Vector6& d, const Vector6& v_A, const Vector6& v_B) const {
-  return (se3::right_inverse<double>(d, v_B) - se3::right_inverse<double>(Vector6(-d), v_A)) / length_;
+  const auto [F, G] = se3::inverse_blocks(d);
+  Vector6 rate;
+  rate << F * v_B.head<3>() + G * v_B.tail<3>() - F.transpose() * v_A.head<3>() - G.transpose() * v_A.tail<3>(),
+      F * v_B.tail<3>() - F.transpose() * v_A.tail<3>();
+  return rate / length_;
 }
 
 Vector6 BeamSpan::resultants(const Vector6& strain, const Vector6& strain_rate) const {
+  if (!damped_) return section_.stiffness * strain;
   return section_.stiffness * strain + damping_ * strain_rate;
 }
 
@@ -106,23 +110,40 @@ Eigen::Matrix<double, 6, 12> BeamSpan::shapes(double xi, const Vector6& d) const
 }
 
 BeamSpan::Vector12 BeamSpan::internal_forces(const Vector6& d, const Vector6& sigma) const {
+  const auto [F, G] = se3::inverse_blocks(d);
+  const Vector3 n = sigma.head<3>(), m = sigma.tail<3>();
   Vector12 out;
-  out << -se3::right_inverse_transposed(-d, sigma), se3::right_inverse_transposed(d, sigma);
+  out << -(F * n), -(G * n + F * m), F.transpose() * n, G.transpose() * n + F.transpose() * m;
   return out;
 }
 
 BeamSpan::Matrix12 BeamSpan::tangent(const Vector6& d, const Vector6& sigma, double position, double velocity) const {
-  Eigen::Matrix<double, 6, 12> P;
-  for (int i = 0; i < 6; ++i) {
-    P.col(i) = -se3::right_inverse<double>(Vector6(-d), Vector6::Unit(i));
-    P.col(6 + i) = se3::right_inverse<double>(d, Vector6::Unit(i));
-  }
-  const Matrix6 C = (position / length_) * section_.stiffness + (velocity / length_) * damping_;
-  Matrix12 K = P.transpose() * C * P;
-  if (position != 0) {
-    K.topRows<6>() += position * bent(-d, sigma) * P;
-    K.bottomRows<6>() += position * bent(d, sigma) * P;
-  }
+  const auto [F, G] = se3::inverse_blocks(d);
+  const Matrix6 A = -whole(F.transpose(), G.transpose()), B = whole(F, G);
+  Matrix6 C = (position / length_) * section_.stiffness;
+  if (damped_) C += (velocity / length_) * damping_;
+  const Matrix6 CA = C * A, CB = C * B;
+  Matrix12 K;
+  K.topLeftCorner<6, 6>().noalias() = A.transpose() * CA;
+  K.topRightCorner<6, 6>().noalias() = A.transpose() * CB;
+  K.bottomLeftCorner<6, 6>() = K.topRightCorner<6, 6>().transpose();
+  K.bottomRightCorner<6, 6>().noalias() = B.transpose() * CB;
+  if (position == 0) return K;
+  // What the resultants do as the ends move: [0, D; D, E] at d, and [0, n~ - D; n~ - D, m~ - E] at -d.
+  const auto [D, E] = se3::inverse_rates(d, sigma);
+  const Matrix3 n = skew(Vector3(sigma.head<3>())), m = skew(Vector3(sigma.tail<3>()));
+  const auto add = [&](int end, const Matrix3& side, const Matrix3& turn) {
+    for (int by : {0, 1}) {
+      const Matrix6& P = by == 0 ? A : B;
+      auto block = K.block<6, 6>(6 * end, 6 * by);
+      block.topRightCorner<3, 3>() += position * side * P.bottomRightCorner<3, 3>();
+      block.bottomLeftCorner<3, 3>() += position * side * P.topLeftCorner<3, 3>();
+      block.bottomRightCorner<3, 3>() +=
+          position * (side * P.topRightCorner<3, 3>() + turn * P.bottomRightCorner<3, 3>());
+    }
+  };
+  add(0, n - D, m - E);
+  add(1, D, E);
   return K;
 }
 

@@ -66,6 +66,7 @@ class BeamSpan {
   double length_;
   Vector6 drawn_;    // d as drawn
   Matrix6 damping_;  // Uᵀ D τ U
+  bool damped_;
 };
 
 }  // namespace lithe

@@ -158,6 +158,17 @@ Vector6Of<S> right_inverse(const Vector6Of<S>& d, const Vector6Of<S>& x) {
   return apply<S>(S(0.5), S(0), k.value, k.rate, d, x);
 }
 
+/// T(d)⁻¹ = [F, G; 0, F], in closed form; T(-d)⁻¹ has Fᵀ and Gᵀ.
+struct InverseBlocks {
+  Matrix3 F, G;
+};
+InverseBlocks inverse_blocks(const Vector6& d);
+/// ∂(T(d)⁻ᵀ f)/∂d = [0, D; D, E] for a constant wrench f.
+struct InverseRates {
+  Matrix3 D, E;
+};
+InverseRates inverse_rates(const Vector6& d, const Vector6& f);
+
 /// Transposes, of wrenches: those of [F, G; 0, F] by exchanging the halves, with -d for d.
 template <class S>
 Vector6Of<S> exchanged(const Vector6Of<S>& x) {

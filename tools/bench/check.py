@@ -30,6 +30,9 @@ def count(folder, beside_limits=False):
     def flexible(program, *variant):
         return per_step(folder / program, list(variant), 2000)["instructions_per_step"]
 
+    def beam(program):
+        return per_step(folder / program, ["--n", "100"], 100)["instructions_per_step"] / 100
+
     figures = {
         "implicit step a link, spherical": chain("chain", "--joint", "spherical"),
         "implicit step a link, revolute": chain("chain", "--joint", "revolute"),
@@ -37,10 +40,12 @@ def count(folder, beside_limits=False):
         "acceleration a link, revolute": explicit("explicit_chain", "--joint", "revolute"),
         "flexible step, 9 modes": flexible("pendulum"),
         "flexible step, 30 modes": flexible("pendulum", "--modes", "30"),
+        "beam step an element": beam("beam"),
     }
     if beside_limits:
         figures["implicit step a link, by hand"] = chain("limit_chain")
         figures["flexible step, 9 modes, by hand"] = flexible("limit_flexible")
+        figures["beam step an element, by hand"] = beam("limit_beam")
         if (folder / "limit_explicit").exists():
             figures["acceleration a link, by hand"] = explicit("limit_explicit")
     return figures

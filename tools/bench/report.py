@@ -155,14 +155,16 @@ def steps_section(measured):
     names = {"chain": "chain, 1,000 links, spherical", "chain_revolute": "chain, 1,000 links, revolute",
              "limit_chain": "the spherical chain by hand", "pendulum": "flexible pendulum, nine modes of 16 elements",
              "pendulum_fine": "nine modes of 4,320 elements", "pendulum_30": "30 modes of 16 elements",
-             "limit_flexible": "the pendulum with nine modes by hand"}
+             "limit_flexible": "the pendulum with nine modes by hand", "beam": "beam of 100 elements",
+             "beam_consistent": "the same, consistent mass", "limit_beam": "the beam by hand",
+             "cable": "cable of 100 elements"}
     text += "\n" + table(["scene", "µs a step", "Newton iterations", "factorizations"],
                          [[names[key], figure(fixed[key]["us_per_step"]),
                            f"{fixed[key]['newton_iterations_per_step']:.2f}",
                            f"{fixed[key]['factorizations_per_step']:.2f}"] for key in names])
     same = measured["same_answers"]
     text += (f"\nBoth sides solve the same equations: after 2 s, Newton to 1e-13, the tips of 16 links differ by "
-             f"{same['chain']:.1e} m, of the pendulum by {same['flexible']:.1e} m.\n")
+             f"{same['chain']:.1e} m, of the pendulum by {same['flexible']:.1e} m, of the beam by {same['beam']:.1e} m.\n")
     if measured["instructions"]:
         text += "\nInstructions (callgrind, build for x86-64-v3):\n\n" + table(
             ["what", "instructions"], [[name, f"{value:,.0f}"] for name, value in measured["instructions"].items()])

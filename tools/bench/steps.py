@@ -4,6 +4,7 @@ import math
 from programs import by_turns
 
 CHAIN_SIZES = (4, 16, 64, 256, 1000, 4000, 20000, 100000)  # links
+BEAM_SIZES = (10, 30, 100, 300, 1000, 3000, 10000)  # elements
 STRUCTURE_SIZES = {"ladder": (4, 40, 400, 4000, 10000), "grid": (4, 40, 400, 4000)}  # cells: 5, 9 rods each
 PENDULUM = ("--dt", 1e-3, "--T", 20)
 
@@ -40,6 +41,9 @@ def by_size(programs, quick, rounds, say):
         "hand-written chain, spherical": ("limit_chain", (), CHAIN_SIZES),
         "ladder": ("structure", ("--shape", "ladder"), STRUCTURE_SIZES["ladder"]),
         "grid": ("structure", ("--shape", "grid", "--m", 4), STRUCTURE_SIZES["grid"]),
+        "beam": ("beam", (), BEAM_SIZES),
+        "hand-written beam": ("limit_beam", (), BEAM_SIZES),
+        "cable": ("beam", ("--as", "cable"), BEAM_SIZES),
     }
     table = {}
     for scene, (program, command, sizes) in scenes.items():
@@ -59,6 +63,7 @@ def fixed_costs(programs, rounds, say):
     say("chain of 1,000 links and pendulums beside the hand-written programs")
     chain = ("--n", 1000, "--dt", 1e-3, "--T", 1, "--repeat", 1)
     pendulum = (*PENDULUM, "--repeat", 1)
+    beam = ("--n", 100, "--dt", 1e-3, "--T", 1, "--repeat", 1)
     return by_turns(programs, {
         "limit_chain": ("limit_chain", chain),
         "chain": ("chain", (*chain, "--joint", "spherical")),
@@ -67,6 +72,10 @@ def fixed_costs(programs, rounds, say):
         "pendulum": ("pendulum", (*pendulum, "--mesh", "coarse")),
         "pendulum_fine": ("pendulum", (*pendulum, "--mesh", "fine")),
         "pendulum_30": ("pendulum", (*pendulum, "--modes", 30)),
+        "limit_beam": ("limit_beam", beam),
+        "beam": ("beam", beam),
+        "beam_consistent": ("beam", (*beam, "--as", "consistent")),
+        "cable": ("beam", (*beam, "--as", "cable")),
     }, cost, rounds)
 
 
@@ -79,7 +88,8 @@ def same_answers(programs):
         return max(abs(x - y) for x, y in zip(a, b))
 
     return {"chain": distance(end("chain", "--n", 16), end("limit_chain", "--n", 16)),
-            "flexible": distance(end("pendulum"), end("limit_flexible"))}
+            "flexible": distance(end("pendulum"), end("limit_flexible")),
+            "beam": distance(end("beam", "--n", 20), end("limit_beam", "--n", 20))}
 
 
 def accelerations(programs, sizes, rounds, say):
