@@ -28,6 +28,7 @@ constexpr double kLonger = 2;          // a share beside the one taken last
 constexpr double kGrowth = 10;         // of the shift where a step is refused without saying by how much
 constexpr double kRowsClosed = 1e-9;   // |g| of an equilibrium
 constexpr double kHardlyMoves = 1e-6;  // m, rad: too small a move to judge the energy by
+constexpr double kHeld = 1e-13;        // of the size of the scene, or rad: a step of round-off, joints hold everything
 constexpr double kPerfect = 1e-15;     // out of balance, of the force scale
 
 std::string short_number(double x) {
@@ -170,6 +171,11 @@ class Search {
   bool follow(const State& before, double share) {
     VectorX d = share * step_, c, c_lambda;
     state_.lambda = before.lambda + share * step_lambda_;
+    // Where joints hold everything there is no motion whose contraction could be judged.
+    if (!balanced_ && step_.lpNorm<Eigen::Infinity>() <= kHeld * std::max(1.0, size_)) {
+      balance_.evaluate(state_.time, state_.q, state_.lambda);
+      return balance_.force.allFinite();
+    }
     const double length = share * std::sqrt(step_.dot(inertial_));
     double last = length;
     int tangents = 0;

@@ -301,6 +301,31 @@ TEST(equilibrium, a_drive_is_held_where_it_is_at_the_start_and_bears_the_weight)
   EXPECT_NEAR(std::abs(found.state.lambda[system.rows(drive).first]), 2 * kGravity * 0.5, 1e-9);
 }
 
+/// Three arms on a hub that a drive holds: nothing can move, and reactions alone are to be found.
+TEST(equilibrium, what_joints_hold_altogether_is_at_rest_where_it_is) {
+  SystemGraph graph;
+  auto& hub = graph.add<RigidBody>("hub", {.mass = 56780, .inertia = {115926, 80000, 80000}});
+  const Matrix3 shaft = rotation_about({0, 1, 0}, M_PI / 2);
+  auto& pin = graph.add<RevoluteJoint>("pin", {graph.ground().marker({}, shaft), hub.marker({}, shaft)});
+  auto& drive = graph.add<CoordinateDrive>("drive", {pin.angle()}, {.motion = constant(0)});
+  const double mass[] = {16000, 17000, 19000};
+  double moment = 0;  // about x
+  for (int k = 0; k < 3; ++k) {
+    const Matrix3 axes = rotation_about({1, 0, 0}, 2 * M_PI * k / 3);
+    const Vector3 root = axes * Vector3(0, 0, 1.5), center = axes * Vector3(0, 0, 22);
+    auto& arm =
+        graph.add<RigidBody>("arm " + std::to_string(k),
+                             {.mass = mass[k], .inertia = {1e7, 1e7, 2e4}, .position = center, .orientation = axes});
+    graph.add<FixedJoint>("root " + std::to_string(k), {hub.marker(root, axes), arm.marker({0, 0, -20.5})});
+    moment -= mass[k] * kGravity * center.y();
+  }
+  const System system = assemble(graph);
+  const Equilibrium found = find_equilibrium(system, system.initial_state());
+  EXPECT_LE(found.iterations, 3);
+  EXPECT_EQ(found.state.q, system.initial_state().q);
+  EXPECT_NEAR(std::abs(found.state.lambda[system.rows(drive).first]), std::abs(moment), 1e-9 * std::abs(moment));
+}
+
 TEST(equilibrium, a_body_that_nothing_holds_is_named) {
   SystemGraph graph;
   graph.add<RigidBody>("stone", {.mass = 1, .inertia = {1, 1, 1}});
