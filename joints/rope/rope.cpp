@@ -6,6 +6,7 @@
 #include "engine/assembly/batch_of.h"
 #include "engine/base/checks.h"
 #include "joints/coordinate_coupling.h"
+#include "joints/rope/rope_elements_internal.h"
 
 namespace lithe {
 
@@ -176,6 +177,7 @@ class Reeving {
   /// The pulley that a span comes from or goes to; -1: an end.
   int pulley_before(int span) const { return closed_ ? span : span - 1; }
   int pulley_behind(int span) const { return closed_ ? (span + 1) % count() : span < pulleys() ? span : -1; }
+  Marker travel_marker(int pulley) const { return rope_.travel(pulley).B; }
   Located named(const std::string& part, int number) const {
     return {name_.text + " " + part + " " + std::to_string(number + 1), name_.where};
   }
@@ -212,7 +214,7 @@ class Reeving {
     const int from = pulley_before(i), to = pulley_behind(i);
     std::vector<Marker> markers{before(i).marker, behind(i).marker};
     for (int pulley : {from, to})
-      if (pulley >= 0) markers.push_back(rope_.travels[pulley]->marker());
+      if (pulley >= 0) markers.push_back(travel_marker(pulley));
     rope_.spans.push_back(
         &graph_.add<RopeSpan>(named("span", i), std::move(markers), {section, drawings_[i], from >= 0, to >= 0}));
   }
@@ -226,9 +228,9 @@ class Reeving {
       return;
     }
     const int in = span_before(i), out = span_behind(i), first = pulley_before(in), last = pulley_behind(out);
-    std::vector<Marker> markers{before(in).marker, pulley.marker, behind(out).marker, rope_.travels[i]->marker()};
+    std::vector<Marker> markers{before(in).marker, pulley.marker, behind(out).marker, travel_marker(i)};
     for (int beside : {first, last})
-      if (beside >= 0) markers.push_back(rope_.travels[beside]->marker());
+      if (beside >= 0) markers.push_back(travel_marker(beside));
     if (pulley.wheel) markers.insert(markers.end(), {pulley.wheel->A, pulley.wheel->B});
     graph_.add<RopeFriction>(named("friction", i), std::move(markers),
                              {.section = section,
@@ -266,7 +268,8 @@ JointCoordinate Rope::travel(int pulley) const {
     throw SceneError("'" + name + "' has no travel over pulley " + std::to_string(pulley), "",
                      travels.empty() ? "give the rope .mass_per_length: its travels are then coordinates"
                                      : "give 0 to " + std::to_string(travels.size() - 1));
-  return travels[static_cast<std::size_t>(pulley)]->coordinate();
+  const Body* body = travels[static_cast<std::size_t>(pulley)];
+  return {JointCoordinate::Kind::displacement, {body, 0}, {body, 1}, /*axis=*/0};
 }
 
 Rope reeve(SystemGraph& graph, Located name, std::vector<RopeEnd> ends, RopeParameters parameters) {

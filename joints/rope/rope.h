@@ -7,7 +7,6 @@
 
 #include "engine/model/system_graph.h"
 #include "engine/observe/sensors.h"
-#include "joints/rope/rope_elements.h"
 
 namespace lithe {
 
@@ -48,7 +47,7 @@ struct RopeParameters {
 struct Rope {
   std::string name;
   std::vector<const ForceElement*> spans;  // one a span; all the same of a rope without mass
-  std::vector<const RopeTravel*> travels;  // one a pulley; none of a rope without mass
+  std::vector<const Body*> travels;        // one a pulley; none of a rope without mass
   std::vector<double> drawn_lengths;       // of the straight parts, m
   std::vector<double> wraps;               // α as drawn, rad, one a pulley
   double length = 0;                       // unstretched, with its arcs, m

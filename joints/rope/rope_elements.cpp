@@ -1,4 +1,4 @@
-#include "joints/rope/rope_elements.h"
+#include "joints/rope/rope_elements_internal.h"
 
 #include <algorithm>
 #include <numbers>
@@ -245,16 +245,20 @@ void RopeFriction::evaluate(double, std::span<const MarkerView> markers, ForceRo
   if (now.wheel) bend -= R * (now.wheel->value - turned_), speed -= R * now.wheel->rate;
   const double z = bend / p.presliding, size = std::abs(z);
 
-  // The part of the motion that slips: none while bristles are elastic or unload, all at full friction.
-  constexpr double kElastic = 0.7;
-  double slip = 0;
-  if (z * speed > 0 && size > kElastic)
-    slip = size >= 1 ? 1 : 0.5 + 0.5 * std::sin(std::numbers::pi * (size - 0.5 * (1 + kElastic)) / (1 - kElastic));
+  // The part of the motion that slips, A |z|/z_s: none while bristles are elastic or unload, all beyond full friction.
+  constexpr double kElastic = 0.7, kSliding = 1.1;
+  double slip = 0, slope = 0;  // and its derivative by |z|
+  if (z * speed > 0 && size > kElastic) {
+    const double angle = std::numbers::pi * (size - 0.5 * (1 + kElastic)) / (1 - kElastic);
+    const double A = size >= 1 ? 1 : 0.5 + 0.5 * std::sin(angle);
+    slip = A * size / kSliding;
+    slope = (A + (size >= 1 ? 0 : 0.5 * std::numbers::pi / (1 - kElastic) * std::cos(angle) * size)) / kSliding;
+  }
 
   const double wrap = std::max(0.0, p.wrap + std::copysign(1, R) * (now.out.angle_A - now.in.angle_B - angle_));
   const double press = in.tension + out.tension, half = 0.5 * p.friction * wrap;
   const double used = std::tanh(std::clamp(z, -1.0, 1.0) * half);
-  const double stiffness = size < 1 ? press * half * (1 - used * used) / p.presliding * (1 - slip * size) : 0;
+  const double stiffness = size < 1 ? press * half * (1 - used * used) / p.presliding * (1 - slip) : 0;
 
   Wrench* W = rows.open();
   set_zero(W, marker_count());
@@ -265,7 +269,11 @@ void RopeFriction::evaluate(double, std::span<const MarkerView> markers, ForceRo
     W[marker_count() - 1] = -R * now.wheel->on_B;
   }
   rows.finish(press * used, stiffness, 0);
-  rows.add_load(here, force((slip * size * speed - entry_strain * s_rate) * Vector3::UnitY()));
+  // ṗ, as a row whose damping is -∂ṗ/∂p: fast where the rope slides.
+  W = rows.open();
+  set_zero(W, marker_count());
+  W[3] = force(Vector3::UnitY());
+  rows.finish(entry_strain * s_rate - slip * speed, 0, slope * std::abs(speed) / p.presliding);
 }
 
 template std::unique_ptr<BodyBatch> make_body_batch<RopeTravel>();

@@ -9,6 +9,7 @@
 #include "joints/forces/coordinate_motor.h"
 #include "joints/prismatic_joint.h"
 #include "joints/revolute_joint.h"
+#include "joints/rope/rope_elements_internal.h"
 #include "tests/support/joint_checks.h"
 #include "tests/support/methods.h"
 
@@ -97,7 +98,7 @@ TEST(Rope, SpanForcesAreTheLossOfItsPotential) {
   auto& behind = graph.add<RopeTravel>("behind", {.mass = 2, .slips = true});
   const RopeSpanDrawing drawing{.R_A = -0.7, .R_B = 0.4, .drawn_length = 8, .rest_length = 6};
   const auto& span =
-      graph.add<RopeSpan>("span", {a.marker({0.1, 0.3, 0}), b.marker(), before.marker(), behind.marker()},
+      graph.add<RopeSpan>("span", {a.marker({0.1, 0.3, 0}), b.marker(), Marker{&before, 1}, Marker{&behind, 1}},
                           {.section = {40, 0.3}, .drawing = drawing, .travels_A = true, .travels_B = true});
   check_force(graph, span, {.tolerance = 1e-7});
 }

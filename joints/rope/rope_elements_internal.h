@@ -8,7 +8,7 @@
 #include "engine/model/force_element.h"
 #include "engine/model/joint_coordinate.h"
 
-/// What reeve() (joints/rope/rope.h) makes a rope of.
+/// What reeve() (joints/rope/rope.h) makes a rope of, after it has checked it.
 namespace lithe {
 
 /// A rope's material: tension T = EA ε + c ε̇, where the viscous part is at most as large as the elastic one, so that a
@@ -52,7 +52,8 @@ struct RopeStretch {
 
 /// The travel of a rope over one pulley: a body without frame whose first coordinate s is the unstretched length that
 /// has passed, positive from the rope's first end to its last; its mass is that of the rope beside it. Where the rope
-/// may slip, the rate of a second coordinate keeps how far it has slipped (m).
+/// may slip, the rate of a second coordinate keeps how far it has slipped (m). Marker 0 stays at the origin, marker 1
+/// moves along x by s and along y by the second coordinate.
 class RopeTravel final : public Body {
  public:
   struct Parameters {
@@ -65,12 +66,6 @@ class RopeTravel final : public Body {
   };
   /// Throws SceneError for a mass that is not positive.
   explicit RopeTravel(Parameters parameters);
-
-  /// s, m.
-  JointCoordinate coordinate() const { return {JointCoordinate::Kind::displacement, {this, 0}, {this, 1}, /*axis=*/0}; }
-  /// Moves along x by s, along y by the second coordinate.
-  Marker marker() const { return {this, 1}; }
-
   Coordinates coordinates() const override { return {.frames = 0, .linear = parameters_.slips ? 2 : 1}; }
   std::unique_ptr<BodyCache> make_cache() const override { return std::make_unique<Cache>(*this); }
   void initial_state(VectorRef q, VectorRef v) const override;
@@ -134,17 +129,18 @@ class RopeSpan final : public ForceElement {
 };
 
 /// Friction between a rope and the surface of a pulley (Euler, Eytelwein), with bristles that stick and slip:
-///   F = (T_in + T_out) tanh(z μα/2): T_out = T_in e^(zμα) where it alone holds the difference
-///   z δ̇ = v (1 - A(z, v) |z|),   v = (1 + ε) ṡ - R θ̇
-/// z in [-1, 1]: the part of the friction that is used; δ: travel at which it would be full; v: speed of the rope over
-/// the surface where it runs on, with the strain ε of the span that it comes from: elastic creep. A is 0 up to
-/// |z| = 0.7, where bristles are elastic and nothing drifts, and 1 from |z| = 1 on (Dupont, Hayward, Armstrong &
-/// Altpeter, 2002). α: wrap as it is now. F (T_in - T_out)/2EA ṡ is lost by creep in the slip arc.
+///   F = (T_in + T_out) tanh(u μα/2),   u = z within [-1, 1]: T_out = T_in e^(uμα) where F alone holds the difference
+///   δ ż = v (1 - A(z, v) |z|/1.1),   v = (1 + ε) ṡ - R θ̇
+/// u: the part of the friction that is used; δ: travel at which it is full; v: speed of the rope over the surface where
+/// it runs on, with the strain ε of the span that it comes from, which makes elastic creep. A is 0 up to |z| = 0.7,
+/// where bristles are elastic and nothing drifts, and 1 from |z| = 1 on (elasto-plastic: Dupont, Hayward, Armstrong &
+/// Altpeter, 2002); sliding, |z| = 1.1. α: wrap as it is now. Where nothing slides as a whole the slip arc still loses
+/// ṡ (T_in - T_out)²/2EA.
 /// Markers: carriers of the wheel before, of this and of the next one; travels here, before and behind, if any; carrier
-/// and wheel of the angle θ, if it turns.
+/// and wheel of the angle θ, if it turns. Rows: F, and the rate of what has slipped.
 class RopeFriction final : public ForceElement {
  public:
-  static constexpr int kRows = 1;
+  static constexpr int kRows = 2;
   struct Parameters {
     RopeSection section;
     RopeSpanDrawing in, out;
