@@ -2,6 +2,7 @@
 
 #include "bodies/point_mass.h"
 #include "bodies/rigid_body.h"
+#include "engine/observe/recorder.h"
 #include "engine/run/simulation.h"
 #include "joints/coordinate_drive.h"
 #include "joints/forces/coordinate_motor.h"
@@ -68,10 +69,10 @@ TEST(RopeFriction, ASlippingRopeHasTheCapstanRatio) {
     }
 }
 
-/// Loads of 10 and 20 kg over a bollard that would hold 25: after they have settled nothing moves.
-SystemGraph& draw_held(SystemGraph& graph) {
+/// A load of 10 kg over a bollard that holds another of up to 25 kg.
+SystemGraph& draw_loads(SystemGraph& graph, double heavy_mass) {
   auto& light = graph.add<PointMass>("light", {.mass = 10, .position = {-0.2, -2, 0}});
-  auto& heavy = graph.add<PointMass>("heavy", {.mass = 20, .position = {0.2, -2, 0}});
+  auto& heavy = graph.add<PointMass>("heavy", {.mass = heavy_mass, .position = {0.2, -2, 0}});
   reeve(graph, "rope", {{light.marker()}, {heavy.marker()}},
         {.pulleys = {{.marker = graph.ground().marker(), .radius = 0.2, .sense = -1, .friction = kFriction}},
          .axial_stiffness = 1e5,
@@ -83,7 +84,7 @@ SystemGraph& draw_held(SystemGraph& graph) {
 
 TEST(RopeFriction, ALoadBelowTheLimitIsHeldWithoutDrift) {
   SystemGraph graph{kDown};
-  const System system = assemble(draw_held(graph));
+  const System system = assemble(draw_loads(graph, 20));
   State state = system.initial_state();
   const Method method = radau(1e-10);
   Simulation simulation{system, *method};
@@ -97,7 +98,7 @@ TEST(RopeFriction, ALoadBelowTheLimitIsHeldWithoutDrift) {
 /// A state is all that there is to know: the bristles are in it.
 TEST(RopeFriction, ARestartedRunGoesOnAsItWas) {
   SystemGraph graph{kDown};
-  const System system = assemble(draw_held(graph));
+  const System system = assemble(draw_loads(graph, 20));
   State whole = system.initial_state(), parts = whole;
   const Method method = runge_kutta_fixed(1e-4), other = runge_kutta_fixed(1e-4);
   Simulation{system, *method}.run(whole, 0.2);
@@ -106,32 +107,36 @@ TEST(RopeFriction, ARestartedRunGoesOnAsItWas) {
   EXPECT_LT((whole.q - parts.q).cwiseAbs().maxCoeff(), 1e-13);
 }
 
-TEST(RopeFriction, EveryIntegratorHoldsTheLoad) {
-  const auto end = [](Method method) {
-    SystemGraph graph{kDown};
-    const System system = assemble(draw_held(graph));
-    State state = system.initial_state();
-    Simulation simulation{system, *method};
-    simulation.run(state, 1);
-    return Vector3(state.q[1], state.q[4], state.q[6]);
-  };
-  const Vector3 reference = end(runge_kutta8(1e-11));
-  const double h = 2e-4;
-  const auto check = [&](const std::string& name, Method method, double bound) {
-    expect_below(name, (end(std::move(method)) - reference).norm(), bound);
-  };
-  check("runge_kutta", runge_kutta(1e-8), 1e-5);
-  check("adams", adams(1e-8), 1e-5);
-  check("automatic", automatic(1e-8), 1e-5);
-  check("ida", ida(1e-8), 1e-5);
-  check("index3", index3(h), 1e-5);
-  check("index2", index2(h), 1e-5);
-  check("rattle", rattle(h), 1e-5);
-  check("radau", radau(1e-8), 1e-5);
-  check("bdf", bdf(1e-8), 1e-5);
-  check("hht", hht(h), 1e-5);
-  check("linearly_implicit", linearly_implicit(h, 2), 1e-5);
-  check("energy_momentum", energy_momentum(h), 1e-5);
+/// Held and sliding.
+TEST(RopeFriction, EveryIntegratorAgrees) {
+  for (const double heavy_mass : {20.0, 35.0}) {
+    const auto end = [&](Method method) {
+      SystemGraph graph{kDown};
+      const System system = assemble(draw_loads(graph, heavy_mass));
+      State state = system.initial_state();
+      Simulation simulation{system, *method};
+      simulation.run(state, 0.3);
+      return Vector3(state.q[1], state.q[4], state.q[6]);
+    };
+    const Vector3 reference = end(runge_kutta8(1e-11));
+    EXPECT_EQ(reference[1]<-2.05, heavy_mass> 30) << reference[1];
+    const double h = 2e-4;
+    const auto check = [&](const std::string& name, Method method, double bound) {
+      expect_below(name, (end(std::move(method)) - reference).norm(), bound);
+    };
+    check("runge_kutta", runge_kutta(1e-8), 1e-6);
+    check("adams", adams(1e-8), 1e-6);
+    check("automatic", automatic(1e-8), 1e-6);
+    check("ida", ida(1e-8), 1e-5);
+    check("index3", index3(h), 1e-5);
+    check("index2", index2(h), 1e-5);
+    check("rattle", rattle(h / 10), 1e-5);  // explicit: h < 2 δ/v
+    check("radau", radau(1e-8), 1e-6);
+    check("bdf", bdf(1e-8), 1e-5);
+    check("hht", hht(h), 1e-5);
+    check("linearly_implicit", linearly_implicit(h, 2), 1e-4);
+    check("energy_momentum", energy_momentum(h), 1e-5);
+  }
 }
 
 // ---- belts ----
@@ -174,7 +179,7 @@ TEST(BeltDrive, CreepsByTheDifferenceOfItsTensions) {
   BeltDrive drive(0.5, [=](double) { return torque; });
   const System system = assemble(drive.graph);
   State state = system.initial_state();
-  const Method method = radau(1e-9);
+  const Method method = automatic(1e-10);
   Simulation simulation{system, *method};
   simulation.run(state, 2);
   // Span 0 runs from the driver to the driven wheel: slack.
@@ -193,13 +198,29 @@ TEST(BeltDrive, SlipsOnItsSmallerWheelAtTheCapstanRatio) {
   BeltDrive drive(friction, [](double speed) { return 4 * speed; });
   const System system = assemble(drive.graph);
   State state = system.initial_state();
-  const Method method = radau(1e-9);
+  const Method method = automatic(1e-9);
   Simulation simulation{system, *method};
-  simulation.run(state, 3);
+  simulation.run(state, 2);
   const double slack = read(system, state, tension(drive.belt, 0)), tight = read(system, state, tension(drive.belt, 1));
   const double ratio = std::exp(friction * drive.belt.wraps[0]);
   expect_below("ratio at slip", std::abs(tight / slack / ratio - 1), 1e-6);
   EXPECT_LT(read(system, state, coordinate_rate(drive.driven->angle(), "w2")), 0.9 * kSpeed * kR1 / kR2);
+}
+
+/// The whole scene as a simpler one: a body on a pin becomes one that turns.
+TEST(BeltDrive, RunsInASimplifiedScene) {
+  const auto speed_of = [](bool simplify) {
+    BeltDrive drive(0.5, [](double speed) { return speed; });
+    Simulation simulation{drive.graph, [] { return runge_kutta(1e-9); }, {.simplify = simplify}};
+    State state = simulation.start();
+    Recorder recorder{{coordinate_rate(drive.driven->angle(), "w2"), tension(drive.belt, 0), tension(drive.belt, 1)}};
+    simulation.observe(recorder, every(0.1));
+    simulation.run(state, 0.1);
+    const Table& table = recorder.table();
+    return Vector3(table.column("w2").back(), table.column("belt_tension_0").back(),
+                   table.column("belt_tension_1").back());
+  };
+  EXPECT_LT((speed_of(true) - speed_of(false)).norm(), 1e-5);
 }
 
 TEST(BeltDrive, ATimingBeltKeepsTheRatioOfItsWheels) {

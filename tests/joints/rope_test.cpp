@@ -6,6 +6,7 @@
 #include "bodies/rigid_body.h"
 #include "engine/analysis/equilibrium.h"
 #include "engine/run/simulation.h"
+#include "joints/coordinate_drive.h"
 #include "joints/forces/coordinate_motor.h"
 #include "joints/prismatic_joint.h"
 #include "joints/revolute_joint.h"
@@ -31,6 +32,12 @@ State run(const System& system, Method method, double end) {
   Simulation simulation{system, *method};
   simulation.run(state, end);
   return state;
+}
+
+Sensor height_of(PointMass& mass) {
+  return Sensor{"height", {"height"}, [marker = mass.marker()](Snapshot& now, std::span<double> out) {
+                  out[0] = now.marker(marker).p.y();
+                }};
 }
 
 // ---- geometry ----
@@ -168,6 +175,26 @@ TEST(Rope, ATackleOfFourPartsDividesForceAndWay) {
       EXPECT_NEAR(read(system, rest.state, tension(rope, span)), m * kGravity / 4, 1e-6);
   }
   EXPECT_NEAR(heights[1] - heights[0], hauled / 4, 1e-9);
+}
+
+/// A drum that turns by φ hauls in R φ of its rope, over whole turns.
+TEST(Rope, ADrumHaulsInWhatItWindsUp) {
+  const double radius = 0.25, turned = 7;
+  SystemGraph graph{kDown};
+  auto& load = graph.add<PointMass>("load", {.mass = 4, .position = {2.1, -6, 0}});
+  auto& drum = graph.add<RigidBody>("drum", {});
+  auto& pin = graph.add<RevoluteJoint>("pin", {graph.ground().marker(), drum.marker()});
+  graph.add<CoordinateDrive>("motor", {pin.angle()}, {.motion = smooth_step(0, turned, 0, 2)});
+  const Rope rope = reeve(graph, "rope", {{drum.marker(), radius, -1}, {load.marker()}},
+                          {.pulleys = {{graph.ground().marker({2, 2, 0}), 0.1, -1}},
+                           .axial_stiffness = 1e5,
+                           .axial_damping = 5e3,
+                           .pretension = 4 * kGravity});
+  const Sensor height = height_of(load);
+  const System system = assemble(graph);
+  const State state = run(system, radau(1e-9), 6);
+  EXPECT_NEAR(read(system, state, height), -6 + radius * turned, 1e-6);
+  EXPECT_NEAR(read(system, state, tension(rope, 0)), 4 * kGravity, 1e-4);
 }
 
 /// A load swings under a pulley; its rope winds on and off the wheel, and its energy stays.
