@@ -186,7 +186,7 @@ class Reeving {
     std::vector<Straight> straight;
     for (int i = 0; i < (closed_ ? count() : count() - 1); ++i) {
       straight.push_back(straight_between(before(i), behind(i)));
-      drawings_.push_back({before(i).R, behind(i).R, straight.back().length, 0});
+      drawings_.push_back({before(i).R, behind(i).R, straight.back().length});
       rope_.drawn_lengths.push_back(straight.back().length);
     }
     for (int i = 0; i < pulleys(); ++i) {
@@ -194,7 +194,9 @@ class Reeving {
       const double wrap = wrap_between(before(out), straight[in].angle_B, straight[out].angle_A) +
                           2 * std::numbers::pi * p_.pulleys[i].turns;
       rope_.wraps.push_back(wrap);
-      for (int span : {in, out}) drawings_[span].drawn_length += 0.5 * p_.pulleys[i].radius * wrap;
+      const double half = 0.5 * p_.pulleys[i].radius * wrap;
+      drawings_[in].arc_B = drawings_[out].arc_A = half;
+      for (int span : {in, out}) drawings_[span].drawn_length += half;
     }
     double drawn = 0;
     for (const RopeSpanDrawing& drawing : drawings_) drawn += drawing.drawn_length;
@@ -202,12 +204,20 @@ class Reeving {
     for (RopeSpanDrawing& drawing : drawings_) drawing.rest_length = drawing.drawn_length * rope_.length / drawn;
   }
 
+  /// What of a span's mass moves with each pulley beside it: half, but all where only an end is on its other side that
+  /// moves along.
+  double share(int span) const {
+    const int other = pulley_before(span) < 0 ? 0 : pulley_behind(span) < 0 ? count() - 1 : -1;
+    return other >= 0 && wheels_[other].marker.body != &graph_.ground() ? 1 : 0.5;
+  }
+
   void add_travel(int i) {
-    const double length = drawings_[span_before(i)].rest_length + drawings_[span_behind(i)].rest_length;
+    const int in = span_before(i), out = span_behind(i);
+    const double length = share(in) * drawings_[in].rest_length + share(out) * drawings_[out].rest_length;
     const double friction = p_.pulleys[i].friction;
     rope_.travels.push_back(&graph_.add<RopeTravel>(
         named("travel", i),
-        {.mass = 0.5 * p_.mass_per_length * length, .speed = p_.speed, .slips = friction != 0 && friction != kNoSlip}));
+        {.mass = p_.mass_per_length * length, .speed = p_.speed, .slips = friction != 0 && friction != kNoSlip}));
   }
 
   void add_span(const RopeSection& section, int i) {
@@ -216,7 +226,8 @@ class Reeving {
     for (int pulley : {from, to})
       if (pulley >= 0) markers.push_back(travel_marker(pulley));
     rope_.spans.push_back(
-        &graph_.add<RopeSpan>(named("span", i), std::move(markers), {section, drawings_[i], from >= 0, to >= 0}));
+        &graph_.add<RopeSpan>(named("span", i), std::move(markers),
+                              {section, drawings_[i], p_.mass_per_length * graph_.gravity(), from >= 0, to >= 0}));
   }
 
   void add_grip(const RopeSection& section, int i) {
@@ -236,6 +247,7 @@ class Reeving {
                              {.section = section,
                               .in = drawings_[in],
                               .out = drawings_[out],
+                              .weight = p_.mass_per_length * graph_.gravity(),
                               .friction = pulley.friction,
                               .presliding = p_.presliding,
                               .wrap = rope_.wraps[i],

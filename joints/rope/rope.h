@@ -35,7 +35,7 @@ struct RopeParameters {
   std::vector<RopePulley> pulleys{};  // in the order in which the rope meets them
   double axial_stiffness = 0;         // EA, N
   double axial_damping = 0;           // c, N s: tension EA ε + c ε̇, the viscous part limited to the elastic one
-  double mass_per_length = 0;         // μ_l, kg/m: inertia along the rope
+  double mass_per_length = 0;         // μ_l, kg/m: weight, and inertia along the rope
   std::optional<double> length{};     // unstretched, with its arcs, m; none: by the pretension
   double pretension = 0;              // tension as drawn where no length is given, N
   double speed = 0;                   // of the rope along itself as drawn, m/s; needs mass
@@ -62,19 +62,19 @@ struct Rope {
 /// Straight parts follow the tangents of the wheels as they move, external where neighbours turn alike, crossed where
 /// not; a rope does not lift off a pulley.
 /// - Without mass and friction it has one tension all along, T = EA ε (IdealRope): at most six pulleys.
-/// - With mass its travel over each pulley is a coordinate (RopeTravel) with the mass of half the spans beside it;
-/// every
-///   span has a tension of its own (RopeSpan), and friction (RopeFriction) lets them differ by up to e^(μα), sticks
-///   below that, and drives wheels: with two or more a belt drive with elastic creep, (T_1 - T_2)/EA.
+/// - With mass its travel over each pulley is a coordinate with the mass of half the spans beside it, and of all of a
+///   span to an end that moves; of a span's weight half acts at either end. Every span has a tension of its own, at its
+///   middle. Friction lets those beside a pulley differ by up to e^(μα), sticks below that, and drives wheels: two or
+///   more make a belt drive with elastic creep, (T_1 - T_2)/EA.
 /// Spans that are slack carry nothing. Limits: the axles are about parallel (20 degrees) and neighbours about in one
-/// plane (20 degrees); half of a span moves with each of its ends, but its weight, its motion across itself and the
-/// centrifugal force of its mass are left out; the halves beside the ends belong to the end bodies, whose masses may
-/// hold them; rope on a drum keeps the stiffness of the span as drawn. Static equilibria start with bristles unbent.
+/// plane (20 degrees); spans are straight, and inertia across themselves and the centrifugal force of the rope are left
+/// out; the mass of a travel stays that of the drawing, and rope on a drum keeps stiffness and weight of the span as
+/// drawn. Static equilibria start with bristles unbent.
 /// Throws SceneError for a missing stiffness, negative or not finite values, a pulley without radius, pulleys that
 /// overlap or an end within one, axes out of line, and what needs mass and has none; it names the pulley, from 1.
 Rope reeve(SystemGraph& graph, Located name, std::vector<RopeEnd> ends, RopeParameters parameters);
 
-/// Tension of a span, N.
+/// Tension of a span, in its middle, N. Throws SceneError for a span that the rope does not have.
 Sensor tension(const Rope& rope, int span, Located name = "");
 
 }  // namespace lithe

@@ -168,7 +168,7 @@ void RopeSpan::initialize(std::span<const MarkerView> markers) {
 }
 
 void RopeSpan::evaluate(double, std::span<const MarkerView> markers, ForceRows& rows) const {
-  const auto& [section, drawing, travels_A, travels_B] = parameters_;
+  const auto& [section, drawing, weight, travels_A, travels_B] = parameters_;
   int place = 0;
   const MeasuredSpan span = measure_span(markers[0], markers[1], drawing, rows, place);
   const MarkerView *A = travels_A ? &markers[2] : nullptr, *B = travels_B ? &markers[2 + travels_A] : nullptr;
@@ -184,8 +184,17 @@ void RopeSpan::evaluate(double, std::span<const MarkerView> markers, ForceRows& 
   rows.add_energy(stretch.energy);
   // -∂V/∂L = EA (ε + ε²/2), and the row has given EA (ε + ε²).
   const double excess = 0.5 * section.axial_stiffness * stretch.strain * stretch.strain;
-  if (A) rows.add_load(*A, force(-excess * Vector3::UnitX()));
-  if (B) rows.add_load(*B, force(excess * Vector3::UnitX()));
+  // Material that leaves the span takes its weight along.
+  const Vector3 &p_A = markers[0].p, &p_B = markers[1].p;
+  const double carried = 0.5 * weight.dot(p_A + p_B) - excess;
+  double hanging = drawing.rest_length - drawing.arc_A - drawing.arc_B;
+  if (A) rows.add_load(*A, force(carried * Vector3::UnitX())), hanging += A->p.x();
+  if (B) rows.add_load(*B, force(-carried * Vector3::UnitX())), hanging -= B->p.x();
+  if (weight.isZero(0)) return;
+  const double at_A = 0.5 * hanging + drawing.arc_A, at_B = 0.5 * hanging + drawing.arc_B;
+  rows.add_load(markers[0], force(at_A * weight));
+  rows.add_load(markers[1], force(at_B * weight));
+  rows.add_energy(-weight.dot(at_A * p_A + at_B * p_B));
 }
 
 // ---- RopeFriction ----
@@ -256,7 +265,8 @@ void RopeFriction::evaluate(double, std::span<const MarkerView> markers, ForceRo
   }
 
   const double wrap = std::max(0.0, p.wrap + std::copysign(1, R) * (now.out.angle_A - now.in.angle_B - angle_));
-  const double press = in.tension + out.tension, half = 0.5 * p.friction * wrap;
+  const double weight = 0.5 * p.weight.dot(markers[0].p + markers[2].p - 2 * markers[1].p);
+  const double press = std::max(0.0, in.tension + out.tension + weight), half = 0.5 * p.friction * wrap;
   const double used = std::tanh(std::clamp(z, -1.0, 1.0) * half);
   const double stiffness = size < 1 ? press * half * (1 - used * used) / p.presliding * (1 - slip) : 0;
 

@@ -22,8 +22,9 @@ struct RopeSection {
 /// wheel's marker (R > 0), or clockwise; 0: the rope ends at the marker's point.
 struct RopeSpanDrawing {
   double R_A = 0, R_B = 0;
-  double drawn_length = 0;  // Λ₀ with its parts of the arcs, m
-  double rest_length = 0;   // L₀, of its unstretched material, m
+  double drawn_length = 0;      // Λ₀ with its parts of the arcs, m
+  double rest_length = 0;       // L₀, of its unstretched material, m
+  double arc_A = 0, arc_B = 0;  // its parts of the arcs, m
 };
 
 /// The geometric length of a span, from a point of the rope on wheel A to one on wheel B that do not turn with φ:
@@ -104,7 +105,9 @@ class IdealRope final : public ForceElement {
 };
 
 /// A span between two wheels over which the rope travels: markers A, B, and those of the travels s at either, if any.
-///   L = L₀ + s_A - s_B,   T = EA (Λ/L - 1) + c ε̇,   V = ½ EA ε² L
+///   L = L₀ + s_A - s_B,   T = EA (Λ/L - 1) + c ε̇,   V = ½ EA ε² L - w·((L - a_A - a_B) (p_A + p_B)/2 + a_A p_A + a_B
+///   p_B)
+/// with its weight per length w half at either wheel, that of the arcs a at their own.
 /// Forces are -∂V: a travel feels T (1 + ε/2), its material's tension and energy (Eshelby).
 class RopeSpan final : public ForceElement {
  public:
@@ -112,6 +115,7 @@ class RopeSpan final : public ForceElement {
   struct Parameters {
     RopeSection section;
     RopeSpanDrawing drawing;
+    Vector3 weight{0, 0, 0};  // w, N/m, world axes
     bool travels_A = false, travels_B = false;
   };
   explicit RopeSpan(Parameters parameters) : parameters_(parameters) {}
@@ -144,9 +148,10 @@ class RopeFriction final : public ForceElement {
   struct Parameters {
     RopeSection section;
     RopeSpanDrawing in, out;
-    double friction = 0;    // μ
-    double presliding = 0;  // δ, m
-    double wrap = 0;        // α as drawn, rad
+    Vector3 weight{0, 0, 0};  // w, N/m: T at the pulley is that of the middle and half of the span's weight
+    double friction = 0;      // μ
+    double presliding = 0;    // δ, m
+    double wrap = 0;          // α as drawn, rad
     bool travels_before = false, travels_behind = false;
     std::optional<JointCoordinate> wheel{};  // θ, about z of the pulley's marker
   };

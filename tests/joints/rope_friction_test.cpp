@@ -2,10 +2,12 @@
 
 #include "bodies/point_mass.h"
 #include "bodies/rigid_body.h"
+#include "engine/analysis/equilibrium.h"
 #include "engine/observe/recorder.h"
 #include "engine/run/simulation.h"
 #include "joints/coordinate_drive.h"
 #include "joints/forces/coordinate_motor.h"
+#include "joints/forces/point_force.h"
 #include "joints/prismatic_joint.h"
 #include "joints/revolute_joint.h"
 #include "joints/rope/rope.h"
@@ -28,14 +30,15 @@ double read(const System& system, const State& state, const Sensor& sensor) {
 
 constexpr double kLoad = 10, kFriction = 0.3;
 
-/// A load hangs on one side; the other end is moved by a drive from `start` on, up at `speed`.
+/// A load is pulled down on one side; the other end is moved by a drive from `start` on, up at `speed`.
 struct Capstan {
-  SystemGraph graph{kDown};
+  SystemGraph graph{kWeightless};
   PointMass* load;
   Rope rope;
 
   Capstan(double speed, int turns) {
     load = &graph.add<PointMass>("load", {.mass = kLoad, .position = {-0.2, -2, 0}});
+    graph.add<PointForce>("pull down", {load->marker()}, {.force = {0, -kLoad * kGravity, 0}});
     auto& hand = graph.add<RigidBody>("hand", {.position = {0.2, -2, 0}, .velocity = {0, speed, 0}});
     auto& guide =
         graph.add<PrismaticJoint>("guide", {graph.ground().marker({0.2, -2, 0}, kUp), hand.marker({0, 0, 0}, kUp)});
@@ -93,6 +96,19 @@ TEST(RopeFriction, ALoadBelowTheLimitIsHeldWithoutDrift) {
   simulation.run(state, 60);
   expect_below("drift in a minute, m", (state.q - settled).head<6>().cwiseAbs().maxCoeff(), 1e-9);
   EXPECT_LT(std::abs(settled[4] + 2), 0.01);
+}
+
+/// The bristles of a rope in equilibrium have not slipped: they hold the loads as they are bent then.
+TEST(RopeFriction, AnEquilibriumHasItsFriction) {
+  SystemGraph graph{kDown};
+  const System system = assemble(draw_loads(graph, 20));
+  Equilibrium rest = find_equilibrium(system, system.initial_state());
+  EXPECT_LT(std::abs(rest.state.q[4] + 2), 0.01);
+  const VectorX q = rest.state.q;
+  const Method method = radau(1e-9);
+  Simulation simulation{system, *method};
+  simulation.run(rest.state, 1);
+  EXPECT_LT((rest.state.q - q).head<6>().cwiseAbs().maxCoeff(), 1e-8);
 }
 
 /// A state is all that there is to know: the bristles are in it.
