@@ -1,5 +1,6 @@
 #include "joints/rope/rope.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -25,20 +26,20 @@ struct Wheel {
 
 [[noreturn]] void refuse(const std::string& problem, const std::string& fix) { throw SceneError(problem, "", fix); }
 
-void place_as_drawn(const SystemGraph& graph, Wheel& wheel) {
-  const Body* body = wheel.marker.body;
+MarkerKinematics as_drawn(const SystemGraph& graph, const std::string& text, const Marker& marker) {
+  const Body* body = marker.body;
   bool known = false;
   for (const auto& entry : graph.bodies()) known |= entry.body == body;
-  if (!known || wheel.marker.index < 0 || wheel.marker.index >= body->marker_count())
-    refuse(wheel.text + " has no marker of this graph", "give a marker of one of its bodies: body.marker(...)");
+  if (!known || marker.index < 0 || marker.index >= body->marker_count())
+    refuse(text + " has no marker of this graph", "give a marker of one of its bodies: body.marker(...)");
   VectorX q(body->coordinates().q_count()), v(body->coordinates().v_count());
   body->initial_state(q, v);
   const auto cache = body->make_cache();
   const BodyState state{q.data(), v.data(), cache.get()};
   body->evaluate(state, Level::position);
   MarkerKinematics k;
-  body->marker_kinematics(state, wheel.marker.index, Level::position, k);
-  wheel.p = k.p, wheel.axes = k.R;
+  body->marker_kinematics(state, marker.index, Level::position, k);
+  return k;
 }
 
 double signed_radius(const std::string& text, double radius, int sense) {
@@ -46,6 +47,21 @@ double signed_radius(const std::string& text, double radius, int sense) {
     refuse(text + " has the sense " + std::to_string(sense),
            "give 1: the rope runs counter-clockwise about the z axis of the marker; or -1");
   return sense * radius;
+}
+
+/// The angle turns the wheel on its carrier, about z of the pulley's marker.
+void check_angle(const SystemGraph& graph, const JointCoordinate& angle, const Wheel& wheel) {
+  const bool carrier_first = angle.A.body == wheel.marker.body;
+  if (carrier_first == (angle.B.body == wheel.marker.body))
+    refuse("wheel of " + wheel.text + " does not turn on the body of its marker",
+           "give the marker on the body that carries the axle, and the angle between that body and the wheel");
+  const Vector3 axis = angle.sign * (carrier_first ? 1 : -1) *
+                       as_drawn(graph, "wheel of " + wheel.text, angle.A).R.col(std::clamp(angle.axis, 0, 2));
+  if (axis.dot(wheel.axes.col(2)) < std::sqrt(1 - kOutOfLine * kOutOfLine))
+    refuse(
+        "wheel of " + wheel.text + " does not turn about the z axis of its marker",
+        "put the marker on the body that carries the axle, z along the axis of the joint; give -pin.angle() where the "
+        "wheel is the first body of the joint");
 }
 
 std::vector<Wheel> wheels_of(const SystemGraph& graph, const std::vector<RopeEnd>& ends,
@@ -74,7 +90,12 @@ std::vector<Wheel> wheels_of(const SystemGraph& graph, const std::vector<RopeEnd
     wheels.push_back({text, pulley.marker, signed_radius(text, pulley.radius, pulley.sense)});
   }
   if (!ends.empty()) add_end(1);
-  for (Wheel& wheel : wheels) place_as_drawn(graph, wheel);
+  for (Wheel& wheel : wheels) {
+    const MarkerKinematics k = as_drawn(graph, wheel.text, wheel.marker);
+    wheel.p = k.p, wheel.axes = k.R;
+  }
+  for (std::size_t i = 0; i < pulleys.size(); ++i)
+    if (pulleys[i].wheel) check_angle(graph, *pulleys[i].wheel, wheels[i + (ends.empty() ? 0 : 1)]);
   return wheels;
 }
 

@@ -71,7 +71,8 @@ struct Rope {
 /// out; the mass of a travel stays that of the drawing, and rope on a drum keeps stiffness and weight of the span as
 /// drawn. Static equilibria start with bristles unbent.
 /// Throws SceneError for a missing stiffness, negative or not finite values, a pulley without radius, pulleys that
-/// overlap or an end within one, axes out of line, and what needs mass and has none; it names the pulley, from 1.
+/// overlap or an end within one, axes out of line, a wheel that does not turn about its pulley's z axis on the body of
+/// its marker, and what needs mass and has none; it names the pulley, from 1.
 Rope reeve(SystemGraph& graph, Located name, std::vector<RopeEnd> ends, RopeParameters parameters);
 
 /// Tension of a span, in its middle, N. Throws SceneError for a span that the rope does not have.

@@ -321,6 +321,19 @@ TEST(Rope, BadInputNamesThePulley) {
                  p.pulleys[0].wheel = angle_between(g.ground().marker(), g.ground().marker());
                }),
                {"pulley 1", "wheel", "friction"});
+  const auto turn = [](SystemGraph& graph, RopeParameters& p) {
+    auto& wheel = graph.add<RigidBody>("wheel", {});
+    auto& pin = graph.add<RevoluteJoint>("pin", {p.pulleys[0].marker, wheel.marker()});
+    p.mass_per_length = 1, p.pulleys[0].friction = 0.2, p.pulleys[0].wheel = pin.angle();
+  };
+  expect_error(change([turn](auto& g, auto&, auto& p) { turn(g, p), p.pulleys[0].wheel = -*p.pulleys[0].wheel; }),
+               {"wheel of pulley 1", "z axis"});
+  expect_error(change([turn](auto& g, auto&, auto& p) { turn(g, p), p.pulleys[0].marker = p.pulleys[0].wheel->B; }),
+               {"wheel of pulley 1", "z axis"});
+  expect_error(change([turn](auto& g, auto&, auto& p) {
+                 turn(g, p), p.pulleys[0].marker = g.template add<RigidBody>("other", {}).marker();
+               }),
+               {"wheel of pulley 1", "body of its marker"});
   expect_error(change([](auto&, auto& ends, auto&) { ends.clear(); }), {"closed", "mass"});
 }
 
