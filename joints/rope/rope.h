@@ -69,7 +69,8 @@ struct Rope {
 /// Spans that are slack carry nothing. Limits: the axles are about parallel (20 degrees) and neighbours about in one
 /// plane (20 degrees); spans are straight, and inertia across themselves and the centrifugal force of the rope are left
 /// out; the mass of a travel stays that of the drawing, and rope on a drum keeps stiffness and weight of the span as
-/// drawn. Static equilibria start with bristles unbent.
+/// drawn. What has slipped is kept as the rate of a coordinate: start static equilibria, at which rates vanish, from a
+/// state in which nothing has slipped, such as the drawing.
 /// Throws SceneError for a missing stiffness, negative or not finite values, a pulley without radius, pulleys that
 /// overlap or an end within one, axes out of line, a wheel that does not turn about its pulley's z axis on the body of
 /// its marker, and what needs mass and has none; it names the pulley, from 1.
