@@ -202,14 +202,17 @@ void Beam::marker_kinematics(const BodyState& state, int marker, Level level, Ma
   k.p = vector(state.q + 7 * e) + A * k.r;
   k.R = R * place.axes;
   if (level == Level::position) return;
-  const double zero[6] = {};
-  const auto m = spans_[e].motion(place.share, between.d, cache.twists[e], cache.twists[e + 1],
-                                  twist_rate(A, cache.twists[e], zero), twist_rate(B, cache.twists[e + 1], zero));
-  const Vector3 v = m.twist.head<3>(), w = m.twist.tail<3>(), swing = w.cross(place.offset);
+  const Vector6 twist = spans_[e].twist(place.share, between.d, cache.twists[e], cache.twists[e + 1]);
+  const Vector3 v = twist.head<3>(), w = twist.tail<3>(), swing = w.cross(place.offset);
   k.v = R * (v + swing);
   k.w = R * w;
   if (level == Level::velocity) return;
-  const Vector3 v_rate = m.rate.head<3>(), w_rate = m.rate.tail<3>();
+  const double zero[6] = {};
+  const Vector6 rate = spans_[e]
+                           .motion(place.share, between.d, cache.twists[e], cache.twists[e + 1],
+                                   twist_rate(A, cache.twists[e], zero), twist_rate(B, cache.twists[e + 1], zero))
+                           .rate;
+  const Vector3 v_rate = rate.head<3>(), w_rate = rate.tail<3>();
   k.bias_v = R * (v_rate + w_rate.cross(place.offset) + w.cross(v + swing));
   k.bias_w = R * w_rate;
 }

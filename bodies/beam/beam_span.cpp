@@ -15,14 +15,34 @@ using Vector6c = se3::Vector6Of<Complex>;
 constexpr double kGauss[] = {0.21132486540518711775, 0.78867513459481288225};  // weights ½
 constexpr double kTiny = 1e-100;                                               // a complex step has no round-off
 
+/// The twist at ξ by those of the ends.
 template <class S>
-se3::Vector6Of<S> field(double xi, const se3::Vector6Of<S>& d, const se3::Vector6Of<S>& v_A,
-                        const se3::Vector6Of<S>& v_B) {
+class Field {
+ public:
   using Vector = se3::Vector6Of<S>;
-  const Vector d_dot = se3::right_inverse<S>(d, v_B) - se3::right_inverse<S>(Vector(-d), v_A);
-  const Vector along = S(xi) * d;
-  return se3::carried<S>(se3::exp<S>(along), v_A) + S(xi) * se3::right<S>(along, d_dot);
-}
+  Field(double xi, const Vector& d)
+      : xi_(xi),
+        d_(d),
+        back_(-d),
+        along_(S(xi) * d),
+        k_(se3::k_of(se3::square<S>(d))),
+        a_(se3::a_of(se3::square<S>(along_))),
+        b_(se3::b_of(se3::square<S>(along_))),
+        here_(se3::exp<S>(along_)) {}
+  Vector operator()(const Vector& v_A, const Vector& v_B) const {
+    const Vector d_dot = inverse(d_, v_B) - inverse(back_, v_A);
+    return se3::carried<S>(here_, v_A) + xi_ * se3::apply<S>(-a_.value, -a_.rate, b_.value, b_.rate, along_, d_dot);
+  }
+
+ private:
+  Vector inverse(const Vector& d, const Vector& x) const {
+    return se3::apply<S>(S(0.5), S(0), k_.value, k_.rate, d, x);
+  }
+  const S xi_;
+  const Vector d_, back_, along_;
+  const se3::Coefficients<S> k_, a_, b_;
+  const se3::Pose<S> here_;
+};
 
 /// C = Uᵀ D U, U unit upper triangular; returns Uᵀ D τ U.
 Matrix6 damping_of(const BeamSection& section) {
@@ -79,7 +99,7 @@ Vector6 BeamSpan::resultants(const Vector6& strain, const Vector6& strain_rate) 
 }
 
 Vector6 BeamSpan::twist(double xi, const Vector6& d, const Vector6& v_A, const Vector6& v_B) const {
-  return field<double>(xi, d, v_A, v_B);
+  return Field<double>(xi, d)(v_A, v_B);
 }
 
 BeamSpan::Motion BeamSpan::motion(double xi, const Vector6& d, const Vector6& v_A, const Vector6& v_B,
@@ -88,7 +108,7 @@ BeamSpan::Motion BeamSpan::motion(double xi, const Vector6& d, const Vector6& v_
   const auto step = [](const Vector6& value, const Vector6& rate) -> Vector6c {
     return value.cast<Complex>() + Complex(0, kTiny) * rate.cast<Complex>();
   };
-  const Vector6c V = field<Complex>(xi, step(d, d_dot), step(v_A, rate_A), step(v_B, rate_B));
+  const Vector6c V = Field<Complex>(xi, step(d, d_dot))(step(v_A, rate_A), step(v_B, rate_B));
   return {V.real(), V.imag() / kTiny};
 }
 
@@ -101,10 +121,11 @@ BeamSpan::Vector12 BeamSpan::at_ends(double xi, const Vector6& d, const Vector6&
 }
 
 Eigen::Matrix<double, 6, 12> BeamSpan::shapes(double xi, const Vector6& d) const {
+  const Field<double> field(xi, d);
   Eigen::Matrix<double, 6, 12> N;
   for (int i = 0; i < 6; ++i) {
-    N.col(i) = field<double>(xi, d, Vector6::Unit(i), Vector6::Zero());
-    N.col(6 + i) = field<double>(xi, d, Vector6::Zero(), Vector6::Unit(i));
+    N.col(i) = field(Vector6::Unit(i), Vector6::Zero());
+    N.col(6 + i) = field(Vector6::Zero(), Vector6::Unit(i));
   }
   return N;
 }

@@ -57,7 +57,7 @@ class Cable final : public PointBody, public DrawableBody {
   double length() const { return arc_[element_count()]; }  // unstretched, m
   double mass() const { return parameters_.mass_per_length * length(); }
   /// Unstretched length from the first end to a node (0 … n), m.
-  double arc_length(int node) const { return arc_[node]; }
+  double arc(int node) const { return arc_[node]; }
   /// The element that holds the point at an unstretched length from the first end; of two the later one.
   int element_at(double arc_length) const;
 

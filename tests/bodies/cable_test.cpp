@@ -263,7 +263,7 @@ TEST(Cable, IsDrawnSlackWithElementsAsLongAsTheyAre) {
     const BodyState state = now.assembler().body_state(cable);
     EXPECT_LT(cable.tensions(state).cwiseAbs().maxCoeff(), 1e-12);
     EXPECT_LT((cable.positions(state).col(cable.element_count()) - to).norm(), 1e-14);
-    EXPECT_EQ(cable.arc_length(cable.element_at(1.2)), 1.2);
+    EXPECT_EQ(cable.arc(cable.element_at(1.2)), 1.2);
     if (to.x() > 0) {
       EXPECT_LT(cable.positions(state).row(2).minCoeff(), -1) << "hangs";
     }

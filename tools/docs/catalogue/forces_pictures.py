@@ -134,6 +134,29 @@ def distributed_load():
     return p
 
 
+def line_load():
+    p = Picture("Loads along two bent beams: dead ones keep their direction, following ones turn with the sections", centre=(0, 0, 0.1))
+
+    def bent(y, s):  # a quarter of a circle in the plane x = y, and the direction across it
+        angle = 1.1 * s / 1.6
+        return vec(0, y + 1.45 * np.sin(angle), 0.9 - 1.45 * (1 - np.cos(angle))), vec(0, np.sin(angle), np.cos(angle))
+
+    for y, name in ((-2.0, "f, dead"), (0.45, "R f, following")):
+        p.line([bent(y, s)[0] for s in np.linspace(0, 1.6, 17)], "a w")
+        p.box((0, y - 0.06, 0.9), (0.5, 0.12, 0.7), "g")
+        tops = []
+        for s in np.linspace(0.4, 1.6, 7):
+            q, across = bent(y, s)
+            size = (0.15 + 0.35 * (s - 0.4)) * (Z if y < 0 else across)
+            tops.append(q + size + 0.08 * across)
+            p.arrow(tops[-1], q + 0.05 * across, "f", size=6)
+        p.line(tops, "f")
+        p.text((0, y + 0.75, 1.75), name, "f")
+    p.text((0, -1.72, 0.55), "from", "m", small=True)
+    p.text((0, -0.7, -0.08), "to", "m", small=True)
+    return p
+
+
 def user_force():
     p = Picture("A wrench by a function of time and of the marker's motion", centre=(0, 0, 0.2))
     R = turn((1, 0.2, 0.3), 20)
@@ -189,6 +212,7 @@ PICTURES = {
         bushing,
         point_force,
         distributed_load,
+        line_load,
         user_force,
         pid_controller,
     )
