@@ -17,10 +17,10 @@ constexpr double kTiny = 1e-100;                                               /
 
 /// The twist at ξ by those of the ends.
 template <class S>
-class Field {
+class TwistField {
  public:
   using Vector = se3::Vector6Of<S>;
-  Field(double xi, const Vector& d)
+  TwistField(double xi, const Vector& d)
       : xi_(xi),
         d_(d),
         back_(-d),
@@ -99,7 +99,7 @@ Vector6 BeamSpan::resultants(const Vector6& strain, const Vector6& strain_rate) 
 }
 
 Vector6 BeamSpan::twist(double xi, const Vector6& d, const Vector6& v_A, const Vector6& v_B) const {
-  return Field<double>(xi, d)(v_A, v_B);
+  return TwistField<double>(xi, d)(v_A, v_B);
 }
 
 BeamSpan::Motion BeamSpan::motion(double xi, const Vector6& d, const Vector6& v_A, const Vector6& v_B,
@@ -108,7 +108,7 @@ BeamSpan::Motion BeamSpan::motion(double xi, const Vector6& d, const Vector6& v_
   const auto step = [](const Vector6& value, const Vector6& rate) -> Vector6c {
     return value.cast<Complex>() + Complex(0, kTiny) * rate.cast<Complex>();
   };
-  const Vector6c V = Field<Complex>(xi, step(d, d_dot))(step(v_A, rate_A), step(v_B, rate_B));
+  const Vector6c V = TwistField<Complex>(xi, step(d, d_dot))(step(v_A, rate_A), step(v_B, rate_B));
   return {V.real(), V.imag() / kTiny};
 }
 
@@ -121,7 +121,7 @@ BeamSpan::Vector12 BeamSpan::at_ends(double xi, const Vector6& d, const Vector6&
 }
 
 Eigen::Matrix<double, 6, 12> BeamSpan::shapes(double xi, const Vector6& d) const {
-  const Field<double> field(xi, d);
+  const TwistField<double> field(xi, d);
   Eigen::Matrix<double, 6, 12> N;
   for (int i = 0; i < 6; ++i) {
     N.col(i) = field(Vector6::Unit(i), Vector6::Zero());
