@@ -29,24 +29,11 @@ BeamElement::BeamElement(Parameters parameters) : section_(parameters.section), 
   }
 }
 
-/// With (u, phi) = log(H_A⁻¹ H_B) and k = se3::k_of(phi·phi):
-///   log' = Jr⁻¹ (twist of B) - Jl⁻¹ (twist of A), each twist in the axes of its marker,
-///   Jr⁻¹ = [M, N; 0, M], Jl⁻¹ = [Mᵀ, Nᵀ; 0, Mᵀ],   M = E + ½ phi~ + k phi~²,
-///   N = dM/dphi u = ½ u~ + k (u~ phi~ + phi~ u~) + 2 k' (phi·u) phi~²
+/// log' = T⁻¹ (twist of B) - T(-log)⁻¹ (twist of A), each twist in the axes of its marker, T⁻¹ = [M, N; 0, M].
 void BeamElement::evaluate(double, std::span<const MarkerView> markers, ForceRows& rows) const {
   const auto &A = markers[0], &B = markers[1];
   const Vector6 xi = relative_log(A, B);
-  const Vector3 u = xi.head<3>(), phi = xi.tail<3>();
-  const double t = phi.squaredNorm(), along = phi.dot(u);
-  const auto [k, k_rate] = se3::k_of(t);
-  const double squares = 2 * k_rate * along;
-  // phi~² = phi phiᵀ - t E,  u~ phi~ + phi~ u~ = u phiᵀ + phi uᵀ - 2 (phi·u) E
-  Matrix3 M = (k * phi) * phi.transpose();
-  M.diagonal().array() += 1 - k * t;
-  M += skew(0.5 * phi);
-  Matrix3 N = (k * u + squares * phi) * phi.transpose() + phi * (k * u).transpose();
-  N.diagonal().array() -= 2 * k * along + squares * t;
-  N += skew(0.5 * u);
+  const auto [M, N] = se3::blocks(se3::right_inverse_at(xi), xi);
   // R_B Mᵀ = R_A M: the forces on A and B are opposite.
   const Matrix3 forces = A.R * M, moments_A = A.R * N, moments_B = B.R * N.transpose();
   const Vector6 stretch = rows_ * (xi - reference_);

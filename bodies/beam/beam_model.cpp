@@ -8,12 +8,8 @@
 namespace lithe {
 namespace {
 
-using Complex = std::complex<double>;
-using Vector6c = se3::Vector6Of<Complex>;
 using Vector12 = BeamSpan::Vector12;
 using Matrix12 = BeamSpan::Matrix12;
-
-constexpr double kTiny = 1e-30;  // of a complex step
 
 /// A span between two nodes of the drawing.
 struct DrawnSpan {
@@ -53,18 +49,28 @@ std::array<int, 12> dofs_of(const DrawnSpan& drawn, int node_count) {
 /// derivative along l of  d_k = T⁻¹(d) v_B - T⁻¹(-d) v_A.  Where the end has turned by φ_l, the displacement k is
 /// exp(-φ_l~) u_k in its axes and the rotation Jr(φ_l) φ_k.
 Vector6 second_derivative(const Vector6& d, const Vector12& k, const Vector12& l) {
-  const auto moved = [&](int end) -> Vector6c {
+  const se3::Analytic inverse = se3::right_inverse_at(d);
+  const auto [F, G] = se3::blocks(inverse, d);
+  const auto apply = [](const Matrix3& M, const Matrix3& N, const Vector6& x) -> Vector6 {
+    Vector6 y;
+    y << M * x.head<3>() + N * x.tail<3>(), M * x.tail<3>();
+    return y;
+  };
+  const auto forwards = [&, &F = F, &G = G](const Vector6& x) { return apply(F, G, x); };
+  const auto backwards = [&, &F = F, &G = G](const Vector6& x) { return apply(F.transpose(), G.transpose(), x); };
+  const auto change = [&](int end) -> Vector6 {  // of the motion k in the axes of the end
     const Vector6 x = k.segment<6>(6 * end);
     const Vector3 turn = l.segment<3>(6 * end + 3);
     Vector6 rate;
     rate << -turn.cross(x.head<3>()), -0.5 * turn.cross(x.tail<3>());
-    return x.cast<Complex>() + Complex(0, kTiny) * rate.cast<Complex>();
+    return rate;
   };
-  const Vector6 d_rate = se3::right_inverse<double>(d, Vector6(l.tail<6>())) -
-                         se3::right_inverse<double>(Vector6(-d), Vector6(l.head<6>()));
-  const Vector6c at = d.cast<Complex>() + Complex(0, kTiny) * d_rate.cast<Complex>();
-  const Vector6c d_k = se3::right_inverse<Complex>(at, moved(1)) - se3::right_inverse<Complex>(Vector6c(-at), moved(0));
-  return d_k.imag() / kTiny;
+  const Vector6 d_l = forwards(l.tail<6>()) - backwards(l.head<6>());
+  const auto along = [&](const Vector6& at, const Vector6& x) {
+    const se3::Rates r = se3::rates(inverse, at, x);
+    return apply(r.D, r.E, d_l);
+  };
+  return along(d, k.tail<6>()) + along(-d, k.head<6>()) + forwards(change(1)) - backwards(change(0));
 }
 
 /// FiniteElementModel::second_order_forces.

@@ -1,6 +1,7 @@
 #include "bodies/beam/beam_cache_internal.h"
 #include "bodies/beam/node_mass_internal.h"
 #include "bodies/beam/se3_internal.h"
+#include "bodies/beam/span_field_internal.h"
 
 namespace lithe {
 namespace {
@@ -36,11 +37,12 @@ Matrix6 turned(const Matrix3& A, const Block& K, const Matrix3& B) {
 
 Vector12 BetweenNodes::at_nodes(const Vector6& d_moved, const Matrix3& A_moved, const Matrix3& B_moved,
                                 const Vector3& force, const Vector3& torque) const {
-  const Matrix3 R = A_moved * se3::exp<double>(Vector6(share * d_moved)).R;
+  const SpanField field(share, d_moved);
+  const Matrix3 R = A_moved * field.pose().R;
   Vector6 f;
   f.head<3>() = R.transpose() * force;
   f.tail<3>() = R.transpose() * torque + offset.cross(Vector3(f.head<3>()));
-  Vector12 out = span->at_ends(share, d_moved, f);
+  Vector12 out = field.shapes().transpose() * f;
   out.segment<3>(0) = A_moved * out.segment<3>(0).eval();
   out.segment<3>(6) = B_moved * out.segment<3>(6).eval();
   return out;
@@ -48,12 +50,17 @@ Vector12 BetweenNodes::at_nodes(const Vector6& d_moved, const Matrix3& A_moved, 
 
 void BetweenNodes::add_load_stiffness(const Vector3& force, const Vector3& torque, Matrix12& K) const {
   const double turn = 1e-5, shift = turn * span->length();
+  const auto [F, G] = se3::blocks(se3::right_inverse_at(d), d);
   for (int i = 0; i < 12; ++i) {
     const double step = i % 6 < 3 ? shift : turn;
     Vector6 twist = Vector6::Unit(i % 6);
     if (i % 6 < 3) twist.head<3>() = (i < 6 ? A : B).row(i % 6).transpose();
-    const Vector6 d_rate =
-        i < 6 ? Vector6(-se3::right_inverse<double>(Vector6(-d), twist)) : se3::right_inverse<double>(d, twist);
+    const Vector3 v = twist.head<3>(), w = twist.tail<3>();
+    Vector6 d_rate;
+    if (i < 6)
+      d_rate << -(F.transpose() * v + G.transpose() * w), -(F.transpose() * w);
+    else
+      d_rate << F * v + G * w, F * w;
     const auto moved = [&](double by) -> Vector12 {
       const Matrix3 turned = rotation_exp(Vector3(by * twist.tail<3>()));
       return at_nodes(d + by * d_rate, i < 6 ? Matrix3(A * turned) : A, i < 6 ? B : Matrix3(B * turned), force, torque);
@@ -186,9 +193,10 @@ void Beam::marker_kinematics(const BodyState& state, int marker, Level level, Ma
   const Matrix3 &A = cache.axes[e], &B = cache.axes[e + 1];
   BetweenNodes& between = cache.marker(*this, marker);
   between.d = cache.d[e], between.A = A, between.B = B;
-  const auto h = se3::exp<double>(Vector6(place.share * between.d));
+  const SpanField field(place.share, between.d);
+  const se3::Pose& h = field.pose();
+  const auto& N = field.shapes();
   const Matrix3 R = A * h.R;
-  const auto N = spans_[e].shapes(place.share, between.d);
   for (int end : {0, 1}) {
     Matrix6& J = between.shares[end].J;
     J.bottomRows<3>() = R * N.block<3, 6>(3, 6 * end);
@@ -202,16 +210,17 @@ void Beam::marker_kinematics(const BodyState& state, int marker, Level level, Ma
   k.p = vector(state.q + 7 * e) + A * k.r;
   k.R = R * place.axes;
   if (level == Level::position) return;
-  const Vector6 twist = spans_[e].twist(place.share, between.d, cache.twists[e], cache.twists[e + 1]);
+  Vector12 ends;
+  ends << cache.twists[e], cache.twists[e + 1];
+  const Vector6 twist = N * ends;
   const Vector3 v = twist.head<3>(), w = twist.tail<3>(), swing = w.cross(place.offset);
   k.v = R * (v + swing);
   k.w = R * w;
   if (level == Level::velocity) return;
   const double zero[6] = {};
-  const Vector6 rate = spans_[e]
-                           .motion(place.share, between.d, cache.twists[e], cache.twists[e + 1],
-                                   twist_rate(A, cache.twists[e], zero), twist_rate(B, cache.twists[e + 1], zero))
-                           .rate;
+  Vector12 rates;
+  rates << twist_rate(A, cache.twists[e], zero), twist_rate(B, cache.twists[e + 1], zero);
+  const Vector6 rate = N * rates + field.bias(ends);
   const Vector3 v_rate = rate.head<3>(), w_rate = rate.tail<3>();
   k.bias_v = R * (v_rate + w_rate.cross(place.offset) + w.cross(v + swing));
   k.bias_w = R * w_rate;

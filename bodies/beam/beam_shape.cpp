@@ -22,7 +22,7 @@ Matrix3X Beam::surface(std::span<const FramePose> nodes) const {
     const auto [b2, b3] = span.section().edges(0.01 * span.length());
     const Vector3 center = span.section().mass_center();
     for (int ring = 0; ring < kRings + (e + 1 == element_count() ? 1 : 0); ++ring) {
-      const auto h = se3::exp<double>(Vector6(static_cast<double>(ring) / kRings * d));
+      const auto h = se3::exp(static_cast<double>(ring) / kRings * d);
       for (const auto& [s2, s3] : {std::pair(-1, -1), {1, -1}, {1, 1}, {-1, 1}}) {
         const Vector3 corner(0, center[1] + 0.5 * s2 * b2, center[2] + 0.5 * s3 * b3);
         points.col(at++) = a.position + a.axes * (h.p + h.R * corner);

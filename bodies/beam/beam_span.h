@@ -33,18 +33,6 @@ class BeamSpan {
   Vector6 resultants(const Vector6& strain, const Vector6& strain_rate) const;
   double elastic_energy(const Vector6& strain) const { return 0.5 * length_ * strain.dot(section_.stiffness * strain); }
 
-  /// V(ξ), and V_dot(ξ) for rates of the ends' twists.
-  Vector6 twist(double xi, const Vector6& d, const Vector6& v_A, const Vector6& v_B) const;
-  struct Motion {
-    Vector6 twist, rate;
-  };
-  Motion motion(double xi, const Vector6& d, const Vector6& v_A, const Vector6& v_B, const Vector6& rate_A,
-                const Vector6& rate_B) const;
-  /// What a wrench at ξ does at the ends: (N_Aᵀ f, N_Bᵀ f).
-  Vector12 at_ends(double xi, const Vector6& d, const Vector6& f) const;
-  /// [N_A, N_B], 6 x 12.
-  Eigen::Matrix<double, 6, 12> shapes(double xi, const Vector6& d) const;
-
   /// What resultants do at the ends: Pᵀ σ, P = [-T⁻¹(-d), T⁻¹(d)].
   Vector12 internal_forces(const Vector6& d, const Vector6& sigma) const;
   /// Its derivative by small motions of the ends, twists in their axes: stiffness and damping as weighted, and what the

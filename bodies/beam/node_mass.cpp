@@ -11,19 +11,29 @@ Vector6 inertia_force(const Matrix6& mass, const Vector6& twist, const Vector6& 
   return f;
 }
 
-Vector6 rate_without_acceleration(const Vector6& twist) {
-  Vector6 rate;
-  rate << -twist.tail<3>().cross(twist.head<3>()), Vector3::Zero();
-  return rate;
+Matrix6 rate_by_twist(const Vector6& twist) {
+  Matrix6 R = Matrix6::Zero();
+  R.topLeftCorner<3, 3>() = -skew(Vector3(twist.tail<3>()));
+  R.topRightCorner<3, 3>() = skew(Vector3(twist.head<3>()));
+  return R;
+}
+
+Matrix6 momentum_rates(const Matrix6& mass, const Vector6& twist) {
+  const Vector6 momentum = mass * twist;
+  const Matrix3 v = skew(Vector3(twist.head<3>())), w = skew(Vector3(twist.tail<3>()));
+  const Matrix3 p = skew(Vector3(momentum.head<3>())), l = skew(Vector3(momentum.tail<3>()));
+  Matrix6 R;
+  R.topRows<3>().noalias() = w * mass.topRows<3>();
+  R.bottomRows<3>() = w * mass.bottomRows<3>() + v * mass.topRows<3>();
+  R.topRightCorner<3, 3>() -= p;
+  R.bottomLeftCorner<3, 3>() -= p;
+  R.bottomRightCorner<3, 3>() -= l;
+  return R;
 }
 
 Matrix6 gyroscopic(const Matrix6& mass, const Vector6& twist) {
-  Matrix6 G = Matrix6::Zero();
-  if (twist.isZero(0)) return G;
-  const auto force = [&](const Vector6& v) { return inertia_force(mass, v, rate_without_acceleration(v)); };
-  for (int i = 0; i < 6; ++i)  // quadratic in the twist: differences have no error but round-off
-    G.col(i) = 0.5 * (force(twist + Vector6::Unit(i)) - force(twist - Vector6::Unit(i)));
-  return G;
+  if (twist.isZero(0)) return Matrix6::Zero();
+  return mass * rate_by_twist(twist) + momentum_rates(mass, twist);
 }
 
 }  // namespace lithe::rigid_piece
