@@ -410,6 +410,13 @@ void ContactImpulses::displace(RigidContacts& contacts, VectorX& d) {
   d += dv_;
 }
 
+void ContactImpulses::leave_out_rigid(EquationsOfMotion& equations, const ContactMemory& last) {
+  compliant_.clear();
+  for (const ContactTrace& trace : last)
+    if (std::holds_alternative<CompliantMemory>(trace.memory)) compliant_.push_back(trace);
+  equations.memory().recall(compliant_);
+}
+
 /// Solvers begin with the impulses of the last step, which the state has.
 void ContactImpulses::history(Archive& archive) {
   archive.group("impulses", [&] {

@@ -40,6 +40,8 @@ class ContactImpulses {
   };
   ContactImpulses(Parameters parameters, std::unique_ptr<ConeSolver> solver);
 
+  /// Leaves rigid contacts out of the equations until the next recall; what compliant laws remember stays.
+  void leave_out_rigid(EquationsOfMotion& equations, const ContactMemory& last);
   /// With the equations evaluated in the middle of the step, q ⊕ h/2 v, and factorised with its weights. `v_end` and
   /// `d` come without contact and leave with it. False where no point was near.
   bool apply(EquationsOfMotion& equations, const VectorX& v, double h, const ContactMemory& last, VectorX& v_end,
@@ -101,6 +103,7 @@ class ContactImpulses {
   VectorX times_;                     // of what acts across, by point
   VectorX u_, r_, total_, weights_, dv_, moved_, gaps_, free_gaps_, least_gaps_, now_, impulse_;
   ConeProblem alone_;
+  ContactMemory compliant_;
 };
 
 }  // namespace lithe

@@ -39,7 +39,7 @@ StepResult MoreauJean::advance(EquationsOfMotion& equations, State& state, doubl
 
   // 1. Without contact: forces and their derivatives in the middle.
   const bool rigid = equations.parts().rigid_contacts != nullptr;
-  if (rigid) equations.memory().recall(ContactMemory{});
+  if (rigid) impulses_.leave_out_rigid(equations, state.contacts);
   d_ = h / 2 * state.v;
   layout.retract(state.q, d_, q_);
   equations.evaluate(state.time + h / 2, q_, state.v, Level::velocity);

@@ -14,7 +14,7 @@ NonsmoothGeneralizedAlpha::NonsmoothGeneralizedAlpha(Parameters parameters, std:
 }
 
 void NonsmoothGeneralizedAlpha::prepare(EquationsOfMotion& equations, State& state) {
-  equations.memory().recall(ContactMemory{});
+  impulses_.leave_out_rigid(equations, state.contacts);
   jumped_ = false;
   GeneralizedAlpha::prepare(equations, state);
 }
@@ -30,7 +30,7 @@ bool NonsmoothGeneralizedAlpha::keep(Archive& archive, EquationsOfMotion& equati
 
 StepResult NonsmoothGeneralizedAlpha::advance(EquationsOfMotion& equations, State& state, double t_stop) {
   // 1. The smooth motion.
-  equations.memory().recall(ContactMemory{});
+  impulses_.leave_out_rigid(equations, state.contacts);
   start_ = state;
   if (jumped_) state.v_dot = smooth_v_dot_, state.lambda = smooth_lambda_;
   jumped_ = false;
