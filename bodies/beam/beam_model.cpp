@@ -14,17 +14,18 @@ using Matrix12 = BeamSpan::Matrix12;
 /// A span between two nodes of the drawing.
 struct DrawnSpan {
   BeamSpan span;
-  std::array<int, 2> nodes;
+  int first;
   std::array<Matrix3, 2> axes;
   Vector6 d;
+  se3::Analytic inverse = se3::right_inverse_at(d);
+  se3::Blocks T = se3::blocks(inverse, d);  // T⁻¹(d)
 };
 
 std::vector<DrawnSpan> drawn_spans(const Beam& beam) {
   std::vector<DrawnSpan> spans;
   for (int e = 0; e < beam.element_count(); ++e) {
     const FramePose &a = beam.pose(e), &b = beam.pose(e + 1);
-    spans.push_back(
-        {beam.element(e), {e, e + 1}, {a.axes, b.axes}, se3::log_between(a.position, a.axes, b.position, b.axes)});
+    spans.push_back({beam.element(e), e, {a.axes, b.axes}, se3::log_between(a.position, a.axes, b.position, b.axes)});
   }
   return spans;
 }
@@ -40,24 +41,15 @@ Matrix12 turn_of(const DrawnSpan& drawn) {
 std::array<int, 12> dofs_of(const DrawnSpan& drawn, int node_count) {
   std::array<int, 12> dofs{};
   for (int i = 0; i < 12; ++i)
-    dofs[static_cast<std::size_t>(i)] =
-        3 * drawn.nodes[static_cast<std::size_t>(i / 6)] + i % 3 + (i % 6 < 3 ? 0 : 3 * node_count);
+    dofs[static_cast<std::size_t>(i)] = 3 * (drawn.first + i / 6) + i % 3 + (i % 6 < 3 ? 0 : 3 * node_count);
   return dofs;
 }
 
 /// ∂²d/∂η_k∂η_l for motions k and l of the ends (12-vectors in their axes: displacement, rotation vector): the
 /// derivative along l of  d_k = T⁻¹(d) v_B - T⁻¹(-d) v_A.  Where the end has turned by φ_l, the displacement k is
 /// exp(-φ_l~) u_k in its axes and the rotation Jr(φ_l) φ_k.
-Vector6 second_derivative(const Vector6& d, const Vector12& k, const Vector12& l) {
-  const se3::Analytic inverse = se3::right_inverse_at(d);
-  const auto [F, G] = se3::blocks(inverse, d);
-  const auto apply = [](const Matrix3& M, const Matrix3& N, const Vector6& x) -> Vector6 {
-    Vector6 y;
-    y << M * x.head<3>() + N * x.tail<3>(), M * x.tail<3>();
-    return y;
-  };
-  const auto forwards = [&, &F = F, &G = G](const Vector6& x) { return apply(F, G, x); };
-  const auto backwards = [&, &F = F, &G = G](const Vector6& x) { return apply(F.transpose(), G.transpose(), x); };
+Vector6 second_derivative(const DrawnSpan& drawn, const Vector12& k, const Vector12& l) {
+  const se3::Blocks &forwards = drawn.T, backwards = forwards.turned_back();
   const auto change = [&](int end) -> Vector6 {  // of the motion k in the axes of the end
     const Vector6 x = k.segment<6>(6 * end);
     const Vector3 turn = l.segment<3>(6 * end + 3);
@@ -65,12 +57,9 @@ Vector6 second_derivative(const Vector6& d, const Vector12& k, const Vector12& l
     rate << -turn.cross(x.head<3>()), -0.5 * turn.cross(x.tail<3>());
     return rate;
   };
-  const Vector6 d_l = forwards(l.tail<6>()) - backwards(l.head<6>());
-  const auto along = [&](const Vector6& at, const Vector6& x) {
-    const se3::Rates r = se3::rates(inverse, at, x);
-    return apply(r.D, r.E, d_l);
-  };
-  return along(d, k.tail<6>()) + along(-d, k.head<6>()) + forwards(change(1)) - backwards(change(0));
+  const Vector6 d_l = forwards * l.tail<6>() - backwards * l.head<6>();
+  return se3::rates(drawn.inverse, drawn.d, k.tail<6>()) * d_l +
+         se3::rates(drawn.inverse, -drawn.d, k.head<6>()) * d_l + forwards * change(1) - backwards * change(0);
 }
 
 /// FiniteElementModel::second_order_forces.
@@ -84,7 +73,7 @@ MatrixX second_order_forces(const std::vector<DrawnSpan>& spans, int node_count,
     Eigen::Index pair = 0;
     for (Eigen::Index l = 0; l < nm; ++l)
       for (Eigen::Index k = 0; k <= l; ++k) {
-        const Vector6 bent = second_derivative(drawn.d, motion.col(k), motion.col(l)) / drawn.span.length();
+        const Vector6 bent = second_derivative(drawn, motion.col(k), motion.col(l)) / drawn.span.length();
         const Vector12 f = A * drawn.span.internal_forces(drawn.d, drawn.span.section().stiffness * bent);
         forces(dofs, pair++) += f;
       }
@@ -119,7 +108,7 @@ FiniteElementModel finite_element_model(const Beam& beam) {
   for (const DrawnSpan& drawn : spans) {
     const auto dofs = dofs_of(drawn, n);
     const Matrix12 A = turn_of(drawn), back = A.transpose();
-    lines.nodes.push_back({drawn.nodes[0], drawn.nodes[1]});
+    lines.nodes.push_back({drawn.first, drawn.first + 1});
     add(stiffness, dofs, Matrix12(A * drawn.span.tangent(drawn.d, Vector6::Zero(), 1, 0) * back));
     if (beam.parameters().mass == Beam::Mass::consistent)
       add(mass, dofs, Matrix12(A * drawn.span.mass(drawn.d) * back));

@@ -50,17 +50,13 @@ Vector12 BetweenNodes::at_nodes(const Vector6& d_moved, const Matrix3& A_moved, 
 
 void BetweenNodes::add_load_stiffness(const Vector3& force, const Vector3& torque, Matrix12& K) const {
   const double turn = 1e-5, shift = turn * span->length();
-  const auto [F, G] = se3::blocks(se3::right_inverse_at(d), d);
+  const se3::Blocks inverse = se3::blocks(se3::right_inverse_at(d), d);
   for (int i = 0; i < 12; ++i) {
     const double step = i % 6 < 3 ? shift : turn;
     Vector6 twist = Vector6::Unit(i % 6);
     if (i % 6 < 3) twist.head<3>() = (i < 6 ? A : B).row(i % 6).transpose();
-    const Vector3 v = twist.head<3>(), w = twist.tail<3>();
-    Vector6 d_rate;
-    if (i < 6)
-      d_rate << -(F.transpose() * v + G.transpose() * w), -(F.transpose() * w);
-    else
-      d_rate << F * v + G * w, F * w;
+    Vector6 d_rate = inverse * twist;
+    if (i < 6) d_rate = -(inverse.turned_back() * twist);
     const auto moved = [&](double by) -> Vector12 {
       const Matrix3 turned = rotation_exp(Vector3(by * twist.tail<3>()));
       return at_nodes(d + by * d_rate, i < 6 ? Matrix3(A * turned) : A, i < 6 ? B : Matrix3(B * turned), force, torque);
@@ -100,8 +96,7 @@ void Beam::evaluate(const BodyState& state, Level) const {
     const BeamSpan& span = spans_[e];
     cache.d[e] =
         se3::log_between(vector(state.q + 7 * e), cache.axes[e], vector(state.q + 7 * e + 7), cache.axes[e + 1]);
-    cache.resultants[e] =
-        span.resultants(span.strain(cache.d[e]), span.strain_rate(cache.d[e], cache.twists[e], cache.twists[e + 1]));
+    cache.resultants[e] = span.resultants(cache.d[e], cache.twists[e], cache.twists[e + 1]);
   }
 }
 

@@ -25,13 +25,6 @@ Matrix6 damping_of(const BeamSection& section) {
   return U.transpose() * D.cwiseProduct(section.damping).asDiagonal() * U;
 }
 
-/// [F, G; 0, F].
-Matrix6 whole(const Matrix3& F, const Matrix3& G) {
-  Matrix6 T;
-  T << F, G, Matrix3::Zero(), F;
-  return T;
-}
-
 BeamSpan::Vector12 both(const Vector6& A, const Vector6& B) {
   BeamSpan::Vector12 out;
   out << A, B;
@@ -41,11 +34,7 @@ BeamSpan::Vector12 both(const Vector6& A, const Vector6& B) {
 }  // namespace
 
 BeamSpan::BeamSpan(const BeamSection& section, double length, const Vector6& drawn)
-    : section_(section),
-      length_(length),
-      drawn_(drawn),
-      damping_(damping_of(section)),
-      damped_(!section.damping.isZero(0)) {
+    : section_(section), length_(length), drawn_(drawn), damping_(damping_of(section)) {
   const double helix = drawn.head<3>().norm(), turn = drawn.tail<3>().norm();
   if (turn > std::numbers::pi / 2)
     throw SceneError("its ends are drawn " + std::to_string(turn * 180 / std::numbers::pi) + " degrees apart", "",
@@ -59,17 +48,12 @@ BeamSpan::BeamSpan(const BeamSection& section, double length, const Vector6& dra
                      "turn the axes so that axis 1 runs from the start of the beam to its end");
 }
 
-Vector6 BeamSpan::strain_rate(const Vector6& d, const Vector6& v_A, const Vector6& v_B) const {
-  const auto [F, G] = se3::blocks(se3::right_inverse_at(d), d);
-  Vector6 rate;
-  rate << F * v_B.head<3>() + G * v_B.tail<3>() - F.transpose() * v_A.head<3>() - G.transpose() * v_A.tail<3>(),
-      F * v_B.tail<3>() - F.transpose() * v_A.tail<3>();
-  return rate / length_;
-}
-
-Vector6 BeamSpan::resultants(const Vector6& strain, const Vector6& strain_rate) const {
-  if (!damped_) return section_.stiffness * strain;
-  return section_.stiffness * strain + damping_ * strain_rate;
+Vector6 BeamSpan::resultants(const Vector6& d, const Vector6& v_A, const Vector6& v_B) const {
+  Vector6 sigma = section_.stiffness * strain(d);
+  if (section_.damping.isZero(0)) return sigma;
+  const se3::Blocks inverse = se3::blocks(se3::right_inverse_at(d), d);
+  sigma += damping_ * (inverse * v_B - inverse.turned_back() * v_A) / length_;
+  return sigma;
 }
 
 BeamSpan::Vector12 BeamSpan::internal_forces(const Vector6& d, const Vector6& sigma) const {
@@ -82,10 +66,10 @@ BeamSpan::Vector12 BeamSpan::internal_forces(const Vector6& d, const Vector6& si
 
 BeamSpan::Matrix12 BeamSpan::tangent(const Vector6& d, const Vector6& sigma, double position, double velocity) const {
   const se3::Analytic inverse = se3::right_inverse_at(d);
-  const auto [F, G] = se3::blocks(inverse, d);
-  const Matrix6 A = -whole(F.transpose(), G.transpose()), B = whole(F, G);
+  const se3::Blocks T = se3::blocks(inverse, d);
+  const Matrix6 A = -T.turned_back().matrix(), B = T.matrix();
   Matrix6 C = (position / length_) * section_.stiffness;
-  if (damped_) C += (velocity / length_) * damping_;
+  if (velocity != 0) C += (velocity / length_) * damping_;
   const Matrix6 CA = C * A, CB = C * B;
   Matrix12 K;
   K.topLeftCorner<6, 6>().noalias() = A.transpose() * CA;
@@ -93,8 +77,8 @@ BeamSpan::Matrix12 BeamSpan::tangent(const Vector6& d, const Vector6& sigma, dou
   K.bottomLeftCorner<6, 6>() = K.topRightCorner<6, 6>().transpose();
   K.bottomRightCorner<6, 6>().noalias() = B.transpose() * CB;
   if (position == 0) return K;
-  // What the resultants do as the ends move, by rates at (m, n): -[0, D; D, E] at the first end, and at the second
-  // [0, n~ + D; n~ + D, m~ + E].
+  // What the resultants do as the ends move, by [D, E; 0, D] = ∂(T⁻¹ (m, n))/∂d: -[0, D; D, E] at the first end, and at
+  // the second [0, n~ + D; n~ + D, m~ + E].
   const Vector3 n = sigma.head<3>(), m = sigma.tail<3>();
   Vector6 exchanged;
   exchanged << m, n;

@@ -27,10 +27,9 @@ class BeamSpan {
   double length() const { return length_; }
 
   Vector6 strain(const Vector6& d) const { return (d - drawn_) / length_; }
-  /// ε̇ for the twists of the ends.
-  Vector6 strain_rate(const Vector6& d, const Vector6& v_A, const Vector6& v_B) const;
   /// (n, m) = C (ε + damping ∘ ε̇) for an uncoupled section; of a coupled one, row by row of its factor C = Uᵀ D U.
-  Vector6 resultants(const Vector6& strain, const Vector6& strain_rate) const;
+  /// v_A, v_B: the twists of the ends.
+  Vector6 resultants(const Vector6& d, const Vector6& v_A, const Vector6& v_B) const;
   double elastic_energy(const Vector6& strain) const { return 0.5 * length_ * strain.dot(section_.stiffness * strain); }
 
   /// What resultants do at the ends: Pᵀ σ, P = [-T⁻¹(-d), T⁻¹(d)].
@@ -54,7 +53,6 @@ class BeamSpan {
   double length_;
   Vector6 drawn_;    // d as drawn
   Matrix6 damping_;  // Uᵀ D τ U
-  bool damped_;
 };
 
 }  // namespace lithe

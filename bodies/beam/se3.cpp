@@ -104,8 +104,8 @@ Blocks blocks(const Analytic& c, const Vector6& d) {
   return out;
 }
 
-/// Of x = (x_u, x_w), D = ∂(F x_w)/∂φ; E = ∂(F x_u)/∂φ + ∂(D u)/∂φ.
-Rates rates(const Analytic& c, const Vector6& d, const Vector6& x) {
+/// Of x = (x_u, x_w), F' = ∂(F x_w)/∂φ; G' = ∂(F x_u)/∂φ + ∂(F' u)/∂φ.
+Blocks rates(const Analytic& c, const Vector6& d, const Vector6& x) {
   const Vector3 u = d.head<3>(), phi = d.tail<3>(), w = x.tail<3>();
   const double along = phi.dot(u);
   const auto twice = [&](const Vector3& a, const Vector3& y) -> Matrix3 {  // ∂(a × (φ × y) + φ × (a × y))/∂φ, a fixed

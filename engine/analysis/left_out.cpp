@@ -6,7 +6,6 @@
 #include <cstdio>
 
 #include "engine/base/log.h"
-#include "engine/model/contact_element.h"
 #include "engine/model/deformable_body.h"
 #include "engine/observe/sensors.h"
 #include "engine/observe/snapshot.h"
@@ -38,9 +37,7 @@ VectorX forces_on(Snapshot& now, const DeformableBody& body) {
   const SystemGraph& graph = now.system().graph();
   for (const auto& entry : graph.constraints())
     add(entry.markers, [&](int m) { return reaction(*entry.constraint, m); });
-  for (const auto& entry : graph.forces())
-    if (!dynamic_cast<const ContactElement*>(entry.force))
-      add(entry.markers, [&](int m) { return applied_force(*entry.force, m); });
+  for (const auto& entry : graph.forces()) add(entry.markers, [&](int m) { return applied_force(*entry.force, m); });
   const Layout::BodySlice& slice = now.system().layout().slice(body);
   return body.candidate_forces(now.assembler().body_state(body), now.accelerations().data() + slice.v, loads,
                                now.system().gravity());

@@ -4,15 +4,12 @@
 
 #include <algorithm>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "bodies/beam/beam_element.h"
 #include "bodies/rigid_body.h"
 #include "engine/analysis/equilibrium.h"
-#include "engine/analysis/linearization.h"
 #include "engine/run/simulation.h"
-#include "joints/coordinate_drive.h"
 #include "joints/fixed_joint.h"
 #include "joints/forces/user_force.h"
 #include "joints/revolute_joint.h"
@@ -307,74 +304,6 @@ TEST(Beam, CarriesItsWeight) {
 }
 
 // ---- motion ----
-
-/// Frequencies of a beam on a drive that turns at a steady rate, rad/s.
-std::vector<double> rotating_frequencies(const nlohmann::json& c, double omega, int elements) {
-  const double hub = c["hub_radius"], L = c["L"];
-  const double EA = c["EA"], GA = c["GA"], GJ = c["GJ"], EI = c["EI"], J2 = c["rhoI_bend"], J3 = c["rhoI_other"];
-  const BeamSection section =
-      BeamSection::diagonal({EA, GA, GA, GJ, EI, EI * J3 / J2}, c["rhoA"].get<double>(), {J2 + J3, J2, J3});
-  const BeamAxis axis = BeamAxis::straight({hub, 0, 0}, {hub + L, 0, 0}, {0, 1, 0});
-  const auto draw = [&](SystemGraph& graph, const Vector3& spin) {
-    return &graph.add<Beam>("beam", {.axis = axis,
-                                     .sections = {{0, section}},
-                                     .elements = elements,
-                                     .velocity = spin.cross(Vector3(hub, 0, 0)),
-                                     .angular_velocity = spin});
-  };
-  // The stretch: at rest, under the centrifugal forces of the pieces at the nodes.
-  SystemGraph still{{.gravity = Vector3::Zero()}}, turning{{.gravity = Vector3::Zero()}};
-  Beam& loaded = *draw(still, Vector3::Zero());
-  still.add<FixedJoint>("clamp", {still.ground().marker({hub, 0, 0}), loaded.marker(0)});
-  for (int i = 0; i <= elements; ++i) {
-    const double l = L / elements, inside = i == 0 ? l / 4 : i == elements ? -l / 4 : 0;
-    const double m = c["rhoA"].get<double>() * (inside == 0 ? l : l / 2);
-    still.add<UserForce>("pull " + std::to_string(i), {loaded.marker(l * i, {inside, 0, 0})},
-                         {[=](double, const MarkerView& at) {
-                           return force({m * omega * omega * at.p[0], 0, 0});
-                         }});
-  }
-  const System at_rest = assemble(still);
-  const State stretched = find_equilibrium(at_rest, at_rest.initial_state()).state;
-
-  Beam& beam = *draw(turning, {0, 0, omega});
-  const Marker hub_marker = beam.marker(0, {-hub, 0, 0});
-  auto& pin = turning.add<RevoluteJoint>("hub", {turning.ground().marker(), hub_marker});
-  turning.add<CoordinateDrive>("drive", {pin.angle()}, {.motion = ramp(0, omega)});
-  const System system = assemble(turning);
-  State state = system.initial_state();
-  state.q = stretched.q;
-  for (const auto& body : system.layout().bodies())
-    if (body.frame) state.v.segment<3>(body.v) = Vector3(0, 0, omega).cross(Vector3(state.q.segment<3>(body.q)));
-  std::vector<double> found;
-  for (const Mode& mode : linearize(system, state, {.mode_count = 12}).modes)
-    if (mode.frequency() > 1) found.push_back(2 * M_PI * mode.frequency());
-  return found;
-}
-
-TEST(Beam, TurnsWithTheFrequenciesOfARotatingTimoshenkoBeam) {
-  const auto file = nlohmann::json::parse(std::ifstream(LITHE_TEST_DATA "/beams/D02b_rotating_timoshenko.json"));
-  for (const auto& c : file["cases"])
-    for (const auto& row : c["rows"]) {
-      const double omega = row["Omega"];
-      if (omega != 0 && omega != 400) continue;
-      const auto coarse = rotating_frequencies(c, omega, 10), fine = rotating_frequencies(c, omega, 20);
-      for (int k = 0; k < 3; ++k) {
-        // The mode nearest in frequency: those in the plane of rotation lie between.
-        const double exact = row["flap_torsion"][k];
-        const auto nearest = [&](const std::vector<double>& all) {
-          return *std::min_element(all.begin(), all.end(),
-                                   [&](double a, double b) { return std::abs(a - exact) < std::abs(b - exact); });
-        };
-        const double a = nearest(coarse) / exact - 1, b = nearest(fine) / exact - 1;
-        const std::string what = "hub " + std::to_string(c["hub_radius"].get<double>()) + ", " + std::to_string(omega) +
-                                 " rad/s, flap " + std::to_string(k);
-        expect_below(what + ", 10 elements", std::abs(a), 0.02);
-        expect_below(what + ", 20 elements", std::abs(b), 0.004);
-        expect_below(what + ", extrapolated", std::abs((4 * b - a) / 3), 5e-5);
-      }
-    }
-}
 
 /// A free rod thrown by a force and moments in space: the path of tests/data/beams, and no energy lost afterwards.
 TEST(Beam, FliesAsTheReferenceSays) {
