@@ -106,7 +106,10 @@ LinearBlock<Scalar>::LinearBlock(const BlockStructure& structure, int linear)
     sparse_->place.push_back(place(p.rows[k], p.columns[k]));
     if constexpr (!Sparse::kReal) sparse_->place.push_back(place(p.columns[k], p.rows[k]));
   }
-  sparse_->factor.analyzePattern(sparse_->matrix);
+  if (BandedCholesky<Scalar>::suits(n, p))
+    sparse_->band.emplace(n, p);
+  else
+    sparse_->factor.analyzePattern(sparse_->matrix);
 }
 
 template <class Scalar>
@@ -175,12 +178,14 @@ void LinearBlock<Scalar>::factorize_full() {
 template <class Scalar>
 void LinearBlock<Scalar>::factorize_sparse() {
   Sparse& s = *sparse_;
-  s.factor.factorize(s.matrix);
+  singular_ = s.is_pivoted = false;
+  if (s.band && s.band->factorize(s.last.data())) return;
+  if (!s.band) s.factor.factorize(s.matrix);
   if constexpr (!Sparse::kReal) {
+    if (s.band) s.factor.compute(s.matrix), s.is_pivoted = true;
     singular_ = s.factor.info() != Eigen::Success;  // a complex shift keeps the eigenvalues of K off zero
   } else {
-    s.is_pivoted = s.factor.info() != Eigen::Success || !has_sound_pivots();
-    singular_ = false;
+    s.is_pivoted = s.band || s.factor.info() != Eigen::Success || !has_sound_pivots();
     if (!s.is_pivoted) return;
     const typename Sparse::Entries both = s.matrix.template selfadjointView<Eigen::Lower>();
     if (!s.pivoted) {
@@ -221,6 +226,7 @@ void LinearBlock<Scalar>::solve_linear(Eigen::Ref<Matrix> columns) const {
     columns = y;
     return;
   }
+  if (sparse_->band && !sparse_->is_pivoted) return sparse_->band->solve(columns);
   if constexpr (!Sparse::kReal) {
     columns = sparse_->factor.solve(columns).eval();
     return;

@@ -5,10 +5,12 @@
 #include <Eigen/SparseLU>
 #include <complex>
 #include <memory>
+#include <optional>
 #include <type_traits>
 #include <vector>
 
 #include "engine/base/math.h"
+#include "engine/factor/banded_cholesky.h"
 #include "engine/factor/block_structure.h"
 
 namespace lithe {
@@ -18,7 +20,8 @@ namespace lithe {
 /// O(n m²) here, m = 6 + rows at its markers: nothing that grows with the nodes of its mesh.
 ///
 /// Load and spin may soften D = K + M/h² until it is indefinite: a sparse D then goes to LU with pivots instead of
-/// Cholesky. If D is singular to round-off, every solution is NaN, which an integrator treats as a failed step.
+/// Cholesky. A narrow D has a factor of its band. If D is singular to round-off, every solution is NaN, which an
+/// integrator treats as a failed step.
 template <class Scalar>
 class LinearBlock {
  public:
@@ -61,7 +64,8 @@ class LinearBlock {
     Entries matrix;          // lower triangle; complex: all, for Cholesky would take it for Hermitian
     std::vector<int> place;  // of each pattern entry in the matrix's values; complex: and of its mirror image
     std::conditional_t<kReal, Eigen::SimplicialLLT<Entries, Eigen::Lower>, Eigen::SparseLU<Entries>> factor;
-    std::unique_ptr<Eigen::SparseLU<Entries>> pivoted;  // made where Cholesky fails first
+    std::optional<BandedCholesky<Scalar>> band;         // takes the place of `factor`
+    std::unique_ptr<Eigen::SparseLU<Entries>> pivoted;  // made where these fail first
     bool is_pivoted = false;                            // who solves
     std::vector<Scalar> last;                           // values of the last factorisation: constant while the step is
   };
