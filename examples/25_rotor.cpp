@@ -3,8 +3,7 @@
 // Shows: blades from a BeamDyn file; a beam's modes from the same drawing; a shaft on a drive; frequencies at rest and
 //        at speed; forces of the sections for ParaView; one page of all three rotors.
 // Expect: each blade weighs 16.8 t and first swings with 0.69 Hz, out of the plane, turning with 0.74 Hz; its weight
-// bends
-//         it by ±0.45 m in the plane, once a turn, and modes with stiffening follow to 1 %; results/rotor/rotor.html.
+//         bends it by ±0.45 m in the plane, once a turn, and modes with stiffening follow to 1 %; results/rotor/rotor.html.
 #include <cstdio>
 
 #include "lithe/lithe.h"
@@ -40,8 +39,7 @@ struct Rotor {
 
   explicit Rotor(Blades kind) {
     // 2. Three blades on a hub that a drive turns about world x. Flap and edge: the way of the first tip along and
-    // across
-    //    the shaft, in the axes of its blade.
+    //    across the shaft, in the axes of its blade.
     const Matrix3 shaft = rotation_about({0, 1, 0}, M_PI / 2);  // its z along x
     auto& hub = graph.add<RigidBody>("hub", {.mass = 56780, .inertia = {115926, 80000, 80000}});
     auto& bearing = graph.add<RevoluteJoint>("bearing", {graph.ground().marker({}, shaft), hub.marker({}, shaft)});

@@ -33,6 +33,8 @@ void check_selection(const ModalBasis& whole, const Fidelity& fidelity) {
       refuse("mode " + std::to_string(fidelity.modes[i]) + " was selected of " + std::to_string(whole.mode_count()) +
                  ", counted from 0.",
              "name modes in rising order, each once.");
+  if (fidelity.deflection == Deflection::exact || fidelity.elements != 0)
+    refuse("it is a basis of modes, of one mesh.", "exact and with any number of elements is a SlenderBody.");
   if (fidelity.deflection == Deflection::linear || fidelity.modes.empty()) return;
   if (!whole.deflection)
     refuse("it has no displacements of second order.", "give make_basis() .deflection = Deflection::stiffened.");

@@ -20,7 +20,8 @@ std::vector<const DeformableBody*> deformable_bodies(const System& system) {
   std::vector<const DeformableBody*> bodies;
   for (const auto& entry : system.graph().bodies())
     if (const auto* body = dynamic_cast<const DeformableBody*>(entry.body); body)
-      if (body->candidate_stiffness().size() > 0) bodies.push_back(body);
+      if (body->fidelity().deflection != Deflection::exact && body->candidate_stiffness().size() > 0)
+        bodies.push_back(body);
   return bodies;
 }
 

@@ -12,13 +12,15 @@ enum class Deflection {
   linear,     // u = B η: no stiffening by spin or load
   stiffened,  // with the displacements of second order that carry geometric stiffness: small deflection, any load
   quadratic,  // and with the strain energy to fourth order: moderately large deflection
+  exact,      // no modes: coordinates of the body's nodes, any deflection
 };
 
-/// The detail in which a scene models a deformable body: a selection of its candidate modes, none for a rigid body. The
-/// coordinate of a mode means the same at every fidelity, as does the body's frame.
+/// The detail in which a scene models a deformable body: a selection of its candidate modes, none for a rigid body; or
+/// its nodes, Deflection::exact. The coordinate of a mode means the same at every fidelity, as does the body's frame.
 struct Fidelity {
   std::vector<int> modes{};  // from 0, rising
   Deflection deflection = Deflection::linear;
+  int elements = 0;  // of a body that can be drawn with any number; 0: as drawn
   bool operator==(const Fidelity&) const = default;
 };
 
@@ -36,8 +38,11 @@ class DeformableBody : public Body {
   virtual VectorX candidate_stiffness() const = 0;
   /// 2 ζ ω of each, 1/s.
   virtual VectorX candidate_damping() const = 0;
-  /// The highest order for which there are data.
+  /// The highest order for which its modes have data.
   virtual Deflection finest_deflection() const = 0;
+  /// Of a body that can be drawn with any number of elements, and exact: how many it gets where so many are asked for
+  /// (0: as drawn). 0: it has one mesh.
+  virtual int element_count(int /*asked*/) const { return 0; }
   virtual const Fidelity& fidelity() const = 0;
   /// Takes effect with the next assemble(); systems assembled before must not be used any more. Markers stay valid.
   /// Throws SceneError for modes or a deflection that the body does not have.

@@ -196,8 +196,9 @@ Sensor slice_sensor(const Body& body, Located name, const Names& endings, Vector
   // p in m, e a quaternion, omega in rad/s; what a linear coordinate is, is the body's business.
   const bool rates = vector == &State::v;
   Names units(endings.size());
-  const std::size_t frame = rates ? 6 : 7, frames = skip > 0 ? 0 : body.coordinates().frames;
-  for (std::size_t i = 0; i < frame * frames; ++i)
+  const int frames = skip > 0 ? 0 : body.coordinates().frames;
+  const std::size_t frame = rates ? 6 : 7;
+  for (std::size_t i = 0; i < frame * static_cast<std::size_t>(frames); ++i)
     units[i] = i % frame < 3 ? (rates ? "m/s" : "m") : (rates ? "rad/s" : "");
   if (endings.empty())
     throw SceneError("body '" + body.name() + "' has no such coordinates", to_string(name.where),
@@ -206,7 +207,10 @@ Sensor slice_sensor(const Body& body, Located name, const Names& endings, Vector
   const bool has_candidates = deformable && deformable->candidate_stiffness().size() > 0;
   const std::vector<int> modes = has_candidates ? deformable->fidelity().modes : std::vector<int>{};
   return make_sensor(std::move(name), body.name(), endings, units,
-                     [&body, deformable, modes, vector, skip](Snapshot& now, std::span<double> values) {
+                     [&body, deformable, modes, vector, skip, frames](Snapshot& now, std::span<double> values) {
+                       if (deformable && frames > 0 && body.coordinates().frames != frames)
+                         throw SceneError("'" + body.name() + "' has other coordinates than when its sensor was made",
+                                          body.where(), "make the sensor after set_fidelity()");
                        const Layout::BodySlice& slice = now.system().layout().slice(body);
                        const int first = (vector == &State::q ? slice.q : slice.v) + skip;
                        const double* from = (now.state().*vector).data() + first;

@@ -24,6 +24,7 @@ Json json(const CertifiedQuantity& q) {
            {{"total", q.error.total()},
             {"truncation", q.error.truncation},
             {"deflection", q.error.deflection},
+            {"mesh", q.error.mesh},
             {"time", q.error.time},
             {"solver", q.error.solver}}}};
 }
@@ -37,6 +38,7 @@ Json json(const ChosenBody& body) {
           {"fidelity", {{"modes", body.fidelity.modes}, {"deflection", to_string(body.fidelity.deflection)}}},
           {"finest", to_string(body.finest)},
           {"why", body.why},
+          {"elements", body.elements},
           {"modes", modes},
           {"deflection_effect", body.deflection_effect}};
 }
@@ -65,12 +67,15 @@ std::string to_string(Deflection deflection) {
     case Deflection::stiffened:
       return "stiffened";
     case Deflection::quadratic:
+      return "quadratic";
+    case Deflection::exact:
       break;
   }
-  return "quadratic";
+  return "exact";
 }
 
 std::string model_text(const Fidelity& fidelity, int candidates) {
+  if (fidelity.deflection == Deflection::exact) return std::to_string(fidelity.elements) + " exact elements";
   if (fidelity.modes.empty()) return "rigid";
   return std::to_string(fidelity.modes.size()) + " of " + std::to_string(candidates) + " modes, " +
          to_string(fidelity.deflection);

@@ -14,7 +14,8 @@ struct StatedError {
   double deflection = 0;  // what the model leaves out of the second order: stiffening, large deflection
   double time = 0;        // of the integrator
   double solver = 0;      // constraints not met
-  double total() const { return truncation + deflection + time + solver; }
+  double mesh = 0;        // elements of bodies that can be drawn with more
+  double total() const { return truncation + deflection + time + solver + mesh; }
 };
 
 /// What is known of one wanted quantity.
@@ -42,7 +43,8 @@ struct ChosenBody {
   std::vector<ModeEffect> modes;           // all candidates
   /// What the second order does to each quantity, however many modes there are; empty: not to be told without data.
   std::vector<double> deflection_effect;
-  std::string why;  // in words
+  std::string why;   // in words
+  int elements = 0;  // of its mesh; 0: the body has one mesh only
 };
 
 /// A model and its error, run or estimated.
@@ -55,7 +57,7 @@ struct CertificateTrial {
 };
 
 std::string to_string(Deflection deflection);
-/// A fidelity in words, of so many candidate modes: "rigid", "3 of 20 modes, stiffened".
+/// A fidelity in words, of so many candidate modes: "rigid", "3 of 20 modes, stiffened", "40 exact elements".
 std::string model_text(const Fidelity& fidelity, int candidates);
 
 /// The certificate of an answer: which model, which integrator, which step, and how large the remaining error is.

@@ -108,14 +108,16 @@ std::string quantity_tables(const Quantities& quantities) {
   if (quantities.empty()) return "";
   TextTable stated, parts;
   stated.add({"Errors, largest of the run", "change", "asked", "stated", "of change", "of asked", "met"});
-  parts.add({"Parts of the stated error", "modes left out", "deflection", "time", "solver", ""});
+  const bool meshes =
+      std::any_of(quantities.begin(), quantities.end(), [](const CertifiedQuantity& q) { return q.error.mesh != 0; });
+  parts.add({"Parts of the stated error", "modes left out", "deflection", "time", "solver", meshes ? "mesh" : ""});
   for (const CertifiedQuantity& q : quantities) {
     const double total = q.error.total();
     const std::string name = "  " + shortened(q.name, kNameWidth);
     stated.add({name, number(q.change), amount(q.bound, q), amount(total, q), percent(in_parts(total, q.change)),
                 percent(in_parts(total, q.bound)), q.met() ? "yes" : "no"});
     parts.add({name, amount(q.error.truncation, q), amount(q.error.deflection, q), amount(q.error.time, q),
-               amount(q.error.solver, q), ""});
+               amount(q.error.solver, q), meshes ? amount(q.error.mesh, q) : ""});
   }
   return "\n" + stated.text() + "\n" + parts.text();
 }
@@ -166,6 +168,7 @@ std::string left_out(const ChosenBody& body, const Quantities& quantities) {
 /// What the second order does, and whether it is in the model.
 std::string second_order(const ChosenBody& body, const Quantities& quantities) {
   if (body.deflection_effect.empty()) {
+    if (body.elements > 0) return "";  // it can be exact
     if (body.finest == Deflection::quadratic) return "    second order: not estimated\n";
     return paragraph("    second order: ", "what it does cannot be told, for the basis has no data for it (it is " +
                                                to_string(body.finest) +
@@ -192,9 +195,13 @@ std::string body_text(const ChosenBody& body, const Quantities& quantities) {
   if (body.modes.empty())
     return paragraph("  ", body.name + ": it has one model only") +
            (body.why.empty() ? "" : paragraph("    why: ", body.why));
-  std::string out = paragraph("  ", body.name + ": " + model_text(body.fidelity, static_cast<int>(body.modes.size())));
+  const bool exact = body.fidelity.deflection == Deflection::exact;
+  const bool reduced_mesh = body.elements > 0 && !exact && !body.fidelity.modes.empty();
+  std::string out = paragraph("  ", body.name + ": " + model_text(body.fidelity, static_cast<int>(body.modes.size())) +
+                                        (reduced_mesh ? ", of " + std::to_string(body.elements) + " elements" : ""));
   out += used_modes(body);
   if (!body.why.empty()) out += paragraph("    why: ", body.why);
+  if (exact) return out;
   return out + left_out(body, quantities) + second_order(body, quantities);
 }
 

@@ -34,8 +34,9 @@ Solution solve(SystemGraph& graph, double duration, const std::vector<Want>& wan
   const solving::RigidMotion rigid = solving::look_at_rigid(asked);
   const solving::Choice choice = solving::choose(asked, rigid);
   const bool rigid_bodies_do = rigid.run.reached() && solving::is_rigid(choice.models);
-  const solving::Answer answer =
-      rigid_bodies_do ? solving::accept_rigid(asked, rigid, choice) : solving::refine(asked, rigid, choice);
+  const solving::Answer answer = rigid_bodies_do
+                                     ? solving::accept_rigid(asked, rigid, choice)
+                                     : solving::refine_meshes(asked, rigid, solving::refine(asked, rigid, choice));
   return solving::certify(asked, rigid, answer, begun);
 }
 

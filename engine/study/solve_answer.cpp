@@ -3,7 +3,6 @@
 #include <numeric>
 #include <utility>
 
-#include "engine/base/error.h"
 #include "engine/study/solve_internal.h"
 #include "engine/study/study_run.h"
 
@@ -31,21 +30,15 @@ std::optional<SteppedRun> try_steps(const Asked& asked, const std::vector<Fideli
   for (std::size_t w = 0; w < asked.count(); ++w)
     if (bounds[w] < kCoarse * change[w]) return {};
   const double interval = asked.duration / asked.samples();
-  const auto stepped = [&](double step, bool dynamics) {
-    return run_model(asked.graph, asked.bodies, models, asked.sensors,
-                     [&](const Tolerance&) { return asked.methods.by_step(step); },
-                     {asked.duration, asked.samples(), {}, asked.simplify, dynamics});
-  };
-  const ModelRun coarse = stepped(interval, false);
+  const ModelRun coarse = run_stepped(asked, models, interval, false);
   if (!coarse.reached()) return {};
-  SteppedRun fine{stepped(interval / 2, true), {}};
+  SteppedRun fine{run_stepped(asked, models, interval / 2, true), {}};
   if (!fine.run.reached()) return {};
   fine.error = sample_differences(asked.sensors, coarse.samples, fine.run.samples);
   for (std::size_t w = 0; w < asked.count(); ++w) {
     fine.error[w] *= kStepsLeft;
     if (!(fine.error[w] < kStepsShare * bounds[w])) return {};
   }
-  fine.run.tolerance = {0, 0};
   return fine;
 }
 
@@ -201,10 +194,10 @@ bool improve(const Asked& asked, const RigidMotion& rigid, const Judgement& judg
   return better;
 }
 
-/// The trial of a run that is judged, as the one chosen so far.
-void note(const Asked& asked, Answer& answer) {
-  answer.trials.push_back(trial(asked, answer.run, answer.judgement.largest_part()));
-  answer.chosen = static_cast<int>(answer.trials.size()) - 1;
+/// Bodies must be exact, and can be.
+bool beyond_modes(const Asked& asked, const Answer& answer) {
+  return asked.has_meshes() && order_of(answer.run.models) == finest(asked) &&
+         answer.judgement.largest_parts().deflection > 1;
 }
 
 }  // namespace
@@ -240,7 +233,6 @@ Answer refine(const Asked& asked, const RigidMotion& rigid, const Choice& choice
                 .judgement = {rigid.change, rigid.bounds, {}, choice.effects},
                 .trials = choice.trials,
                 .remarks = choice.remarks};
-  std::string why;  // the last run failed
   for (int round = 0; round < asked.options.most_runs; ++round) {
     std::optional<SteppedRun> stepped;
     if (plan.by_steps) stepped = try_steps(asked, plan.models, answer.judgement.change, answer.judgement.bounds);
@@ -248,9 +240,9 @@ Answer refine(const Asked& asked, const RigidMotion& rigid, const Choice& choice
     ModelRun run = stepped ? std::move(stepped->run)
                            : run_logged(asked, plan.models, request(asked, plan.tolerance, rigid.elastic_scale, true));
     if (!run.reached()) {
-      why = run.why;
+      answer.why = run.why;
       answer.trials.push_back(trial(asked, run, kInfinity));
-      answer.remarks.push_back(model_text(asked.bodies, plan.models) + ": " + why);
+      answer.remarks.push_back(model_text(asked.bodies, plan.models) + ": " + run.why);
       if (!complete(asked, plan.models) && !raise_order(asked, plan.models)) plan.tolerance /= 10;
       continue;
     }
@@ -262,11 +254,8 @@ Answer refine(const Asked& asked, const RigidMotion& rigid, const Choice& choice
       judge_rough(asked, rigid, run, errors);
     answer.run = std::move(run);
     note(asked, answer);
-    if (answer.judgement.largest_part() <= 1 || !improve(asked, rigid, answer.judgement, plan)) break;
+    if (answer.met() || beyond_modes(asked, answer) || !improve(asked, rigid, answer.judgement, plan)) break;
   }
-  if (answer.chosen < 0)
-    throw SimulationError("no model of the scene reached the end: " + why, "solve",
-                          "run the scene by itself first: diagnose() tells why it fails");
   return answer;
 }
 

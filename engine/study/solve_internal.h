@@ -28,6 +28,8 @@ struct Asked {
   std::vector<std::string> remarks{};
 
   std::size_t count() const { return wants.size(); }
+  /// Bodies can be drawn with other numbers of elements, and exact.
+  bool has_meshes() const;
   int samples() const { return finer * options.samples; }
 };
 
@@ -84,6 +86,9 @@ struct Answer {
   std::vector<CertificateTrial> trials;
   int chosen = -1;  // of the trials
   std::vector<std::string> remarks;
+  std::string why;  // the last run failed
+
+  bool met() const { return chosen >= 0 && judgement.largest_part() <= 1; }
 };
 
 // ---- phases ----
@@ -94,8 +99,11 @@ Asked ask(SystemGraph& graph, BodyModels& bodies, double duration, const std::ve
 RigidMotion look_at_rigid(const Asked& asked);
 Choice choose(const Asked& asked, const RigidMotion& rigid);
 Answer accept_rigid(const Asked& asked, const RigidMotion& rigid, const Choice& choice);
-/// Throws SimulationError if no model reaches the end.
+/// Chosen is -1 if no model with modes reaches the end.
 Answer refine(const Asked& asked, const RigidMotion& rigid, const Choice& choice);
+/// The error by the meshes of the answer; where modes do not do, exact bodies, with as many elements as it takes. An
+/// answer without meshes comes back as it is. Throws SimulationError if still no model reaches the end.
+Answer refine_meshes(const Asked& asked, const RigidMotion& rigid, Answer answer);
 /// `begun`: thread_seconds() when solve() was called.
 Solution certify(const Asked& asked, const RigidMotion& rigid, const Answer& answer, double begun);
 
@@ -109,6 +117,10 @@ std::vector<double> allowed(const Asked& asked, const std::vector<double>& chang
 /// Of a quantity, far above what it changes by when it does not change.
 double round_off(const Asked& asked, const Table& samples, std::size_t w);
 CertificateTrial trial(const Asked& asked, const ModelRun& run, double error);
+/// The trial of a run that is judged, as the one chosen so far.
+void note(const Asked& asked, Answer& answer);
+/// With fixed steps, s.
+ModelRun run_stepped(const Asked& asked, const std::vector<Fidelity>& models, double step, bool dynamics);
 
 bool is_rigid(const std::vector<Fidelity>& models);
 /// The finest order of deflection that any body has data for.
@@ -141,6 +153,9 @@ inline constexpr int kMostChoices = 6, kLooks = 25, kFewestSamples = 100;
 // may be of it.
 inline constexpr double kStepsLeft = 0.6, kStepsShare = 0.4;
 inline constexpr double kCoarse = 3e-3;  // of a change: what is wanted better is not tried so
+// Of two meshes, errors being of second order: caution, the least ratio of their elements, and what may be left.
+inline constexpr double kMeshCaution = 1.8, kMeshRatio = 1.3, kMeshShare = 0.5;
+inline constexpr int kFewestElements = 4, kMostElements = 2000;
 // Error of reactions and accelerations over their change by a tolerance ten times looser.
 inline constexpr double kRoughTime = 0.3;
 inline constexpr double kCandidates = 5e-4;  // of what deformation does, beyond the candidate modes

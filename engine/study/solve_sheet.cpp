@@ -13,7 +13,10 @@ ChosenBody describe(const Asked& asked, const RigidMotion& rigid, const Answer& 
   const DeformableBody& body = *asked.bodies.bodies()[b];
   const auto& [change, bounds, errors, effects] = answer.judgement;
   const std::vector<Fidelity>& models = answer.run.models;
-  ChosenBody out{body.name(), models[b], body.finest_deflection(), {}, {}, ""};
+  ChosenBody out{.name = body.name(),
+                 .fidelity = models[b],
+                 .finest = body.finest_deflection(),
+                 .elements = body.element_count(models[b].elements)};
   for (const auto& e : effects.modes) {
     if (e.body != static_cast<int>(b)) continue;
     const auto& modes = out.fidelity.modes;
@@ -21,13 +24,17 @@ ChosenBody describe(const Asked& asked, const RigidMotion& rigid, const Answer& 
     for (std::size_t w = 0; w < asked.count(); ++w) effect[w] *= rigid.amplification[w];
     out.modes.push_back({e.mode, e.frequency, std::find(modes.begin(), modes.end(), e.mode) != modes.end(), effect});
   }
-  if (body.finest_deflection() != Deflection::linear && !is_rigid(models)) out.deflection_effect = effects.second_order;
+  const bool exact = models[b].deflection == Deflection::exact;
+  if (body.finest_deflection() != Deflection::linear && !is_rigid(models) && !exact)
+    out.deflection_effect = effects.second_order;
   double share = 0, second = 0;
   for (std::size_t w = 0; w < asked.count(); ++w) {
     share = std::max(share, rigid.deformation.empty() ? kInfinity : rigid.deformation[w] / bounds[w]);
     second = std::max(second, effects.second_order.empty() ? 0 : effects.second_order[w] / bounds[w]);
   }
-  if (out.fidelity.modes.empty())
+  if (exact)
+    out.why = "modes do not do: what they leave out of large deflection is more than is allowed";
+  else if (out.fidelity.modes.empty())
     out.why = is_rigid(models)
                   ? "all deformation changes what is wanted by " + short_number(100 * share) + " % of what is allowed"
                   : "its deformation changes what is wanted by little beside that of others";
@@ -51,13 +58,16 @@ std::vector<std::string> remarks_on_errors(const Asked& asked, const Answer& ans
         "SolveOptions::small_deflection leaves it out of the statement");
   if (answer.judgement.largest_part() <= 1) return remarks;
   const StatedError parts = answer.judgement.largest_parts();
-  if (parts.deflection >= std::max(parts.truncation, parts.time))
+  if (parts.mesh >= std::max({parts.truncation, parts.deflection, parts.time}) && parts.mesh > 0)
+    remarks.push_back(
+        "more elements are needed than were tried: draw the body with more, or give sections that change less");
+  else if (parts.deflection >= std::max(parts.truncation, parts.time))
     remarks.push_back(
         order_of(answer.run.models) == finest(asked) && finest(asked) < Deflection::quadratic
             ? "no number of modes brings the error down: it is of the second order of deflection, for which the "
               "basis has no data; make_basis(model, frame, modes, {.deflection = Deflection::quadratic}) gives it"
-            : "no number of modes brings the error down: the deflection is too large for reduced bodies; model the "
-              "body by its nodes (plugins/inertial_body)");
+            : "no number of modes brings the error down: the deflection is too large for reduced bodies; draw a "
+              "slender body as SlenderBody, model others by their nodes (plugins/inertial_body)");
   else if (parts.truncation >= parts.time)
     remarks.push_back(
         "the candidate modes do not suffice: make_basis() with more of them, and with the interfaces "

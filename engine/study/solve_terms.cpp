@@ -27,6 +27,7 @@ StatedError Judgement::largest_parts() const {
   for (std::size_t w = 0; w < errors.size(); ++w) {
     parts.truncation = std::max(parts.truncation, errors[w].truncation / bounds[w]);
     parts.deflection = std::max(parts.deflection, errors[w].deflection / bounds[w]);
+    parts.mesh = std::max(parts.mesh, errors[w].mesh / bounds[w]);
     parts.time = std::max(parts.time, errors[w].time / bounds[w]);
   }
   return parts;
@@ -71,10 +72,29 @@ CertificateTrial trial(const Asked& asked, const ModelRun& run, double error) {
   return {model_text(asked.bodies, run.models), run.tolerance.relative, true, error, run.cost};
 }
 
+void note(const Asked& asked, Answer& answer) {
+  answer.trials.push_back(trial(asked, answer.run, answer.judgement.largest_part()));
+  answer.chosen = static_cast<int>(answer.trials.size()) - 1;
+}
+
+ModelRun run_stepped(const Asked& asked, const std::vector<Fidelity>& models, double step, bool dynamics) {
+  ModelRun run = run_model(asked.graph, asked.bodies, models, asked.sensors,
+                           [&](const Tolerance&) { return asked.methods.by_step(step); },
+                           {asked.duration, asked.samples(), {}, asked.simplify, dynamics});
+  run.tolerance = {0, 0};
+  return run;
+}
+
 // ---- models ----
 
+bool Asked::has_meshes() const {
+  return std::any_of(bodies.bodies().begin(), bodies.bodies().end(),
+                     [](const DeformableBody* body) { return body->element_count(0) > 0; });
+}
+
 bool is_rigid(const std::vector<Fidelity>& models) {
-  return std::all_of(models.begin(), models.end(), [](const Fidelity& m) { return m.modes.empty(); });
+  return std::all_of(models.begin(), models.end(),
+                     [](const Fidelity& m) { return m.modes.empty() && m.deflection != Deflection::exact; });
 }
 
 Deflection finest(const Asked& asked) {

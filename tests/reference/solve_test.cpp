@@ -55,11 +55,11 @@ void check_sheet(const Solution& solution, const std::vector<Want>& wants) {
     }
     EXPECT_NEAR(q.bound, wants[w].precision.value * (wants[w].precision.relative ? q.change : 1),
                 1e-12 * q.bound + 1e-8 * wants[w].precision.value);  // what changes by round-off has a floor
-    for (double part : {q.error.truncation, q.error.deflection, q.error.time, q.error.solver}) {
+    for (double part : {q.error.truncation, q.error.deflection, q.error.time, q.error.solver, q.error.mesh}) {
       EXPECT_TRUE(std::isfinite(part));
       EXPECT_GE(part, 0);
     }
-    EXPECT_EQ(q.error.total(), q.error.truncation + q.error.deflection + q.error.time + q.error.solver);
+    EXPECT_EQ(q.error.total(), q.error.truncation + q.error.deflection + q.error.time + q.error.solver + q.error.mesh);
     worst = std::max(worst, q.error.total() / q.bound);
   }
   EXPECT_EQ(c.met(), worst <= 1);

@@ -103,7 +103,7 @@ std::vector<CertifiedCase> cases_of(const Scene& scene, ElasticParts& parts, dou
       const CertifiedQuantity& q = sheet.quantities[i];
       cases[i].stated = q.error.total() / changes[i];
       cases[i].parts = {q.error.truncation / changes[i], q.error.deflection / changes[i], q.error.time / changes[i],
-                        q.error.solver / changes[i]};
+                        q.error.solver / changes[i], q.error.mesh / changes[i]};
       cases[i].error = errors[i];
       cases[i].met = q.met();
     }

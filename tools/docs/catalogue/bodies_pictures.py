@@ -102,6 +102,22 @@ def beam():
     return p
 
 
+def slender_body():
+    p = flat("SlenderBody: rigid, modes or exact elements, from one drawing", scale=56)
+    p.scale = 60
+    for k, (bend, nodes, what) in enumerate(((0, 0, "rigid"), (0.12, 0, "modes"), (0.45, 6, "exact"))):
+        y0 = 0.9 - 0.75 * k
+        s = np.linspace(0, 1, 25)
+        curve = [vec(-1.9 + 3.2 * a - 0.5 * bend * a**3, y0 - bend * a**2 * (1.5 - 0.5 * a), 0) for a in s]
+        p.line([vec(-1.9, y0, 0), vec(1.3, y0, 0)], "g n d")
+        p.line(curve, "a w")
+        p.line([vec(-1.9, y0 - 0.18, 0), vec(-1.9, y0 + 0.18, 0)], "g w")
+        for i in range(nodes + 1 if nodes else 0):
+            p.dot(curve[4 * i], "b", 4)
+        p.text(vec(1.62, y0, 0), what, "m", dx=22, small=True)
+    return p
+
+
 def modes():
     p = flat("Reduction: from all nodes to a few modes", scale=56)
     p.scale = 60
@@ -166,4 +182,4 @@ def inertial_body():
     return p
 
 
-PICTURES = {f.__name__: f for f in (ground, rigid_body, beam, flexible_body, modes, integral_state, inertial_body)}
+PICTURES = {f.__name__: f for f in (ground, rigid_body, beam, slender_body, flexible_body, modes, integral_state, inertial_body)}
