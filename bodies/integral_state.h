@@ -1,14 +1,14 @@
 #pragma once
 
 #include "engine/assembly/batch.h"
-#include "engine/model/body.h"
 #include "engine/model/joint_coordinate.h"
+#include "engine/model/placeless_body.h"
 
 namespace lithe {
 
 /// The integral of a signal, for controllers: one coordinate of unit mass on which only its controller acts, so that
 /// its rate is the integral of that force over time. It has no energy and is not affected by gravity.
-class IntegralState final : public Body {
+class IntegralState final : public PlacelessBody {
  public:
   struct Parameters {
     double start = 0;  // of the integral

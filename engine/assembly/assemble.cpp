@@ -234,7 +234,7 @@ class SystemBuilder {
       record.energy = f.place;
       record.first_angle = system_.first_angles_[graph_.constraints().size() + force_records_.size()];
       reactions_.push_back(reaction_of(*f.force, record));
-      add_couplings(record, couplings);
+      if (record.marker_count <= kMaxMarkers) add_couplings(record, couplings);
       force_records_.push_back(record);
       b.row_count += rows;
       system_.compliant_count_ += rows;

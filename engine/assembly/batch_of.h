@@ -146,7 +146,7 @@ class Views {
  private:
   MarkerView* at(int m) { return reinterpret_cast<MarkerView*>(storage_) + m; }
   int count_;
-  alignas(MarkerView) unsigned char storage_[kMaxMarkers * sizeof(MarkerView)];
+  alignas(MarkerView) unsigned char storage_[kMostMarkers * sizeof(MarkerView)];
 };
 
 }  // namespace connector
@@ -191,6 +191,7 @@ class ConstraintBatchOf final : public ConstraintBatch {
                      const double* lambda) const override {
     for_each_named(constraints_, work.time, [&](std::size_t i) {
       const ConnectorRecord& record = records_[i];
+      if (record.marker_count > kMaxMarkers) return;  // left out: Newton finds its way without
       const double* multipliers = lambda + record.first_row;
       ConstraintRows::Stiffness K;  // rows that have any set it to zero first
       ConstraintRows rows(record.marker_count);
@@ -257,7 +258,8 @@ class ForceBatchOf final : public ForceBatch {
       work.force_energy[record.energy] = rows.energy();
       for (int s = 0; s < record.slot_count; ++s) {
         const int m = record.slots[s].place;
-        connector::add_wrench(work, record.slots[s], rows.load(m), work.load.data());
+        if (record.marker_count <= kMaxMarkers)
+          connector::add_wrench(work, record.slots[s], rows.load(m), work.load.data());
         if (rows.count() > 0)
           connector::write_jacobian<kRows>(work, blocks, record.slots[s], rows.count(),
                                            [&](int r) -> const Wrench& { return rows.wrench(r, m); });
@@ -270,6 +272,7 @@ class ForceBatchOf final : public ForceBatch {
     for_each_named(forces_, work.time, [&](std::size_t i) {
       const ConnectorRecord& record = records_[i];
       const int n = record.marker_count, first = record.first_row - constraints;
+      if (n > kMaxMarkers) return;  // it acts by rows, whose damping is theirs
       // Wrench on the left-hand side: tensions as they are now, loads with the opposite sign.
       bool loads = false;
       const auto wrenches = [&](const MarkerKinematics* markers, Wrench* out) {

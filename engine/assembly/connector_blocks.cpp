@@ -53,6 +53,7 @@ Matrix6 jacobian(const MarkerKinematics& k, const MarkerSlot& slot) {
 
 bool couples(const Constraint& constraint, const std::vector<MarkerKinematics>& markers) {
   const int n = static_cast<int>(markers.size());
+  if (n > kMaxMarkers) return false;  // its stiffness under load is left out
   ConstraintRows rows(n);
   ConstraintRows::Stiffness K = ConstraintRows::Stiffness::Zero(6 * n, 6 * n);
   double multipliers[kMaxRows];

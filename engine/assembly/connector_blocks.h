@@ -40,6 +40,7 @@ inline void write_jacobian(Workspace& work, const BlockStructure& blocks, const 
   for (int row = 0; row < R; ++row) {
     const Wrench& w = wrench(row);
     const bool pulls = !is_zero(w.force), twists = !is_zero(w.torque);  // a row is seldom both
+    if (!pulls && !twists && !slot.first_frame && !slot.first_linear) continue;
     Vector3 f = Vector3::Zero(), t = Vector3::Zero(), turn = Vector3::Zero();
     if (pulls) f.noalias() = A.transpose() * w.force, turn = k.r.cross(f);
     if (twists) t.noalias() = A.transpose() * w.torque, turn += t;

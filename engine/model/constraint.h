@@ -12,13 +12,40 @@
 
 namespace lithe {
 
-inline constexpr int kMaxMarkers = 8;  // of one joint or force
+inline constexpr int kMaxMarkers = 8;  // of one joint or force that acts on all of them
+inline constexpr int kMostMarkers = 256;  // of one that says which of them it acts on
 inline constexpr int kMaxRows = 12;
+
+/// Of a joint or force on more than kMaxMarkers markers, as one that slides along many: those that it acts on at one
+/// state, at most kMaxMarkers. Wrenches are kept of these alone; the others feel nothing.
+class ActingMarkers {
+ public:
+  void act_on(std::span<const int> markers) {
+    assert(markers.size() <= kMaxMarkers);
+    acting_ = static_cast<int>(markers.size());
+    for (int i = 0; i < acting_; ++i) acting_on_[i] = markers[static_cast<std::size_t>(i)];
+  }
+
+ protected:
+  /// Of all markers, those that a row keeps a wrench of.
+  int kept(int markers) const { return acting_ > 0 ? acting_ : markers; }
+  const Wrench& wrench_of(const Wrench* kept, int marker) const {
+    static const Wrench none{Vector3::Zero(), Vector3::Zero()};
+    if (acting_ == 0) return kept[marker];
+    for (int i = 0; i < acting_; ++i)
+      if (acting_on_[i] == marker) return kept[i];
+    return none;
+  }
+
+ private:
+  int acting_ = 0;  // 0: all
+  int acting_on_[kMaxMarkers];
+};
 
 /// The rows of one joint at one state: residual g, the wrench W of a unit multiplier on each marker, the rate ∂g/∂t and
 /// the velocity terms of the second derivative:  g_dot = Σ W·V + rate,  g_dotdot = Σ W·V_dot + bias,  V = (v, w) of the
 /// markers, summed over them. What the markers' own accelerations owe to velocities is the engine's business.
-class ConstraintRows : public AngleMemory {
+class ConstraintRows : public AngleMemory, public ActingMarkers {
  public:
   explicit ConstraintRows(int markers) : markers_(markers) {}
 
@@ -38,9 +65,9 @@ class ConstraintRows : public AngleMemory {
     add(0, wrenches, bias, rate);
   }
 
-  /// Opens a row with no wrench anywhere; for the composed rows below.
+  /// Opens a row with no wrench anywhere, one for each marker that it may act on; for the composed rows below.
   Wrench* open() {
-    for (int m = 0; m < markers_; ++m) set(m, {Vector3::Zero(), Vector3::Zero()});
+    for (int m = 0; m < kept(markers_); ++m) set(m, {Vector3::Zero(), Vector3::Zero()});
     return wrench_[count_];
   }
   /// Opens a row on velocities alone.
@@ -82,7 +109,7 @@ class ConstraintRows : public AngleMemory {
   int count() const { return count_; }
   bool written() const { return written_; }
   bool stiff() const { return stiff_; }  // stiffness() has been asked for
-  const Wrench& wrench(int row, int marker) const { return wrench_[row][marker]; }
+  const Wrench& wrench(int row, int marker) const { return wrench_of(wrench_[row], marker); }
   double residual(int row) const { return residual_[row]; }
   double bias(int row) const { return bias_[row]; }
   double rate(int row) const { return rate_[row]; }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cassert>
 #include <span>
 #include <vector>
@@ -21,10 +22,10 @@ struct CoordinateSwitch {
 /// act like the rows of a joint with a multiplier that is a function of the row's own length and speed:
 ///   length' = Σ W·V,   generalized force = -Σ Jᵀ W σ(length, length').
 /// Rows keep stiff springs out of the bodies' blocks: Newton solves them as constraints with compliance.
-class ForceRows : public AngleMemory {
+class ForceRows : public AngleMemory, public ActingMarkers {
  public:
   explicit ForceRows(int markers) : markers_(markers) {
-    for (int m = 0; m < markers_; ++m) load_[m] = {Vector3::Zero(), Vector3::Zero()};
+    for (int m = 0; m < std::min(markers_, kMaxMarkers); ++m) load_[m] = {Vector3::Zero(), Vector3::Zero()};
   }
 
   void add_load(const MarkerView& marker, const Wrench& w) {
@@ -41,7 +42,7 @@ class ForceRows : public AngleMemory {
     ++count_;
   }
   void add_energy(double energy) { energy_ += energy; }
-  /// Opens a row whose wrenches, one a marker, are all to be filled; and ends it.
+  /// Opens a row whose wrenches, one for each marker that it acts on, are all to be filled; and ends it.
   Wrench* open() { return wrench_[count_]; }
   void finish(double tension, double stiffness, double damping) {
     tension_[count_] = tension, stiffness_[count_] = stiffness, damping_[count_] = damping;
@@ -61,8 +62,9 @@ class ForceRows : public AngleMemory {
   }
   const Wrench& by_reaction(int row) const { return by_reaction_[row]; }
   int count() const { return count_; }
-  const Wrench& load(int marker) const { return load_[marker]; }
-  const Wrench& wrench(int row, int marker) const { return wrench_[row][marker]; }
+  /// None of an element on more than kMaxMarkers markers: it acts by rows.
+  const Wrench& load(int marker) const { return load_[marker < kMaxMarkers ? marker : 0]; }
+  const Wrench& wrench(int row, int marker) const { return wrench_of(wrench_[row], marker); }
   double tension(int row) const { return tension_[row]; }
   double stiffness(int row) const { return stiffness_[row]; }
   double damping(int row) const { return damping_[row]; }

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/base/class_name.h"
+#include "engine/model/placeless_body.h"
 #include "engine/page/scene_plan_internal.h"
 #include "engine/simplify/stand_in.h"
 
@@ -291,11 +292,13 @@ void SceneDescription::describe_connectors() {
     const auto* in_plane = dynamic_cast<const RowsInPlane*>(&element);
     const Connector& kind = in_plane ? in_plane->whole() : element;
     const int number = static_cast<int>(i);
-    part.at = part.markers->size() > 1 ? 1 : 0;
     Json bodies_of = Json::array(), markers_of = Json::array();
-    for (const Marker& m : *part.markers) {
+    for (std::size_t k = 0; k < part.markers->size(); ++k) {
+      const Marker& m = (*part.markers)[k];
       const int body = plan_.body_number.at(m.body);
       if (std::find(bodies_of.begin(), bodies_of.end(), body) == bodies_of.end()) bodies_of.push_back(body);
+      if (dynamic_cast<const PlacelessBody*>(m.body)) continue;
+      if (markers_of.size() < 2) part.at = k;  // the second that is somewhere, as of a joint
       markers_of.push_back(describe_marker(m));
     }
     const char* role = part.contact >= 0 ? "contact" : !part.joint ? "force" : is_drive(part) ? "drive" : "joint";
@@ -304,9 +307,9 @@ void SceneDescription::describe_connectors() {
                  {"markers", markers_of},  {"where", element.where()},
                  {"reaction", nullptr}};
     if (is_detailed(i)) {
-      if (options_.reactions && part.contact < 0 && !part.markers->empty()) {
+      if (options_.reactions && part.contact < 0 && !markers_of.empty()) {
         part.reaction = add_columns(9, "reaction of '" + element.name() + "'");
-        json["reaction"] = {{"marker", markers_of[part.at]},
+        json["reaction"] = {{"marker", markers_of[std::min<std::size_t>(1, markers_of.size() - 1)]},
                             {"point", row_json(part.reaction, 3, "f32")},
                             {"force", row_json(part.reaction + 3, 3, "f32")},
                             {"moment", row_json(part.reaction + 6, 3, "f32")}};

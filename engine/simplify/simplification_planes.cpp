@@ -141,7 +141,7 @@ void Simplifier::keep_forward_method() {
 /// All, unless every body that the constraint ties moves in a plane.
 std::vector<int> Simplifier::rows_that_act(const Tie& c) {
   std::vector<MarkerInPlane> markers;
-  bool in_plane = true;
+  bool in_plane = c.markers.size() <= kMaxMarkers;
   for (const Marker& m : c.markers) {
     const int i = item_of(m);
     in_plane &= i == kGround || items_[i].plane >= 0;

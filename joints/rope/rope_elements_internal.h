@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "engine/assembly/batch.h"
-#include "engine/model/body.h"
 #include "engine/model/force_element.h"
 #include "engine/model/joint_coordinate.h"
+#include "engine/model/placeless_body.h"
 
 /// What reeve() (joints/rope/rope.h) makes a rope of, after it has checked it.
 namespace lithe {
@@ -55,7 +55,7 @@ struct RopeStretch {
 /// has passed, positive from the rope's first end to its last; its mass is that of the rope beside it. Where the rope
 /// may slip, the rate of a second coordinate keeps how far it has slipped (m). Marker 0 stays at the origin, marker 1
 /// moves along x by s and along y by the second coordinate.
-class RopeTravel final : public Body {
+class RopeTravel final : public PlacelessBody {
  public:
   struct Parameters {
     double mass = 0;   // kg

@@ -1,5 +1,6 @@
 #include "tests/support/pairs.h"
 
+#include "bodies/beam/beam.h"
 #include "bodies/flexible/flexible_body.h"
 #include "bodies/rigid_body.h"
 #include "tests/support/marker_body.h"
@@ -82,6 +83,23 @@ Marker draw_flexible(SystemGraph& graph, const std::string& name, const Vector3&
   return body.average(nodes, turned);
 }
 
+Marker draw_beam(SystemGraph& graph, const std::string& name, const Vector3& position, const Matrix3& orientation,
+                 bool inside) {
+  RandomNumbers random = numbers(name);
+  const Vector3 offset = 0.3 * random.vector3();
+  const Matrix3 turned = random.rotation(), A = orientation * turned.transpose();
+  const double arc = inside ? 0.7 : 2;
+  const Vector3 start = position - A * (offset + arc * Vector3::UnitX());
+  const BeamSection section = BeamSection::diagonal({40, 30, 30, 3, 4, 5}, 0.8, {0.3, 0.2, 0.15});
+  auto& beam = graph.add<Beam>(name, {.axis = {2,
+                                               [=](double s) {
+                                                 return FramePose{start + A * Vector3(s, 0, 0), A};
+                                               }},
+                                      .sections = {{0, section}},
+                                      .elements = 2});
+  return beam.marker(arc, offset, turned);
+}
+
 const std::vector<Pair>& pairs() {
   static const Vector3 place(0.3, -0.2, 0.5);
   static const Matrix3 axes = rotation_exp(Vector3(0.4, -0.7, 0.9));
@@ -122,6 +140,18 @@ const std::vector<Pair>& pairs() {
        [](SystemGraph& graph, const Vector3& gap) -> std::vector<Marker> {
          return {draw_flexible(graph, "A", place, axes, kAllNodal),
                  draw_flexible(graph, "B", place + axes * gap, axes)};
+       }},
+      {"rigid - end of a beam",
+       [](SystemGraph& graph, const Vector3& gap) -> std::vector<Marker> {
+         return {draw_rigid(graph, "A", place, axes), draw_beam(graph, "B", place + axes * gap, axes, false)};
+       }},
+      {"inside a beam - ground",
+       [](SystemGraph& graph, const Vector3& gap) -> std::vector<Marker> {
+         return {draw_beam(graph, "A", place, axes, true), graph.ground().marker(place + axes * gap, axes)};
+       }},
+      {"end of a beam - inside a beam",
+       [](SystemGraph& graph, const Vector3& gap) -> std::vector<Marker> {
+         return {draw_beam(graph, "A", place, axes, false), draw_beam(graph, "B", place + axes * gap, axes, true)};
        }},
   };
   return all;

@@ -213,6 +213,24 @@ def point_on_line_joint():
     return p
 
 
+def sliding_joint():
+    p = Picture("Sliding joint: a point on a curve through markers", centre=(0, 0.1, 0.2))
+    at = lambda s: vec(0.2 * np.sin(2 * s), -1.6 + 1.6 * s, 0.5 * np.sin(1.9 * s) - 0.1)
+    p.line([at(s) for s in np.linspace(0, 2.1, 40)], "a w")
+    for s in np.linspace(0, 2.1, 7):
+        p.dot(at(s), "a", 4)
+    b, t = at(0.92), at(0.93) - at(0.92)
+    t = t / np.linalg.norm(t)
+    n = np.cross(vec(1, 0, 0), t)
+    p.sphere(b, 0.13, "b")
+    p.text(b, "p", "b", dx=-14, dy=20)
+    p.arrow(b, b + 0.75 * t, "b", both=True)
+    p.arrow(b, b + 0.8 * n / np.linalg.norm(n), "f", label="n_2")
+    p.text(at(2.1), "r(u)", "a", dx=18)
+    p.text(at(0.35), "P_a", "a", dx=2, dy=22)
+    return p
+
+
 def point_on_plane_joint():
     p = Picture("Point on a plane: B keeps in the plane normal to z of A", centre=(0, 0.1, 0.3), elevation=34)
     p.box((0, 0, -0.06), (2.6, 3.4, 0.12), "a")
@@ -266,6 +284,7 @@ PICTURES = {
         fixed_joint,
         three_node_fixation,
         point_on_line_joint,
+        sliding_joint,
         point_on_plane_joint,
         distance_joint,
         massless_rod,
