@@ -1,6 +1,8 @@
 #pragma once
 
 #include "engine/model/appearance.h"
+#include "engine/model/body_by_energy.h"
+#include "engine/model/joint_by_residual.h"
 #include "engine/model/joint_coordinate.h"
 #include "engine/plugin/body_to_c.h"
 #include "engine/plugin/integrator_to_c.h"

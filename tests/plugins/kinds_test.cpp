@@ -223,6 +223,22 @@ TEST(BodyFromC, with_several_frames_moves_as_the_same_class_compiled_in_bit_by_b
   EXPECT_GT((here.segment<3>(14) - Vector3(1, 0, 0)).norm(), 0.1);  // something moved
 }
 
+/// The same box from its energies: mass matrix, velocity terms, tangents and markers are derived.
+TEST(BodyFromC, by_its_energies_moves_as_the_one_written_by_hand) {
+  Registry registry;
+  registry.load_plugin(library("derived_box"));
+  SystemGraph written, derived, alone;
+  draw_box(written, add_compiled);
+  draw_box(derived, [&](SystemGraph& graph) -> BodyFromC& {
+    return graph.add(registry.body("derived_box"), "box", {{"stiffness", 80}, {"position", {0.5, 0, 0}}});
+  });
+  const Method a = runge_kutta8_fixed(1e-3), b = runge_kutta8_fixed(1e-3);
+  const VectorX here = run(written, *a, 0.5), there = run(derived, *b, 0.5);
+  EXPECT_LT((here - there).cwiseAbs().maxCoeff(), 1e-11);
+  auto& box = alone.add(registry.body("derived_box"), "box", {{"mass", 1.2}, {"inertia", {0.3, 0.4, 0.2}}});
+  check_body(alone, box, {box.marker({0.1, 0.2, 0.3}, rotation_about({1, 1, 0}, 0.5)), box.node(1)}, {.mass = 1.7});
+}
+
 TEST(BodyFromC, tells_which_markers_it_has) {
   Registry registry;
   registry.load_plugin(library("rattle_box"));

@@ -141,6 +141,36 @@ TEST(RowsFromC, of_a_composed_joint_are_those_compiled_in_with_their_stiffness) 
   expect_same_equations(compiled.graph, loaded.graph);
 }
 
+/// Its templates are contracted to fused products by what stands around them: to round-off.
+TEST(RowsFromC, of_a_joint_by_its_residual_are_those_composed_with_their_stiffness) {
+  Registry registry;
+  registry.load_plugin(library("derived_hinge"));
+  const JointFromC loaded({&registry.joint("derived_hinge")});
+  const Hinge composed;
+  RandomNumbers random(6);
+  for (int i = 0; i < 200; ++i) {
+    const RandomMarkers m(random);
+    const double multipliers[5] = {1.5, random.number(9), -3, random.number(9), 7};
+    ConstraintRows rows[2] = {ConstraintRows(2), ConstraintRows(2)};
+    ConstraintRows::Stiffness K[2];
+    for (int k : {0, 1}) {
+      K[k].setZero(12, 12);
+      rows[k].collect_stiffness(multipliers, &K[k]);
+    }
+    loaded.evaluate(0, connector::Views(m.kinematics, 2), rows[0]);
+    composed.evaluate(0, connector::Views(m.kinematics, 2), rows[1]);
+    for (int r = 0; r < 5; ++r) {
+      EXPECT_NEAR(rows[0].residual(r), rows[1].residual(r), 1e-13);
+      EXPECT_NEAR(rows[0].bias(r), rows[1].bias(r), 1e-11);
+      for (int k : {0, 1}) {
+        EXPECT_LT((rows[0].wrench(r, k).force - rows[1].wrench(r, k).force).norm(), 1e-13);
+        EXPECT_LT((rows[0].wrench(r, k).torque - rows[1].wrench(r, k).torque).norm(), 1e-13);
+      }
+    }
+    EXPECT_LT((K[0] - K[1]).norm(), 1e-12);
+  }
+}
+
 TEST(RowsFromC, of_a_force_are_those_compiled_in_bit_by_bit) {
   Registry registry;
   registry.load_plugin(library("bungee"));
