@@ -28,6 +28,8 @@ BENCHMARK_CAPTURE(BM_chain_step, spherical, ChainJoint::spherical)
     ->Arg(1000)
     ->Arg(4000)
     ->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(BM_chain_step, spherical_derived, ChainJoint::spherical_derived)->Arg(1000);
+BENCHMARK_CAPTURE(BM_chain_step, revolute_derived, ChainJoint::revolute_derived)->Arg(1000);
 BENCHMARK_CAPTURE(BM_chain_step, revolute, ChainJoint::revolute)
     ->Arg(4)
     ->Arg(16)

@@ -4,6 +4,8 @@
 
 #include "bodies/flexible/readers/calculix.h"
 #include "bodies/rigid_body.h"
+#include "engine/assembly/batch_of.h"
+#include "engine/model/joint_by_residual.h"
 #include "joints/forces/bushing.h"
 #include "joints/revolute_joint.h"
 #include "joints/spherical_joint.h"
@@ -16,16 +18,36 @@ namespace {
 // A hinge turns about the z axes of its markers: here along the world's y axis.
 const Matrix3 kAlongY = rotation_about({1, 0, 0}, -M_PI / 2);
 
+struct DerivedBall final : JointByResidual<DerivedBall, 2, 3> {
+  template <class S>
+  void residual(std::span<const PoseOf<S>> m, S* g) const {
+    for (int i = 0; i < 3; ++i) g[i] = m[1].p[i] - m[0].p[i];
+  }
+};
+
+struct DerivedHinge final : JointByResidual<DerivedHinge, 2, 5> {
+  template <class S>
+  void residual(std::span<const PoseOf<S>> m, S* g) const {
+    for (int i = 0; i < 3; ++i) g[i] = m[1].p[i] - m[0].p[i];
+    g[3] = m[0].x().dot(m[1].z());
+    g[4] = m[0].y().dot(m[1].z());
+  }
+};
+
 }  // namespace
 
 ChainJoint chain_joint(const std::string& name) {
   if (name == "spherical") return ChainJoint::spherical;
   if (name == "revolute") return ChainJoint::revolute;
-  throw std::invalid_argument("no joint '" + name + "'; known are spherical, revolute");
+  if (name == "spherical-derived") return ChainJoint::spherical_derived;
+  if (name == "revolute-derived") return ChainJoint::revolute_derived;
+  throw std::invalid_argument("no joint '" + name +
+                              "'; known are spherical, revolute, spherical-derived, revolute-derived");
 }
 
 Marker draw_chain(SystemGraph& graph, int count, ChainJoint joint, std::vector<Marker>* ends) {
-  const Matrix3 axes = joint == ChainJoint::revolute ? kAlongY : Matrix3(Matrix3::Identity());
+  const bool hinged = joint == ChainJoint::revolute || joint == ChainJoint::revolute_derived;
+  const Matrix3 axes = hinged ? kAlongY : Matrix3(Matrix3::Identity());
   const Bushing::Parameters soft{.stiffness = Bushing::diagonal({1e6, 1e6, 1e6}, {0, 0, 0}),
                                  .damping = Bushing::diagonal({1e3, 1e3, 1e3}, {0, 0, 0})};
   Marker end = graph.ground().marker({0, 0, 0}, axes);
@@ -43,6 +65,12 @@ Marker draw_chain(SystemGraph& graph, int count, ChainJoint joint, std::vector<M
         break;
       case ChainJoint::bushing:
         graph.add<Bushing>("joint " + number, {end, start}, soft);
+        break;
+      case ChainJoint::spherical_derived:
+        graph.add<DerivedBall>("joint " + number, {end, start});
+        break;
+      case ChainJoint::revolute_derived:
+        graph.add<DerivedHinge>("joint " + number, {end, start});
         break;
     }
     end = rod.marker({0.5, 0, 0}, axes);

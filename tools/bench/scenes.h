@@ -31,11 +31,12 @@ struct Scene {
 };
 
 /// Unit rods (1 kg, 1 m) in a level row, each tied to the one before, the first to the ground; at rest. `bushing`: by
-/// springs of 1e6 N/m and dampers of 1e3 N s/m in the three directions, turning freely; else by a joint. Returns the
+/// springs of 1e6 N/m and dampers of 1e3 N s/m in the three directions, turning freely; else by a joint of the
+/// catalogue, or the same written as a residual alone (engine/model/joint_by_residual.h). Returns the
 /// tip; `ends`, if given, gets the outboard end of each rod.
-enum class ChainJoint { spherical, revolute, bushing };
+enum class ChainJoint { spherical, revolute, bushing, spherical_derived, revolute_derived };
 Marker draw_chain(SystemGraph& graph, int count, ChainJoint joint, std::vector<Marker>* ends = nullptr);
-/// "spherical", "revolute". Throws std::invalid_argument for another name.
+/// "spherical", "revolute", "spherical-derived", "revolute-derived". Throws std::invalid_argument for another name.
 ChainJoint chain_joint(const std::string& name);
 
 /// The rod of examples/data/pendulum/hex8i: 16 bricks with incompatible modes, its matrices from CalculiX.
