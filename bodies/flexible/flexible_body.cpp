@@ -182,7 +182,10 @@ void FlexibleBody::add_residual(const BodyState& state, const double* v_dot, con
   }
   const ConstVector field_acc(xi_acc, fields);
   const Matrix3X& Ct = inertia_->Ct;
+  // docs/equations.md 3.2. Gravity enters as an acceleration of the frame, so that its torque and its modal forces follow
+  // the deformed centre of mass.
   const Vector3 lift = acceleration - gravity, lift_body = cache.A.transpose() * lift;
+  // Acceleration of the first moment of mass s in the turning frame: tangential, elastic, centripetal, Coriolis.
   const Vector3 pull = w_dot.cross(t.s) + Ct.lazyProduct(field_acc) + w.cross(w.cross(t.s)) + 2 * w.cross(t.s_rate);
   Eigen::Map<Vector3>(r) += inertia_->mass * lift + cache.A * pull;
   Eigen::Map<Vector3>(r + 3) += t.s.cross(lift_body) + t.J * w_dot + t.Cr.lazyProduct(field_acc) + t.J_rate * w +
@@ -220,6 +223,7 @@ void FlexibleBody::add_tangent(const BodyState& state, const double* v_dot, cons
   const ConstVector3 w(state.v + 3);
   const double a = weights.acceleration, d = weights.velocity, p = weights.position;
 
+  // Mass matrix, symmetric: [m E, -A s~, A Ct; ·, J, Cr; ·, ·, Mff].
   const Matrix3 As = A * skew(t.s);
   for (int i = 0; i < 3; ++i) S.frame(i, i) += a * inertia_->mass;
   S.frame.topRightCorner<3, 3>() -= a * As;

@@ -77,6 +77,8 @@ void add_element(const SolidElement& element, const MatrixX& modes, bool whole, 
       }
     if (whole) out.membrane.noalias() += strains.transpose() * (point.volume * C * strains);
   }
+  // Internal (incompatible) modes relax inside the element: they are condensed, and what they relieve of the energy of
+  // fourth order is kept beside it.
   if (inner > 0 && whole) {
     const MatrixX relaxation = element.internal_compliance * stress_forces.bottomRows(inner);
     out.relaxed.noalias() += stress_forces.bottomRows(inner).transpose() * relaxation;
@@ -168,6 +170,7 @@ void split_fields(const ModalBasis& basis, const SparseMatrix& mass, MatrixX the
                   QuadraticDeflection& out) {
   const int nm = basis.mode_count();
   const MatrixX along = basis.modes.transpose() * (mass * theta);
+  // The part of a field along the modes is a change of the modal coordinates; Ψ is what no mode can do.
   theta -= basis.modes * along;
   // Each pair at the amplitudes of unit energy.
   VectorX scale(theta.cols());

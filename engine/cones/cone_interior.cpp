@@ -8,6 +8,7 @@ namespace lithe {
 namespace {
 
 double determinant(const Vector3& a) {
+  // (a - b)(a + b) instead of a² - b²: near the cone's surface the difference of squares would lose all its digits.
   const double across = a.tail<2>().norm();
   return (a[0] - across) * (a[0] + across);
 }
@@ -40,6 +41,7 @@ Vector3 scaled_by(const Vector3& w, const Vector3& a) {
 double reach(const Vector3& z, const Vector3& d) {
   const double a = d[0] * d[0] - d.tail<2>().squaredNorm(), b = z[0] * d[0] - z.tail<2>().dot(d.tail<2>());
   const double c = determinant(z), under_root = b * b - a * c;
+  // Leaving by the apex, or through the surface: the smaller positive root, written without cancellation.
   double longest = d[0] < 0 ? -z[0] / d[0] : 1e30;
   if (a < 0 || (b < 0 && under_root >= 0)) {  // a α² + 2 b α + c = 0
     const double denominator = std::sqrt(std::max(0.0, under_root)) - b;
@@ -64,6 +66,8 @@ void ConeInterior::Cone::scatter(const Vector3& a, VectorX& x) const {
 
 void ConeInterior::Cone::scale() {
   constexpr double kLeast = 1e-300;
+  // Nesterov and Todd's scaling point: the w for which stretching y and shrinking z give the same vector λ. Products of
+  // z and y become products of λ with itself, so that primal and dual steps are treated alike.
   const double size_z = std::sqrt(std::max(kLeast, determinant(z)));
   const double size_y = std::sqrt(std::max(kLeast, determinant(y)));
   const Vector3 unit_z = z / size_z, unit_y = y / size_y;
@@ -76,6 +80,7 @@ Vector3 ConeInterior::Cone::stretched(const Vector3& a) const { return eta * sca
 Vector3 ConeInterior::Cone::shrunk(const Vector3& a) const { return scaled_by(reflected(w), a) / eta; }
 
 void ConeInterior::Cone::add_barrier(MatrixX& M) const {
+  // Second derivative of the barrier at the scaling point, V(w)⁻² / η² with V(w)⁻¹ = V(reflected w).
   const Vector3 g = reflected(w);
   Matrix3 V = 2 * g * g.transpose();
   V.diagonal() += Vector3(-1, 1, 1);
@@ -97,6 +102,7 @@ void ConeInterior::place(const DenseCones& cones, double size, VectorX& x) {
     x[normal] = size;
     const std::size_t first = k;
     for (; k < cones.discs.size() && cones.discs[k].normal == normal; ++k) cones_.push_back({.disc = cones.discs[k]});
+    // A contact without friction keeps its half-line: a cone of no width.
     if (k == first) cones_.push_back({.disc = {normal, 0, 0, 1.0}});  // no friction: the half-line
   }
   for (Cone& cone : cones_) {
@@ -110,11 +116,13 @@ double ConeInterior::slip(const Cone& cone) const { return u_.segment(cone.disc.
 /// M = W + Σ V⁻² (+ derivative of Σ limit |y_d|).
 void ConeInterior::build(const DenseCones& cones, SlipTerm slip_term) {
   M_ = cones.W;
+  // Dependent contact rows (four corners of a box) leave W singular; rows are scaled to one, so this is relative.
   M_.diagonal().array() += 1e-10;
   for (Cone& cone : cones_) {
     cone.scale();
     cone.add_barrier(M_);
     const double speed = slip_term == SlipTerm::linearized && cone.disc.count > 0 ? slip(cone) : 0;
+    // d(μ |u_t|)/dx turns the associated cone of an optimisation into Coulomb's law; M is then no longer symmetric.
     for (int i = 0; speed > 0 && i < cone.disc.count; ++i)
       M_.row(cone.disc.normal) +=
           (cone.disc.limit * u_[cone.disc.first + i] / speed) * cones.W.row(cone.disc.first + i);
@@ -138,6 +146,7 @@ double ConeInterior::find_direction(const Factor& factor) {
 
 template <class Factor>
 bool ConeInterior::advance(const Factor& factor, double gap, VectorX& x) {
+  // Mehrotra's predictor: straight at the solution, λ∘λ = 0. How far it gets tells how much centring is needed.
   for (Cone& cone : cones_) cone.aim = -cone.lambda;
   double length = std::min(1.0, find_direction(factor)), gap_ahead = 0;
   for (const Cone& cone : cones_) gap_ahead += (cone.z + length * cone.dz).dot(cone.y + length * cone.dy);
@@ -148,6 +157,7 @@ bool ConeInterior::advance(const Factor& factor, double gap, VectorX& x) {
     target[0] += centre;
     cone.aim = quotient(target, cone.lambda);
   }
+  // Never onto the surface: the next scaling point would not exist.
   length = std::min(1.0, 0.99 * find_direction(factor));
   if (!dx_.allFinite() || !(length > 1e-8)) return false;
   x += length * dx_;
@@ -176,6 +186,7 @@ int ConeInterior::solve(const DenseCones& cones, SlipTerm slip_term, int most, d
       cone.scatter(-cone.y, residual_);
       gap += cone.z.dot(cone.y);
     }
+    // Complementarity zᵀ y is a product of two small quantities, hence the square of the accuracy.
     if (gap <= accuracy * accuracy * size * size * static_cast<double>(cones_.size()) &&
         residual_.lpNorm<Eigen::Infinity>() <= accuracy * size)
       return steps;

@@ -24,6 +24,8 @@ double ConeNewton::evaluate(const DenseCones& cones, const VectorX& x) {
 }
 
 void ConeNewton::linearize(const DenseCones& cones, const VectorX& x) {
+  // One element of the generalised Jacobian. A row that sticks or presses asks for zero velocity (row of W); one that
+  // is held asks for zero impulse (row of the identity).
   J_ = cones.W;
   const auto hold = [&](int row) {
     J_.row(row).setZero();
@@ -73,9 +75,11 @@ int ConeNewton::solve(const DenseCones& cones, int most, const std::function<boo
   while (steps < most) {
     linearize(cones, point);
     J_.diagonal().array() += kCompliance;
+    // The compliance above keeps dependent rows solvable; LU, since sliding rows make J unsymmetric.
     step = J_.partialPivLu().solve(map_);
     ++steps;
     if (!step.allFinite()) break;
+    // Non-monotone line search (Grippo, Lampariello, Lucidi 1986) over the last few values.
     const double bound = *std::max_element(recent.begin(), recent.end());
     double length = 1, size = 0;
     for (int k = 0; k < kHalvings; ++k, length *= 0.5) {
@@ -104,6 +108,8 @@ int ConeNewton::solve(const DenseCones& cones, int most, const std::function<boo
 VectorX ConeNewton::least_norm(const DenseCones& cones, const VectorX& x) {
   evaluate(cones, x);
   linearize(cones, x);
+  // Of all impulses that satisfy the linearised conditions, the shortest: which of a table's four legs carries how much
+  // is not determined by rigid bodies, and should not depend on their order.
   Eigen::CompleteOrthogonalDecomposition<MatrixX> decomposition;
   decomposition.setThreshold(1e-11);
   decomposition.compute(J_);

@@ -111,8 +111,10 @@ double ConeProblem::residual(const VectorX& r, const VectorX& u) const {
   for (const Contact& contact : contacts) {
     const Vector3 impulse = r.segment<3>(contact.row), motion = u.segment<3>(contact.row);
     const Vector6 W = diagonal(*this, contact);
+    // t turns a velocity into the impulse that it takes here, so that the residual is an impulse for any mass.
     double t = inverse_of_largest(W, 0, 3);
     Vector3 lifted = motion;
+    // De Saxcé's bipotential: with μ |u_t| added to the normal velocity, Coulomb's law is one projection on the cone.
     lifted[0] += contact.friction * motion.tail<2>().norm();
     const double error = (impulse - friction_block::project_on_cone(impulse - t * lifted, contact.friction)).norm();
     if (!(error <= largest)) largest = error;  // NaN included

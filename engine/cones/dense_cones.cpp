@@ -6,6 +6,7 @@ DenseCones::DenseCones(const ConeProblem& problem) : problem_rows(problem.rows) 
   const MatrixX all = problem.delassus();
   std::vector<double> scales;
   const auto add_rows = [&](int first, int count) {
+    // One scale for all rows of a disc: it has to stay a disc.
     double largest = 0;
     for (int i = first; i < first + count; ++i) largest = std::max(largest, all(i, i));
     for (int i = first; i < first + count; ++i) {
@@ -23,6 +24,7 @@ DenseCones::DenseCones(const ConeProblem& problem) : problem_rows(problem.rows) 
       if (!(limit > 0)) return;
       const int first = static_cast<int>(rows.size());
       const double scale_disc = add_rows(contact.row + offset, count);
+      // Each row is scaled to a unit diagonal, so the limit of a disc is multiplied by the ratio of the two scales.
       discs.push_back({normal, first, count, limit * scale_normal / scale_disc});
     };
     add_disc(1, 2, contact.friction);

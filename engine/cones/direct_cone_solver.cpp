@@ -102,6 +102,7 @@ ConeResult DirectConeSolver::solve_island(const ConeProblem& island, double tole
   Best best(island, tolerance);
   best.r.setZero(island.rows);
   if (best.offer(r)) return {true, 0, best.residual};
+  // A dense factor costs rows³: beyond some hundreds of rows sweeps are cheaper, if less exact.
   if (island.rows > parameters_.most_rows)
     return GaussSeidel({.sweeps = parameters_.sweeps}).solve(island, tolerance, r);
 
@@ -128,8 +129,12 @@ ConeResult DirectConeSolver::solve_island(const ConeProblem& island, double tole
     return polish(kSteps);
   };
   using enum ConeInterior::SlipTerm;
+  // Newton from the last step's impulses solves nearly all problems of a run. The others need a point in the right
+  // basin: an interior path, a few sweeps, the path of the associated law (lagged: always solvable), then interior
+  // paths from farther out and nearer in.
   if (polish(kFirstSteps) || cross(linearized, 1) || sweep(kSweeps) || cross(lagged, 1) || cross(linearized, 100) ||
       cross(linearized, 0.01) || sweep(parameters_.sweeps)) {
+    // Where impulses are not unique, those of least norm are taken, if they solve the problem as well.
     x = newton_.least_norm(cones, cones.scaled(best.r));
     Best least(island, std::max(tolerance, best.residual));
     cones.unscale(x, impulses);
@@ -145,6 +150,7 @@ ConeResult DirectConeSolver::solve_island(const ConeProblem& island, double tole
 ConeResult DirectConeSolver::solve(const ConeProblem& problem, double tolerance, VectorX& r) {
   if (r.size() != problem.rows || !r.allFinite()) r.setZero(problem.rows);
   const auto islands = find_islands(problem);
+  // Islands are solved apart: the cost of the direct method grows with the cube of the rows.
   if (islands.size() == 1 && islands[0].size() == problem.contacts.size()) return solve_island(problem, tolerance, r);
 
   ConeResult result{true, 0, 0};

@@ -83,6 +83,7 @@ struct Slide {
 Vector3 solve(const Matrix3& W, const Vector3& q, double friction) {
   if (q[0] >= 0 || !(W(0, 0) > 0)) return Vector3::Zero();
   if (friction <= 0) return {-q[0] / W(0, 0), 0, 0};
+  // Part, stick, slide: the three cases of a contact exclude each other, and the cheap ones are tried first.
   const Vector3 stick = solve_linear(W, -q);
   if (stick[0] > 0 && stick.tail<2>().squaredNorm() <= friction * friction * stick[0] * stick[0]) return stick;
 
@@ -96,6 +97,7 @@ Vector3 solve(const Matrix3& W, const Vector3& q, double friction) {
 
 Vector2 solve_disc(const Matrix2& W, const Vector2& q, double limit) {
   if (limit <= 0) return Vector2::Zero();
+  // A disc of given radius is an associated law: the minimum of ½ mᵀ W m + qᵀ m, which needs a symmetric matrix.
   const Matrix2 A = 0.5 * (W + W.transpose());
   const double size = A.trace();
   if (!(size > 0)) return q.norm() > 0 ? Vector2(-limit * q.normalized()) : Vector2::Zero();
@@ -107,6 +109,7 @@ Vector2 solve_disc(const Matrix2& W, const Vector2& q, double limit) {
     m = -(inverse * q);
     const double length = m.norm();
     if (length <= limit * (1 + 1e-15)) break;
+    // Newton on 1/|m|, nearly linear in s, converges from below in a few steps (Moré & Sorensen 1983).
     const double bend = m.dot(inverse * m) / (length * length);
     s += (length / limit - 1) / bend;
   }

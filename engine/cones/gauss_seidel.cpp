@@ -39,6 +39,7 @@ void GaussSeidel::prepare(const ConeProblem& problem, VectorX& r) {
       ++moving;
       free_bodies += is_free_body(problem, a);
     }
+    // Two sides in one group (two links of a mechanism) move each other: their blocks do not add up apart.
     const bool of_one_group = contact.sides[0].group == contact.sides[1].group;
     if (contact.rows == 3 && moving > 0 && free_bodies == moving && !of_one_group) {
       step.kind = moving == 1 ? Kind::one_free_body : Kind::two_free_bodies;
@@ -49,6 +50,7 @@ void GaussSeidel::prepare(const ConeProblem& problem, VectorX& r) {
         if (side.group < 0) continue;
         double* place = packed_.data() + step.data + k * kFreeBody;
         Eigen::Map<Matrix63> H(place), Y(place + 18);
+        // H and Y side by side, in the order in which a sweep reads them: sweeps are bound by memory.
         H = Eigen::Map<const Eigen::Matrix<double, 3, 6>>(problem.values.data() + side.H).transpose();
         Y = Free(problem.values.data() + side.Y);
         step.W += H.transpose().lazyProduct(Y);
@@ -73,9 +75,11 @@ void GaussSeidel::prepare(const ConeProblem& problem, VectorX& r) {
 }
 
 Vector3 GaussSeidel::local_impulse(const Step& step, const Vector3& u, const Vector3& old) const {
+  // u holds what this contact's own impulse adds; the block is solved for the impulse as a whole, without it.
   if (parameters_.exact_blocks) return friction_block::solve(step.W, u - step.W * old, step.friction);
   Vector3 r = old;
   r[0] = step.W(0, 0) > 0 ? std::max(0.0, old[0] - u[0] / step.W(0, 0)) : 0;
+  // One projected step instead: normal by its own diagonal, friction by the larger of its two.
   const double across = std::max(step.W(1, 1), step.W(2, 2));
   if (across > 0) r.tail<2>() -= u.tail<2>() / across;
   r.tail<2>() = friction_block::project_on_disc(friction_block::Vector2(r.tail<2>()), step.friction * r[0]);
@@ -114,6 +118,7 @@ double GaussSeidel::relax_general(const ConeProblem& problem, const Step& step, 
     const Vector2 roll = old.segment<2>(3);
     const Vector2 q = u.segment<2>(3) + W.block<2, 3>(3, 0) * change.head<3>() - W_roll * roll;
     change.segment<2>(3) = friction_block::solve_disc(W_roll, q, contact.rolling * force[0]) - roll;
+    // Rolling and spinning follow with the limits of the new normal impulse, one after the other in the block.
     const double q_spin = u[5] + W.block<1, 5>(5, 0).dot(change.head<5>()) - W(5, 5) * old[5];
     change[5] = friction_block::solve_interval(W(5, 5), q_spin, contact.spinning * force[0]) - old[5];
   }
@@ -158,6 +163,7 @@ ConeResult GaussSeidel::solve(const ConeProblem& problem, double tolerance, Vect
     if (result.residual <= tolerance) break;
   }
   result.converged = result.residual <= tolerance;
+  // Bodies of infinite response end here: no impulses, and not converged, rather than NaN in the state.
   if (!r.allFinite()) {
     r.setZero();
     problem.velocity(r, u_, v_);

@@ -74,6 +74,7 @@ std::unique_ptr<TreeDynamics> TreeDynamics::make(const RigidScene& scene) {
   };
   std::vector<Found> open;
   std::vector<char> seen(bodies + 1, 0);
+  // Depth first, so that a subtree lies in one stretch of memory; a body met twice closes a loop, which is no tree.
   const auto look_beyond = [&](int from, int by, int link) {  // by depth, so that subtrees lie in a row
     for (auto j = joints_of[from].rbegin(); j != joints_of[from].rend(); ++j) {
       if (*j == by) continue;
@@ -111,6 +112,8 @@ std::unique_ptr<TreeDynamics> TreeDynamics::make(const RigidScene& scene) {
       if (!shifts && joint.freedom.rotation == JointFreedom::Rotation::any) link.kind = Kind::spherical;
       if (!shifts && joint.freedom.rotation == JointFreedom::Rotation::about_z) link.kind = Kind::revolute;
       if (link.kind == Kind::other) {
+        // A ball that also slides would need its three turns eliminated one by one, in axes that turn with it: rare, and
+        // the general form.
         if (joint.freedom.rotation == JointFreedom::Rotation::any) return nullptr;
         link.other = static_cast<int>(tree->others_.size());
         tree->others_.emplace_back();
@@ -136,6 +139,7 @@ void TreeDynamics::divide() {
       trunk_.push_back(i++);
       continue;
     }
+    // Small neighbouring subtrees share a branch: a thread should get work for more than its own start.
     const bool joins =
         !branches_.empty() && branches_.back().last == i && i + size[i] - branches_.back().first <= kTogether;
     if (joins)
@@ -245,8 +249,10 @@ void TreeDynamics::eliminate(int i, const double* q, const double* v, const doub
   const Eigen::Map<const Vector3> w(v + link.v + 3);
   const Vector3 spin = link.inertia * w;
   Articulated own = m.subtree;
+  // The link's own inertia about its centre of mass, in world axes; J is constant in body axes.
   own.M.diagonal().array() += link.mass;
   own.J += m.A * link.inertia * m.A.transpose();
+  // b and t are the force and torque at zero acceleration: gyroscopic terms less gravity and loads.
   own.b -= link.mass * gravity_;
   Vector3 t = w.cross(spin);
   if (load) {
@@ -259,6 +265,7 @@ void TreeDynamics::eliminate(int i, const double* q, const double* v, const doub
     return;
   }
   m.r = m.A * link.r;
+  // ω × (ω × r): what a point at r accelerates by beyond ω̇ × r.
   m.swing = m.w.cross(m.w.cross(m.r));
   if (link.kind == Kind::other) {  // slides: the point is the outer marker's
     m.r_parent = Eigen::Map<const Vector3>(q + link.q) + m.r;
@@ -302,6 +309,7 @@ void TreeDynamics::find(int i, double* v_dot) {
   };
   if (link.kind == Kind::root) {  // (a, ω̇) = -I⁻¹ (b, t)
     const Articulated& s = m.subtree;
+    // No joint: all six accelerations are free, and the 6 x 6 is solved by its two 3 x 3 blocks.
     const Matrix3 inverse = inverse_of_symmetric(s.M), gain = inverse * s.H;
     const Vector3 rest = inverse * s.b;
     m.alpha = inverse_of_symmetric(s.J - s.H.transpose() * gain) * (s.H.transpose() * rest - s.t);
@@ -353,6 +361,7 @@ void TreeDynamics::accelerations(const double* q, const double* v, const double*
     for (int i = b.last; i-- > b.first;) eliminate(i, q, v, load);
   };
   threads_.run(branches, inwards);
+  // In a fixed order, after all branches: sums are the same to the bit for any number of threads.
   for (std::size_t k = 0; k < handed_.size(); ++k) {
     Articulated& to = motions_[handed_to_[k] + 1].subtree;
     const Articulated& from = handed_[k];
