@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/analysis/static_equations.h"
+#include "engine/assembly/least_norm.h"
 #include "engine/base/checks.h"
 #include "engine/base/error.h"
 #include "engine/base/number_text.h"
@@ -21,7 +22,7 @@ constexpr double kShortest = 1e-7;    // of the first step
 
 class Path {
  public:
-  Path(Assembler& equations, const State& start, const EquilibriumPathOptions& options)
+  Path(Evaluator& equations, const State& start, const EquilibriumPathOptions& options)
       : equations_(equations),
         layout_(equations.layout()),
         balance_(equations),
@@ -156,7 +157,7 @@ class Path {
     return 0;
   }
 
-  Assembler& equations_;
+  Evaluator& equations_;
   const Layout& layout_;
   StaticEquations balance_;
   const EquilibriumPathOptions options_;
@@ -181,7 +182,7 @@ EquilibriumPath follow_equilibria(const System& system, const State& start, cons
   if (start.q.size() != layout.q_count() || start.lambda.size() != layout.row_count())
     throw SceneError("the state to start from belongs to another system", "follow_equilibria",
                      "start from find_equilibrium()");
-  Assembler equations(system);
+  Evaluator equations(system);
   equations.recall(start.quarter_turns);
   State state = start;
   state.v.setZero(layout.v_count());
@@ -191,7 +192,7 @@ EquilibriumPath follow_equilibria(const System& system, const State& start, cons
   for (State& s : path.states) {
     equations.recall(s.quarter_turns);
     equations.evaluate(s.time, s.q, s.v, Level::velocity);
-    equations.minimum_norm(s.lambda);
+    minimize_norm(equations, s.lambda);
   }
   return path;
 }

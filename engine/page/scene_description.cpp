@@ -252,7 +252,7 @@ bool SceneDescription::is_drive(const ConnectorPart& part) const {
   for (const auto& k : kinematics) views.emplace_back(k, static_cast<int>(views.size()));
   const auto residuals_at = [&](double time) {
     ConstraintRows rows(part.joint->marker_count());
-    rows.recall(now_.assembler().quarter_turns_of(*part.joint));
+    rows.recall(now_.quarter_turns_of(*part.joint));
     part.joint->evaluate(time, views, rows);
     VectorX values(3 * rows.count());
     for (int r = 0; r < rows.count(); ++r) values.segment<3>(3 * r) << rows.residual(r), rows.rate(r), rows.bias(r);

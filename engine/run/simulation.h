@@ -45,7 +45,7 @@ struct SimulationOptions {
 ///   simulation.observe(recorder, every(0.01));
 ///   simulation.run(state, 10);
 ///
-/// Observers are borrowed, and see states through an assembler of their own. Their schedules cut the integrator's
+/// Observers are borrowed, and see states through an evaluator of their own. Their schedules cut the integrator's
 /// steps, so that observed times are met exactly, never interpolated. Events are located within steps. Where force laws
 /// change their form (ForceElement::switches, a stop met or left), the step ends and the integrator starts anew: across
 /// such a kink no method keeps its order, and its error estimate errs. The same where surfaces of compliant contacts

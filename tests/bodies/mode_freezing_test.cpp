@@ -9,6 +9,7 @@
 #include "bodies/flexible/elements/meshes.h"
 #include "bodies/flexible/flexible_body.h"
 #include "bodies/rigid_body.h"
+#include "engine/assembly/evaluated.h"
 #include "engine/motion/make_integrator.h"
 #include "engine/motion/projection.h"
 #include "engine/observe/sensors.h"
@@ -96,8 +97,8 @@ Momentum momentum(Scene& scene) {
   scene.equations.evaluate(scene.state.time, scene.state.q, scene.state.v, Level::velocity);
   for (const auto& entry : scene.graph.bodies())
     if (const auto* body = dynamic_cast<const FlexibleBody*>(entry.body)) {
-      sum.linear += body->linear_momentum(scene.equations.body_state(*body));
-      sum.angular += body->angular_momentum(scene.equations.body_state(*body));
+      sum.linear += body->linear_momentum(body_state(scene.equations, *body));
+      sum.angular += body->angular_momentum(body_state(scene.equations, *body));
     }
   return sum;
 }
@@ -276,7 +277,7 @@ Swing swing(Deflection deflection, bool pinned, const MakeIntegrator& make,
   for (int k = 1; k <= 60; ++k) {
     scene.run(*integrator, 0.02 * k);
     scene.equations.evaluate(scene.state.time, scene.state.q, scene.state.v, Level::velocity);
-    out.tip.push_back(scene.equations.marker(tip, Level::position).p);
+    out.tip.push_back(marker_kinematics(scene.equations, tip, Level::position).p);
     out.residual = std::max(out.residual, scene.violation(Level::position));
   }
   out.steps = integrator->statistics().steps;
@@ -370,7 +371,7 @@ TEST(ModeFreezing, feels_resonance_that_no_static_deflection_shows) {
     double height = 0;
     while (scene.state.time < 1.5) {
       scene.run(*method, scene.state.time + 0.001);
-      height = std::max(height, std::abs(scene.equations.marker(tip, Level::position).p.z()));
+      height = std::max(height, std::abs(marker_kinematics(scene.equations, tip, Level::position).p.z()));
     }
     thaws = 0;
     if (freezes)

@@ -60,8 +60,8 @@ class Laws final : public Observer {
     VectorX r(layout.v_count()), weight(layout.v_count());
     const VectorX still = VectorX::Zero(layout.v_count()), none = VectorX::Zero(layout.row_count());
     const VectorX v_dot = now.accelerations(), lambda = now.multipliers();
-    now.assembler().residual(still, lambda, weight);
-    now.assembler().residual(v_dot, lambda, r);
+    now.evaluator().residual(still, lambda, weight);
+    now.evaluator().residual(v_dot, lambda, r);
     generalised = std::max(generalised, r.norm() / weight.norm());
   }
   int states = 0;

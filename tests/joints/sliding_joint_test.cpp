@@ -73,8 +73,8 @@ TEST(SlidingJoint, ItsRowsAreDerivativesOfEachOther) {
   const auto rows = [&](const State& state, Level level) {
     Snapshot now(system, state);
     VectorX out(2);
-    now.assembler().evaluate(state.time, state.q, state.v, Level::acceleration);
-    now.assembler().constraint(level, out);
+    now.evaluator().evaluate(state.time, state.q, state.v, Level::acceleration);
+    now.evaluator().constraint(level, out);
     return out;
   };
   expect_below("g", rows(start, Level::position).norm(), 1e-12);
@@ -138,7 +138,7 @@ TEST(SlidingJoint, EveryMethodKeepsTheEnergyOfABead) {
     EXPECT_GT(read(system, end, place_on_rail(joint)), 1.5) << name;
     Snapshot now(system, end);
     VectorX g(2);
-    now.assembler().constraint(Level::position, g);
+    now.evaluator().constraint(Level::position, g);
     expect_below(name + ": g", g.norm(), 1e-6);
   }
 }

@@ -16,7 +16,7 @@ namespace {
 using ComplexMatrix = Eigen::MatrixXcd;
 
 /// The engine's real blocks at these weights: velocities, constraint rows, compliant rows.
-MatrixX dense(Assembler& equations, const TangentWeights& weights, const VectorX& v_dot, const VectorX& lambda) {
+MatrixX dense(Evaluator& equations, const TangentWeights& weights, const VectorX& v_dot, const VectorX& lambda) {
   equations.factorize(weights, v_dot, lambda, nullptr);
   int size = 0;
   equations.visit_blocks([&](int row, int, ConstMatrixRef b) { size = std::max<int>(size, row + b.rows()); });
@@ -27,7 +27,7 @@ MatrixX dense(Assembler& equations, const TangentWeights& weights, const VectorX
 }
 
 /// [S Gᵀ; G 0] with the compliant rows eliminated, from K, D and M apart.
-ComplexMatrix expected(Assembler& equations, const ComplexTangentWeights& w, const VectorX& v_dot,
+ComplexMatrix expected(Evaluator& equations, const ComplexTangentWeights& w, const VectorX& v_dot,
                        const VectorX& lambda) {
   const int nv = equations.layout().v_count(), n = nv + equations.layout().row_count();
   const MatrixX K_M = dense(equations, {1, 0, 1}, v_dot, lambda), D_M = dense(equations, {0, 1, 1}, v_dot, lambda),
@@ -46,7 +46,7 @@ ComplexMatrix expected(Assembler& equations, const ComplexTangentWeights& w, con
   return A;
 }
 
-double solution_error(Assembler& equations, const State& state) {
+double solution_error(Evaluator& equations, const State& state) {
   RandomNumbers random(7);
   const int nv = equations.layout().v_count(), rows = equations.layout().row_count();
   const VectorX v_dot = random.vector(nv), lambda = random.vector(rows);
