@@ -44,8 +44,8 @@ class Path {
       const double rate = rate_;
       int iterations = 0;
       while (true) {
-        double length = std::min(step, options_.longest_step / std::max(std::abs(rate), 1e-12));
-        length = std::min(length, options_.farthest_turn / std::max(turn_of(tangent), 1e-12));
+        double length = std::min(step, options_.max_step / std::max(std::abs(rate), 1e-12));
+        length = std::min(length, options_.max_turn / std::max(turn_of(tangent), 1e-12));
         const double left = (options_.end - from.time) / span_;  // of the whole time
         const bool last = rate > 0 && length * rate >= left * (1 - 1e-9);
         if (last) length = left / rate;
@@ -175,8 +175,8 @@ EquilibriumPath follow_equilibria(const System& system, const State& start, cons
   require::at("follow_equilibria", [&] {
     require::finite(options.end, "end");
     require::positive(options.first_step, "first_step");
-    require::positive(options.farthest_turn, "farthest_turn");
-    require::positive(options.longest_step, "longest_step");
+    require::positive(options.max_turn, "max_turn");
+    require::positive(options.max_step, "max_step");
     require::positive(options.tolerance, "tolerance");
   });
   if (start.q.size() != layout.q_count() || start.lambda.size() != layout.row_count())

@@ -103,7 +103,7 @@ TEST(ComplexFactor, KnowsSpringsAndFriction) {
     const Matrix3 axis = rotation_about({1, 0, 0}, M_PI / 2);
     auto& pin =
         graph.add<RevoluteJoint>("pin", {graph.ground().marker({0, 0, 0}, axis), arm.marker({-0.5, 0, 0}, axis)});
-    graph.add<JointFriction>("rub", {pin.angle()}, {.joint = &pin, .dynamic = 0.2, .viscous = 0.1, .radius = 0.05});
+    graph.add<JointFriction>("rub", {pin.angle()}, {.joint = &pin, .coefficient = 0.2, .viscous = 0.1, .radius = 0.05});
     graph.add<SpringDamper>("spring", {arm.marker({0.5, 0, 0}), bob.marker()},
                             {.stiffness = 5e4, .damping = 30, .natural_length = 0.9});
   });
