@@ -6,6 +6,7 @@
 #include "engine/assembly/evaluated.h"
 #include "engine/base/error.h"
 #include "engine/base/number_text.h"
+#include "engine/model/marker_motions.h"
 
 namespace lithe {
 namespace {
@@ -17,25 +18,12 @@ const double* measured_turns(const Evaluator& evaluator, const Connector& connec
   return evaluator.workspace().quarter_turns.data() + evaluator.system().first_angle(connector);
 }
 
-/// The motions of a connector's markers at the state evaluated last.
-class Views {
- public:
-  Views(Evaluator& evaluator, const std::vector<Marker>& markers) {
-    kinematics_.reserve(markers.size());
-    for (const Marker& marker : markers) {
-      kinematics_.push_back(marker_kinematics(evaluator, marker, Level::velocity));
-      views_.emplace_back(kinematics_.back(), static_cast<int>(views_.size()));
-    }
-  }
-  operator std::span<const MarkerView>() const { return views_; }
-
- private:
-  std::vector<MarkerKinematics> kinematics_;
-  std::vector<MarkerView> views_;
-};
+MarkerMotions motions_of(Evaluator& evaluator, const std::vector<Marker>& markers) {
+  return {markers, [&](const Marker& m) { return marker_kinematics(evaluator, m, Level::velocity); }};
+}
 
 bool is_finite(Evaluator& evaluator, const Constraint& joint, double time) {
-  const Views views(evaluator, joint.markers());
+  const MarkerMotions views = motions_of(evaluator, joint.markers());
   ConstraintRows rows(joint.marker_count());
   rows.recall(measured_turns(evaluator, joint));
   joint.evaluate(time, views, rows);
@@ -48,7 +36,7 @@ bool is_finite(Evaluator& evaluator, const Constraint& joint, double time) {
 }
 
 bool is_finite(Evaluator& evaluator, const ForceElement& force, double time) {
-  const Views views(evaluator, force.markers());
+  const MarkerMotions views = motions_of(evaluator, force.markers());
   ForceRows rows(force.marker_count());
   rows.recall(measured_turns(evaluator, force));
   rows.set_reaction({Vector3::Zero(), Vector3::Zero()});

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/model/deformable_body.h"
+#include "engine/model/marker_motions.h"
 
 namespace lithe {
 namespace {
@@ -74,26 +75,13 @@ const double* multipliers_of(Snapshot& now, const Constraint& joint) {
   return now.multipliers().data() + now.system().rows(joint).first;
 }
 
-/// A connector's markers at a snapshot, as it sees them.
-class ConnectorMarkers {
- public:
-  ConnectorMarkers(Snapshot& now, const std::vector<Marker>& markers) {
-    kinematics_.reserve(markers.size());  // views refer to it
-    for (const Marker& m : markers) {
-      kinematics_.push_back(now.marker(m));
-      views_.emplace_back(kinematics_.back(), static_cast<int>(views_.size()));
-    }
-  }
-  operator std::span<const MarkerView>() const { return views_; }
-
- private:
-  std::vector<MarkerKinematics> kinematics_;
-  std::vector<MarkerView> views_;
-};
+MarkerMotions motions_of(Snapshot& now, const std::vector<Marker>& markers) {
+  return {markers, [&](const Marker& m) { return now.marker(m); }};
+}
 
 /// What a joint does to the body at one of its markers: -Σ_rows W λ.
 Wrench wrench_of(Snapshot& now, const Constraint& joint, int marker) {
-  const ConnectorMarkers markers(now, entry_of(now.system().graph(), joint).markers);
+  const MarkerMotions markers = motions_of(now, entry_of(now.system().graph(), joint).markers);
   ConstraintRows rows(joint.marker_count());
   rows.recall(now.quarter_turns_of(joint));
   joint.evaluate(now.time(), markers, rows);
@@ -108,7 +96,7 @@ Wrench wrench_of(Snapshot& now, const Constraint& joint, int marker) {
 
 /// A force element at a snapshot.
 ForceRows rows_of(Snapshot& now, const ForceElement& force) {
-  const ConnectorMarkers markers(now, entry_of(now.system().graph(), force).markers);
+  const MarkerMotions markers = motions_of(now, entry_of(now.system().graph(), force).markers);
   ForceRows rows(force.marker_count());
   rows.recall(now.quarter_turns_of(force));
   if (const Constraint* joint = force.reaction_of()) rows.set_reaction(wrench_of(now, *joint, 1));

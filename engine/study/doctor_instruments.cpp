@@ -7,6 +7,7 @@
 
 #include "engine/analysis/free_motions.h"
 #include "engine/base/number_text.h"
+#include "engine/model/marker_motions.h"
 #include "engine/run/simulation.h"
 #include "engine/study/doctor_internal.h"
 
@@ -198,13 +199,7 @@ std::vector<Rate> fastest_rates(const System& system, const State& state) {
   // 2. Force elements: k w·M⁻¹w with the joints in place, w the row's force on the velocities.
   for (const auto& entry : system.graph().forces()) {
     if (entry.force->row_count() == 0) continue;
-    std::vector<MarkerKinematics> kinematics;
-    std::vector<MarkerView> views;
-    kinematics.reserve(entry.markers.size());
-    for (const Marker& m : entry.markers) {
-      kinematics.push_back(now.marker(m));
-      views.emplace_back(kinematics.back(), static_cast<int>(views.size()));
-    }
+    const MarkerMotions views(entry.markers, [&](const Marker& m) { return now.marker(m); });
     ForceRows rows(entry.force->marker_count());
     rows.recall(now.quarter_turns_of(*entry.force));
     rows.set_reaction({Vector3::Zero(), Vector3::Zero()});
@@ -213,7 +208,7 @@ std::vector<Rate> fastest_rates(const System& system, const State& state) {
     for (int r = 0; r < rows.count(); ++r) {
       force.setZero();
       for (std::size_t m = 0; m < views.size(); ++m)
-        add_wrench(layout, entry.markers[m], kinematics[m], rows.wrench(r, static_cast<int>(m)), force);
+        add_wrench(layout, entry.markers[m], views[m], rows.wrench(r, static_cast<int>(m)), force);
       motion = force;
       no_load.setZero();
       equations.solve(motion, no_load);
