@@ -42,7 +42,7 @@ void BlockFactorOf<Scalar>::plan() {
   for (int r = 0; r < rows; ++r)
     if (s.rows[r].compliant < 0) joints.ties.push_back(topology.ties[r]);
   guarded_ = has_loops(joints);
-  const Elimination elimination = eliminate(topology, dimension, couplings);
+  const Elimination elimination = plan_elimination(topology, dimension, couplings);
 
   // Factor storage, found by (row vertex, column vertex) while planning only.
   std::vector<std::map<int, int>> at(n);

@@ -103,8 +103,8 @@ bool has_loops(const Topology& t) {
   return static_cast<int>(boost::num_edges(graph) + components) > static_cast<int>(boost::num_vertices(graph));
 }
 
-Elimination eliminate(const Topology& t, const std::vector<int>& dimensions,
-                      const std::vector<std::pair<int, int>>& couplings) {
+Elimination plan_elimination(const Topology& t, const std::vector<int>& dimensions,
+                             const std::vector<std::pair<int, int>>& couplings) {
   const int bodies = t.body_count, n = bodies + static_cast<int>(t.ties.size());
   std::vector<int> discovered;
   const std::vector<Overhang> beyond = overhangs(t, discovered);

@@ -29,8 +29,8 @@ struct Elimination {
 /// block of their own. A constraint is eliminated after all its bodies, or, where it alone holds a part of the graph
 /// that does not touch ground, after that part: in both cases its pivot block is minus a compliance, definite if its
 /// rows are independent. Among the eligible, the one with the smallest remaining neighbourhood goes first.
-Elimination eliminate(const Topology& topology, const std::vector<int>& dimensions,
-                      const std::vector<std::pair<int, int>>& couplings);
+Elimination plan_elimination(const Topology& topology, const std::vector<int>& dimensions,
+                             const std::vector<std::pair<int, int>>& couplings);
 
 /// Graphviz text: bodies are boxes, connectors ellipses, edges carry marker names.
 struct GraphDrawing {

@@ -133,7 +133,7 @@ void PlanarDynamics::plan() {
     for (const Tie& a : at)
       for (const Tie& b : at)
         if (a.joint < b.joint) couplings.emplace_back(a.joint, b.joint);
-  Elimination elimination = eliminate({n, {}}, std::vector<int>(n, 2), couplings);
+  Elimination elimination = plan_elimination({n, {}}, std::vector<int>(n, 2), couplings);
   std::vector<int> position(n);
   for (int i = 0; i < n; ++i) position[elimination.order[i]] = i;
 

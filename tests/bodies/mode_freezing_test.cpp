@@ -151,7 +151,7 @@ TEST_P(Freezing, keeps_the_momenta_and_joints_of_two_bars_and_counts_the_energy_
   const VectorX gone = v - scene.state.v, zero = VectorX::Zero(v.size());
   VectorX Mv(v.size()), f(v.size());
   const VectorX rows = VectorX::Zero(system.layout().row_count());
-  scene.equations.hold({});
+  scene.equations.parts().held->hold({});
   scene.equations.evaluate(0, scene.state.q, zero, Level::velocity);
   scene.equations.residual(gone, rows, Mv);
   scene.equations.residual(zero, rows, f);
@@ -176,7 +176,7 @@ TEST_P(Freezing, of_all_modes_leaves_the_rigid_body_with_every_kind_of_integrato
     Scene scene(kGravity, draw(modes));
     std::vector<int> held;
     for (int k = 0; k < modes; ++k) held.push_back(6 + k);
-    EXPECT_TRUE(scene.equations.hold(held));
+    EXPECT_TRUE(scene.equations.parts().held->hold(held));
     if (modes > 0) scene.state.v.tail(modes).setZero();
     scene.state.q.tail(modes).setZero();
     scene.run(integrator, 0.2);

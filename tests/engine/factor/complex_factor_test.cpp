@@ -60,8 +60,8 @@ double solution_error(Evaluator& equations, const State& state) {
   for (auto& value : x) value = {random.number(), random.number()};
   const ComplexVectorX b = A * x;
   ComplexVectorX rv = b.head(nv), rl = b.tail(rows);
-  equations.factorize_complex(weights, v_dot, lambda, nullptr);
-  equations.solve_complex(rv, rl);
+  equations.parts().complex_factor->factorize_complex(weights, v_dot, lambda, nullptr);
+  equations.parts().complex_factor->solve_complex(rv, rl);
   return std::max((rv - x.head(nv)).cwiseAbs().maxCoeff(), rows > 0 ? (rl - x.tail(rows)).cwiseAbs().maxCoeff() : 0.0) /
          x.cwiseAbs().maxCoeff();
 }
@@ -90,7 +90,7 @@ TEST(ComplexFactor, LeavesTheRealFactorAlone) {
   chain.equations.factorize({1, 10, 100}, zero, none, nullptr);
   VectorX a = VectorX::Ones(18), la = VectorX::Ones(15), b = a, lb = la;
   chain.equations.solve(a, la);
-  chain.equations.factorize_complex({1, {10, 5}, {75, 100}}, zero, none, nullptr);
+  chain.equations.parts().complex_factor->factorize_complex({1, {10, 5}, {75, 100}}, zero, none, nullptr);
   chain.equations.solve(b, lb);
   EXPECT_EQ(a, b);
   EXPECT_EQ(la, lb);
