@@ -19,7 +19,7 @@ SurfaceWriter::SurfaceWriter(const Body& body, std::string path, Fields fields)
 }
 
 void SurfaceWriter::observe(Snapshot& snapshot) {
-  const BodyState state = snapshot.assembler().body_state(body_);
+  const BodyState state = snapshot.body_state(body_);
   Matrix3X points(3, mesh_.points.cols());
   drawable_->drawn_points(state, mesh_, points);
   if (series_.frame_count() == 0) start_ = points;

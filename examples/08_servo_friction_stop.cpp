@@ -18,7 +18,8 @@ int main() {
       graph.add<RevoluteJoint>("pin", {graph.ground().marker({0, 0, 0}, axis), arm.marker({-0.25, 0, 0}, axis)});
 
   // 2. Friction by the pin's reaction, a servo, a stop.
-  graph.add<JointFriction>("rub", {pin.angle()}, {.joint = &pin, .dynamic = 0.2, .still = 0.25, .radius = 0.02});
+  graph.add<JointFriction>("rub", {pin.angle()},
+                           {.joint = &pin, .coefficient = 0.2, .static_coefficient = 0.25, .radius = 0.02});
   auto& memory = graph.add<IntegralState>("memory");
   auto& servo = graph.add<PidController>(
       "servo", {pin.angle(), memory.coordinate()},
@@ -40,7 +41,8 @@ int main() {
   auto& same = loose.add<RigidBody>("arm", {.mass = 2, .inertia = {1e-3, 0.042, 0.042}, .position = {0.25, 0, 0}});
   auto& hinge =
       loose.add<RevoluteJoint>("pin", {loose.ground().marker({0, 0, 0}, axis), same.marker({-0.25, 0, 0}, axis)});
-  loose.add<JointFriction>("rub", {hinge.angle()}, {.joint = &hinge, .dynamic = 0.2, .still = 0.25, .radius = 0.02});
+  loose.add<JointFriction>("rub", {hinge.angle()},
+                           {.joint = &hinge, .coefficient = 0.2, .static_coefficient = 0.25, .radius = 0.02});
   auto& end = loose.add<CoordinateStop>("stop", {hinge.angle()}, {.lower = -0.5, .stiffness = 5e4, .dissipation = 2});
   const System fallen = assemble(loose);
   State lying = fallen.initial_state();

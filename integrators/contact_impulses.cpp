@@ -255,7 +255,7 @@ void ContactImpulses::solve(const ConeProblem& problem, VectorX& r) {
   std::ostringstream message;
   message << "contact impulses by " << solver_->name() << " are left with a residual of " << result.residual
           << " N s, the tolerance is " << parameters_.tolerance * scale
-          << " (later steps are not told of)\n  fix:  more sweeps, DirectConeSolver, or a looser tolerance.";
+          << " (later steps are not reported)\n  fix:  more sweeps, DirectConeSolver, or a looser tolerance.";
   log::warn(message.str());
 }
 

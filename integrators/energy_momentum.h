@@ -28,7 +28,7 @@ namespace lithe {
 class EnergyMomentum final : public MomentumBalance {
  public:
   struct Parameters {
-    double step = 0;                  // s
+    double step = 0;                  // s; must be given
     double newton_tolerance = 1e-15;  // what may be left of v', relative to 1 + the largest velocity
   };
 

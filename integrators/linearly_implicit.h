@@ -14,12 +14,12 @@ namespace lithe {
 /// projects their ends: a damping ratio of (h ω)³/4, three factors and five evaluations a step. What one iteration
 /// leaves of a curved motion meets the stiffness: a spring of stiffness k and length l errs by a force k h⁴ v̇²/(2 l),
 /// where a constraint would not. What is so stiff is better a constraint; order 2 falls to 1 there, with a tenth of the
-/// error. A step does not fail but by numbers that are none.
+/// error. A step fails only by values that are not finite.
 class LinearlyImplicit final : public Integrator {
  public:
   struct Parameters {
-    double step = 1e-3;  // s
-    int order = 1;       // 1 or 2
+    double step = 0;  // s; must be given
+    int order = 1;    // 1 or 2
   };
 
   /// Throws SceneError for a step that is not positive, or an order that there is not.

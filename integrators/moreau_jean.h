@@ -16,7 +16,7 @@ namespace lithe {
 class MoreauJean final : public Integrator {
  public:
   struct Parameters {
-    double step = 1e-3;  // s
+    double step = 0;  // s; must be given
     ContactImpulses::Parameters contact{};
   };
   /// Solver of impulses: null takes AutomaticConeSolver, sweeps first and the direct solver where they do not do.

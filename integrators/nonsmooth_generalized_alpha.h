@@ -13,7 +13,7 @@ namespace lithe {
 class NonsmoothGeneralizedAlpha final : public GeneralizedAlpha {
  public:
   struct Parameters {
-    double step = 1e-3;            // s
+    double step = 0;               // s; must be given
     double spectral_radius = 0.8;  // at infinite frequency
     ContactImpulses::Parameters contact{};
   };

@@ -20,7 +20,7 @@ namespace lithe {
 class Rattle final : public MomentumBalance {
  public:
   struct Parameters {
-    double step = 0;                  // s
+    double step = 0;                  // s; must be given
     double newton_tolerance = 1e-14;  // what may be left of D, relative to 1 + the largest velocity
   };
 

@@ -212,7 +212,7 @@ Sensor Beam::make_sensor(int element, Located name, bool resultants) const {
   std::vector<std::string> columns;
   for (const std::string& ending : resultants ? kResultants : kStrains) columns.push_back(name.text + ending);
   const auto read = [this, element, resultants](Snapshot& now, std::span<double> values) {
-    const BodyState state = now.assembler().body_state(*this);
+    const BodyState state = now.body_state(*this);
     Eigen::Map<Vector6>(values.data()) = resultants ? this->resultants(state, element) : strain(state, element);
   };
   if (resultants) return {std::move(name), std::move(columns), read, {"N", "N", "N", "N m", "N m", "N m"}};

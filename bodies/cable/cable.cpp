@@ -282,7 +282,7 @@ Sensor tension(const Cable& cable, int element, Located name) {
   const std::string column = name.text;
   return Sensor(std::move(name), {column},
                 [&cable, element](Snapshot& now, std::span<double> values) {
-                  values[0] = cable.tensions(now.assembler().body_state(cable))[element];
+                  values[0] = cable.tensions(now.body_state(cable))[element];
                 },
                 {"N"});
 }

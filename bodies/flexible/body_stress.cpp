@@ -28,7 +28,7 @@ BodyStress::BodyStress(const FlexibleBody& body, std::shared_ptr<const StressRec
 
 /// Of all fields of the basis: those beyond the body's modes rest.
 VectorX BodyStress::coordinates(Snapshot& snapshot) const {
-  const VectorX moved = body_->field_coordinates(snapshot.assembler().body_state(*body_));
+  const VectorX moved = body_->field_coordinates(snapshot.body_state(*body_));
   VectorX all = VectorX::Zero(recovery_->coordinate_count());
   all.head(moved.size()) = moved;
   return all;

@@ -25,7 +25,7 @@ DeformationWriter::DeformationWriter(const FlexibleBody& body, std::string path,
 }
 
 void DeformationWriter::observe(Snapshot& snapshot) {
-  const BodyState state = snapshot.assembler().body_state(body_);
+  const BodyState state = snapshot.body_state(body_);
   const auto& slice = snapshot.system().layout().slice(body_);
   const auto motion = body_.nodal_motion(state, snapshot.accelerations().data() + slice.v);
   const Eigen::Map<const Vector3> origin(state.q);

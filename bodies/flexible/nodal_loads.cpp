@@ -125,7 +125,7 @@ NodalLoads nodal_loads(const FlexibleBody& body, Snapshot& snapshot, LoadGeometr
   if (!basis.rotations.empty())
     throw SceneError("nodal loads of '" + body.name() + "', whose nodes have rotations", body.where(),
                      "loads back are for solids: the moments that its nodes bear are not known to the basis");
-  const BodyState state = snapshot.assembler().body_state(body);
+  const BodyState state = snapshot.body_state(body);
   const Matrix3& A = state.cache->A;
   const auto motion =
       body.nodal_motion(state, snapshot.accelerations().data() + snapshot.system().layout().slice(body).v);

@@ -34,7 +34,7 @@ ResultWriter::ResultWriter(const FlexibleBody& body, std::string path, const Res
 }
 
 void ResultWriter::observe(Snapshot& snapshot) {
-  const BodyState state = snapshot.assembler().body_state(body_);
+  const BodyState state = snapshot.body_state(body_);
   if (stress_) {
     const Matrix6X stress = stress_->stress(snapshot)(Eigen::all, stress_nodes_);
     file_.append("/stress", stress.reshaped());

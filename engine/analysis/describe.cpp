@@ -3,7 +3,7 @@
 #include <sstream>
 
 #include "engine/analysis/free_motions.h"
-#include "engine/assembly/assembler.h"
+#include "engine/assembly/evaluator.h"
 
 namespace lithe {
 namespace {
@@ -48,7 +48,7 @@ std::string describe(const System& system) {
     out << "  " << row.name << (row.repeats.empty() ? " restrains nothing" : " repeats " + row.repeats) << '\n';
 
   if (system.degrees_of_freedom() == 0 || layout.v_count() > kMaxDense) return out.str();
-  Assembler equations(system);
+  Evaluator equations(system);
   const State& start = system.initial_state();
   equations.evaluate(start.time, start.q, start.v, Level::velocity);
   const std::vector<FreeMotion> motions = free_motions(equations);

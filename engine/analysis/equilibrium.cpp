@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "engine/analysis/static_equations.h"
+#include "engine/assembly/least_norm.h"
 #include "engine/base/error.h"
 #include "engine/base/number_text.h"
 #include "engine/motion/projection.h"
@@ -40,7 +41,7 @@ std::string short_number(double x) {
 /// Newton's way from a start at rest to the balance.
 class Search {
  public:
-  Search(Assembler& equations, State& state, double force_scale, double tolerance)
+  Search(Evaluator& equations, State& state, double force_scale, double tolerance)
       : equations_(equations),
         layout_(equations.layout()),
         balance_(equations),
@@ -217,7 +218,7 @@ class Search {
     look();
   }
 
-  Assembler& equations_;
+  Evaluator& equations_;
   const Layout& layout_;
   StaticEquations balance_;
   State& state_;
@@ -235,7 +236,7 @@ Equilibrium find_equilibrium(const System& system, const State& start, const Equ
   if (start.q.size() != layout.q_count())
     throw SceneError("the state to start from belongs to another system", "find_equilibrium",
                      "start from system.initial_state()");
-  Assembler equations(system);
+  Evaluator equations(system);
   equations.recall(start.quarter_turns);
   Projector projector(equations);
 
@@ -271,7 +272,7 @@ Equilibrium find_equilibrium(const System& system, const State& start, const Equ
   state.v.setZero();
   state.v_dot.setZero();
   equations.evaluate(state.time, state.q, state.v, Level::velocity);
-  equations.minimum_norm(state.lambda);
+  minimize_norm(equations, state.lambda);
   found.left_out = deflection_left_out(system, state);
   tell_left_out(found.left_out);
   return found;

@@ -39,7 +39,7 @@ struct Equilibrium {
 /// Each row is balanced down to `tolerance`, or to its round-off if that is larger, as it may be for stiff rows.
 /// A start already in balance is returned unchanged, stable or not: see Linearization::lowest_stiffness().
 /// Redundant rows are left out and their multipliers are those of least norm.
-/// Modes that bodies have and do not use are estimated (Equilibrium::left_out), and told of above kLeftOutToTell.
+/// Modes that bodies have and do not use are estimated (Equilibrium::left_out), and reported above kLeftOutToTell.
 /// Throws SimulationError naming the worst coordinate if no equilibrium is found (a body that nothing holds falls),
 /// SceneError for a state of another system.
 Equilibrium find_equilibrium(const System& system, const State& start, const EquilibriumOptions& options = {});

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/analysis/static_equations.h"
+#include "engine/assembly/least_norm.h"
 #include "engine/base/checks.h"
 #include "engine/base/error.h"
 #include "engine/base/number_text.h"
@@ -21,7 +22,7 @@ constexpr double kShortest = 1e-7;    // of the first step
 
 class Path {
  public:
-  Path(Assembler& equations, const State& start, const EquilibriumPathOptions& options)
+  Path(Evaluator& equations, const State& start, const EquilibriumPathOptions& options)
       : equations_(equations),
         layout_(equations.layout()),
         balance_(equations),
@@ -43,8 +44,8 @@ class Path {
       const double rate = rate_;
       int iterations = 0;
       while (true) {
-        double length = std::min(step, options_.longest_step / std::max(std::abs(rate), 1e-12));
-        length = std::min(length, options_.farthest_turn / std::max(turn_of(tangent), 1e-12));
+        double length = std::min(step, options_.max_step / std::max(std::abs(rate), 1e-12));
+        length = std::min(length, options_.max_turn / std::max(turn_of(tangent), 1e-12));
         const double left = (options_.end - from.time) / span_;  // of the whole time
         const bool last = rate > 0 && length * rate >= left * (1 - 1e-9);
         if (last) length = left / rate;
@@ -156,7 +157,7 @@ class Path {
     return 0;
   }
 
-  Assembler& equations_;
+  Evaluator& equations_;
   const Layout& layout_;
   StaticEquations balance_;
   const EquilibriumPathOptions options_;
@@ -174,14 +175,14 @@ EquilibriumPath follow_equilibria(const System& system, const State& start, cons
   require::at("follow_equilibria", [&] {
     require::finite(options.end, "end");
     require::positive(options.first_step, "first_step");
-    require::positive(options.farthest_turn, "farthest_turn");
-    require::positive(options.longest_step, "longest_step");
+    require::positive(options.max_turn, "max_turn");
+    require::positive(options.max_step, "max_step");
     require::positive(options.tolerance, "tolerance");
   });
   if (start.q.size() != layout.q_count() || start.lambda.size() != layout.row_count())
     throw SceneError("the state to start from belongs to another system", "follow_equilibria",
                      "start from find_equilibrium()");
-  Assembler equations(system);
+  Evaluator equations(system);
   equations.recall(start.quarter_turns);
   State state = start;
   state.v.setZero(layout.v_count());
@@ -191,7 +192,7 @@ EquilibriumPath follow_equilibria(const System& system, const State& start, cons
   for (State& s : path.states) {
     equations.recall(s.quarter_turns);
     equations.evaluate(s.time, s.q, s.v, Level::velocity);
-    equations.minimum_norm(s.lambda);
+    minimize_norm(equations, s.lambda);
   }
   return path;
 }

@@ -8,11 +8,11 @@
 namespace lithe {
 
 struct EquilibriumPathOptions {
-  double end = 1;              // s, where the path ends; before the start's time: it runs backwards
-  double first_step = 0.02;    // of the time between start and end, on the first step
-  double farthest_turn = 0.2;  // rad a step, of any body
-  double longest_step = 0.1;   // of the time between start and end, a step
-  double tolerance = 1e-9;     // out-of-balance force, of the largest force or weight at play
+  double end = 1;            // s, where the path ends; before the start's time: it runs backwards
+  double first_step = 0.02;  // of the time between start and end, on the first step
+  double max_turn = 0.2;     // rad a step, of any body
+  double max_step = 0.1;     // of the time between start and end, a step
+  double tolerance = 1e-9;   // out-of-balance force, of the largest force or weight at play
   int max_states = 1000;
 };
 

@@ -163,7 +163,7 @@ Sensor drive_power(const Constraint& drive, Located name) {
   const std::string column = name.text;
   return {std::move(name), {column}, [&drive](Snapshot& now, std::span<double> values) {
             const Layout::RowSlice& rows = now.system().rows(drive);
-            const VectorX& rate = now.assembler().workspace().rate;
+            const VectorX& rate = now.evaluator().workspace().rate;
             values[0] = now.multipliers().segment(rows.first, rows.count).dot(rate.segment(rows.first, rows.count));
           }};
 }

@@ -40,7 +40,7 @@ VectorX forces_on(Snapshot& now, const DeformableBody& body) {
     add(entry.markers, [&](int m) { return reaction(*entry.constraint, m); });
   for (const auto& entry : graph.forces()) add(entry.markers, [&](int m) { return applied_force(*entry.force, m); });
   const Layout::BodySlice& slice = now.system().layout().slice(body);
-  return body.candidate_forces(now.assembler().body_state(body), now.accelerations().data() + slice.v, loads,
+  return body.candidate_forces(now.body_state(body), now.accelerations().data() + slice.v, loads,
                                now.system().gravity());
 }
 

@@ -20,7 +20,7 @@ constexpr double kSteady = 1e-6;         // turning of Z beside the speed of the
 constexpr double kRoundOff = std::numeric_limits<double>::epsilon();
 
 void check(const System& system, const State& state) {
-  Assembler equations(system);
+  Evaluator equations(system);
   const Layout& layout = system.layout();
   if (state.q.size() != layout.q_count() || state.v.size() != layout.v_count())
     throw SceneError("the state to linearize about belongs to another system", "linearize",
@@ -241,7 +241,7 @@ State displaced(const System& system, const Linearization& about, const Mode& mo
   system.layout().retract(about.state.q, (turn * mode.shape).real(), state.q);
   state.v += (turn * mode.eigenvalue * mode.shape).real();
   // The mode is a straight line; joints lead along a curve.
-  Assembler equations(system);
+  Evaluator equations(system);
   Projector projector(equations);
   projector.position(state.time, state.q, 1e-13, 20);
   projector.velocity(state.time, state.q, state.v);

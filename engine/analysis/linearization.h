@@ -54,7 +54,7 @@ struct LinearizeOptions {
 
 /// Linearizes about `state` (positions and velocities that satisfy the rows). M, C, K have some ten digits:
 /// fourth-order differences with a step of a thousandth of the bodies' size. Dense: for up to some thousand velocities.
-/// Modes that bodies have and do not use are estimated (engine/analysis/left_out.h), and told of above kLeftOutToTell.
+/// Modes that bodies have and do not use are estimated (engine/analysis/left_out.h), and reported above kLeftOutToTell.
 /// Throws SceneError for a state of another system or one off its constraints.
 Linearization linearize(const System& system, const State& state, const LinearizeOptions& options = {});
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/analysis/free_motions.h"
-#include "engine/assembly/assembler.h"
+#include "engine/assembly/evaluator.h"
 #include "engine/model/state.h"
 
 namespace lithe {
@@ -54,7 +54,7 @@ class Perturbation {
   void read_rows(Level level, VectorX& out);
   double step(const Direction& direction) const;
 
-  Assembler equations_;
+  Evaluator equations_;
   State base_, near_;
   PerturbationAxes axes_;
   double length_;        // of the bodies, m

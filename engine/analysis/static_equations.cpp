@@ -66,7 +66,7 @@ class StaticEquations::Factor {
   SUNLinearSolver solver_ = nullptr;
 };
 
-StaticEquations::StaticEquations(Assembler& equations)
+StaticEquations::StaticEquations(Evaluator& equations)
     : equations_(equations),
       velocities_(equations.layout().v_count()),
       rows_(equations.layout().row_count()),

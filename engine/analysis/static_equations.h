@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "engine/assembly/assembler.h"
+#include "engine/assembly/evaluator.h"
 
 namespace lithe {
 
@@ -14,7 +14,7 @@ namespace lithe {
 /// rows are left out: their g and λ are zero.
 class StaticEquations {
  public:
-  explicit StaticEquations(Assembler& equations);
+  explicit StaticEquations(Evaluator& equations);
   ~StaticEquations();
 
   /// Fills force and gap at a pose.
@@ -43,7 +43,7 @@ class StaticEquations {
   void product(const VectorX& x, ConstVectorRef lambda, double length, VectorX& out);
   void find_round_off(ConstVectorRef q, ConstVectorRef lambda);
 
-  Assembler& equations_;
+  Evaluator& equations_;
   const int velocities_, rows_;
   std::vector<char> redundant_;
   double time_ = 0, shift_ = 0;

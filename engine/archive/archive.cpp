@@ -6,6 +6,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/number_text.h"
+#include "engine/base/packed_texts.h"
 
 // No HDF5 here: plug-ins link this file.
 namespace lithe {
@@ -30,6 +31,11 @@ void append(std::vector<unsigned char>& bytes, const std::vector<Value>& values)
   bytes.insert(bytes.end(), data, data + values.size() * sizeof(Value));
 }
 
+std::vector<char> bytes_of(const std::vector<std::string>& texts) {
+  const std::string bytes = packed(texts);
+  return {bytes.begin(), bytes.end()};
+}
+
 struct Bytes {
   const unsigned char* at;
   std::size_t left;
@@ -50,25 +56,11 @@ struct Bytes {
   }
   std::vector<std::string> take_texts() {
     const std::vector<char> all = take<char>();
-    std::vector<std::string> texts;
-    for (auto from = all.begin(); from != all.end();) {
-      const auto end = std::find(from, all.end(), '\0');
-      if (end == all.end()) fail();
-      texts.emplace_back(from, end);
-      from = end + 1;
-    }
-    return texts;
+    auto texts = unpacked({all.begin(), all.end()});
+    if (!texts) fail();
+    return *std::move(texts);
   }
 };
-
-std::vector<char> packed(const std::vector<std::string>& texts) {
-  std::vector<char> bytes;
-  for (const std::string& text : texts) {
-    bytes.insert(bytes.end(), text.begin(), text.end());
-    bytes.push_back('\0');
-  }
-  return bytes;
-}
 
 }  // namespace
 
@@ -269,11 +261,11 @@ void Archive::same(std::string_view name, const std::string& value) {
 
 std::vector<unsigned char> Archive::bytes() const {
   std::vector<unsigned char> all;
-  append(all, packed(content_.names));
+  append(all, bytes_of(content_.names));
   append(all, content_.shapes);
   append(all, content_.numbers);
   append(all, content_.integers);
-  append(all, packed(content_.texts));
+  append(all, bytes_of(content_.texts));
   return all;
 }
 

@@ -1,34 +1,22 @@
 #include <algorithm>
 #include <map>
 
-#include "engine/assembly/assembler.h"
 #include "engine/assembly/batch_of.h"
 #include "engine/assembly/body_check.h"
+#include "engine/assembly/evaluator.h"
 #include "engine/assembly/find_rigid_scene.h"
+#include "engine/assembly/least_norm.h"
 #include "engine/assembly/moment_check.h"
 #include "engine/assembly/redundancy.h"
 #include "engine/assembly/system.h"
+#include "engine/assembly/tangent_factors.h"
 #include "engine/base/error.h"
 #include "engine/base/log.h"
-#include "engine/factor/block_factor.h"
+#include "engine/factor/block_products.h"
 #include "engine/model/initial_pose.h"
 #include "engine/motion/projection.h"
 
 namespace lithe {
-
-const Layout::RowSlice& System::rows(const Constraint& constraint) const {
-  const auto& ours = graph_->constraints();
-  for (std::size_t i = 0; i < layout_.rows().size(); ++i)
-    if (ours[i].constraint == &constraint) return layout_.rows()[i];
-  throw SceneError("constraint '" + constraint.name() + "' is not in this system", constraint.where(),
-                   "use a joint of the graph that was assembled, added before assemble()");
-}
-
-bool System::may_leave_out(const std::vector<int>& rows) const {
-  if (rows.empty()) return true;
-  return rows.size() == redundant_.size() && rows.front() >= 0 && rows.back() < layout_.row_count() &&
-         std::is_sorted(rows.begin(), rows.end(), std::less_equal<>());
-}
 
 template std::unique_ptr<BodyBatch> make_body_batch<Ground>();
 
@@ -126,9 +114,9 @@ class SystemBuilder {
   /// Angles of q_: as drawn first, then followed onto the constraints.
   void count_quarter_turns() {
     if (system_.angles_.empty()) return;
-    Assembler assembler(system_);
-    assembler.evaluate(0, q_, v_, Level::position);
-    assembler.track(system_.initial_.quarter_turns);
+    Evaluator evaluator(system_);
+    evaluator.evaluate(0, q_, v_, Level::position);
+    evaluator.track(system_.initial_.quarter_turns);
   }
 
   void find_velocity_rows() {
@@ -412,25 +400,23 @@ class SystemBuilder {
   std::vector<int> dependent_nearby(double tolerance) {
     constexpr double kMove = 3e-3;  // rad, or m beside the reach of the largest body
     const Layout& layout = system_.layout_;
-    Assembler assembler(system_);
+    Evaluator evaluator(system_);
     VectorX move = VectorX::Zero(v_.size()), force = move, rows = VectorX::Zero(layout.row_count());
     const VectorX still = move, no_load = rows;
-    assembler.evaluate(0, q_, still, Level::velocity);
+    evaluator.evaluate(0, q_, still, Level::velocity);
     double reach = 0;
-    for (const MarkerKinematics& marker : assembler.work_.markers) reach = std::max(reach, marker.r.norm());
+    for (const MarkerKinematics& marker : evaluator.workspace().markers) reach = std::max(reach, marker.r.norm());
     if (reach == 0) reach = 1;
     // 1. Any motion, and what of it the rows admit: x with M x + Gᵀ y = M move, G x = 0.
     for (const auto& b : layout.bodies())
       if (b.frame)
         for (int i = 0; i < 6; ++i) move[b.v + i] = std::sin(1 + 2.4 * (b.v + i)) * (i < 3 ? reach : 1);
-    assembler.residual(move, no_load, force);
+    evaluator.residual(move, no_load, force);
     VectorX load(force.size());
-    assembler.residual(still, no_load, load);
+    evaluator.residual(still, no_load, load);
     force -= load;
-    assembler.form({0, 0, 1}, still, no_load, nullptr);
-    const auto dropped = assembler.factor_->factorize_revealing(
-        assembler.work_.values, row_compliances(system_.blocks_, assembler.work_.values), tolerance);
-    assembler.solve(force, rows);
+    const auto dropped = evaluator.factors().find_dependent_rows(tolerance);
+    evaluator.solve(force, rows);
     double size = 0;
     for (const auto& b : layout.bodies())
       if (b.frame)
@@ -441,29 +427,26 @@ class SystemBuilder {
     force *= kMove / size;
     layout.retract(q_, force, q);
     // 2. Back onto those rows; what was truly redundant holds there too.
-    if (!Projector(assembler).position(0, q, 1e-10 * (1 + reach), 20).converged) return dropped;
-    assembler.evaluate(0, q, still, Level::velocity);
-    assembler.form({0, 0, 1}, still, no_load, nullptr);
-    assembler.factor_->drop_rows({});
-    return assembler.factor_->factorize_revealing(assembler.work_.values,
-                                                  row_compliances(system_.blocks_, assembler.work_.values), tolerance);
+    if (!Projector(evaluator).position(0, q, 1e-10 * (1 + reach), 20).converged) return dropped;
+    evaluator.evaluate(0, q, still, Level::velocity);
+    evaluator.factors().drop_rows({});
+    return evaluator.factors().find_dependent_rows(tolerance);
   }
 
   void find_redundant_rows() {
     if (system_.layout_.row_count() == 0) return;
     constexpr double kDependent = 1e-9;  // squared sine of the angle to the other rows
-    Assembler assembler(system_);
+    Evaluator evaluator(system_);
     const VectorX still = VectorX::Zero(v_.size()), no_load = VectorX::Zero(system_.layout_.row_count());
-    assembler.evaluate(0, q_, still, Level::velocity);
-    assembler.form({0, 0, 1}, still, no_load, nullptr);
+    evaluator.evaluate(0, q_, still, Level::velocity);
+    const std::vector<double>& values = evaluator.workspace().values;
     const bool tree = is_tree(graph_, system_.layout_);
-    std::vector<int> dependent =
-        tree ? dependent_within_joints(system_.blocks_, assembler.work_.values, kDependent)
-             : assembler.factor_->factorize_revealing(
-                   assembler.work_.values, row_compliances(system_.blocks_, assembler.work_.values), kDependent);
+    if (tree) evaluator.write_tangent({0, 0, 1}, still, no_load, nullptr);
+    std::vector<int> dependent = tree ? dependent_within_joints(system_.blocks_, values, kDependent)
+                                      : evaluator.factors().find_dependent_rows(kDependent);
     if (tree && !dependent.empty()) {
-      assembler.factor_->drop_rows(dependent);
-      assembler.factorize({0, 0, 1}, still, no_load, nullptr);
+      evaluator.factors().drop_rows(dependent);
+      evaluator.factorize({0, 0, 1}, still, no_load, nullptr);
     } else if (!dependent.empty()) {
       // A pose that is singular by chance looks the same; out of it, its rows are needed.
       const std::vector<int> nearby = dependent_nearby(kDependent);
@@ -472,16 +455,15 @@ class SystemBuilder {
                   " of its rows lose rank only there\n  fix:  none if the velocities select the branch; "
                   "accelerations at t = 0 are not unique.");
         dependent = nearby;
-        assembler.factor_->drop_rows(dependent);
-        assembler.factorize({0, 0, 1}, still, no_load, nullptr);
+        evaluator.factors().drop_rows(dependent);
+        evaluator.factorize({0, 0, 1}, still, no_load, nullptr);
       }
     }
     if (dependent.empty()) return;
     for (int row : dependent) system_.redundant_.push_back({row, system_.layout_.row_name(row), ""});
-    system_.row_scales_ =
-        row_compliances(system_.blocks_, assembler.work_.values).cwiseSqrt().unaryExpr([](double scale) {
-          return scale > 0 ? scale : 1;
-        });
+    system_.row_scales_ = row_compliances(system_.blocks_, values).cwiseSqrt().unaryExpr([](double scale) {
+      return scale > 0 ? scale : 1;
+    });
     log::warn(dependent_rows_text(graph_, system_.layout_, dependent));
     // Which row each of them repeats: the largest partner in its null vector z, Gᵀ z = 0. A solution each: some only.
     constexpr std::size_t kCompared = 100;
@@ -494,22 +476,22 @@ class SystemBuilder {
       }
       rv.setZero(), rl.setZero();
       rl[r.row] = 1;
-      assembler.add_row_forces(rl.data(), nullptr, rv.data());
+      add_row_forces(system_.blocks_, values, system_.layout_.row_count(), rl.data(), nullptr, rv.data());
       rl.setZero();
-      assembler.solve(rv, rl);
+      evaluator.solve(rv, rl);
       int partner = 0;
       if (rl.cwiseAbs().maxCoeff(&partner) > 1e-8) r.repeats = system_.layout_.row_name(partner);
     }
   }
 
   void make_initial_state() {
-    Assembler assembler(system_);
-    Projector projector(assembler);
+    Evaluator evaluator(system_);
+    Projector projector(evaluator);
     const Layout& layout = system_.layout_;
     VectorX g = VectorX::Zero(layout.row_count());
     const auto worst_row = [&] {
-      assembler.evaluate(0, q_, v_, Level::velocity);
-      assembler.constraint(Level::position, g);
+      evaluator.evaluate(0, q_, v_, Level::velocity);
+      evaluator.constraint(Level::position, g);
       int row = 0;
       g.cwiseAbs().maxCoeff<Eigen::PropagateNaN>(&row);
       return row;
@@ -545,12 +527,12 @@ class SystemBuilder {
     system_.initial_ = {
         0, q_, v_, VectorX::Zero(v_.size()), VectorX::Zero(layout.row_count()), system_.initial_.quarter_turns};
     count_quarter_turns();
-    assembler.recall(system_.initial_.quarter_turns);
+    evaluator.recall(system_.initial_.quarter_turns);
     projector.accelerations(0, q_, v_, system_.initial_.v_dot, system_.initial_.lambda);
     if (!system_.initial_.v_dot.allFinite())
       throw SceneError("the accelerations at t = 0 are not finite", "assemble",
                        "look for a body without mass or inertia, or a force that divides by a zero distance");
-    assembler.minimum_norm(system_.initial_.lambda);
+    minimize_norm(evaluator, system_.initial_.lambda);
   }
 
   void choose_forward_method() {

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/assembly/evaluated.h"
 #include "engine/base/error.h"
 #include "engine/base/number_text.h"
+#include "engine/model/marker_motions.h"
 
 namespace lithe {
 namespace {
@@ -12,27 +14,18 @@ namespace {
 bool finite(const Vector3& a) { return a.allFinite(); }
 bool finite(const Wrench& w) { return finite(w.force) && finite(w.torque); }
 
-/// The motions of a connector's markers at the state evaluated last.
-class Views {
- public:
-  Views(Assembler& assembler, const std::vector<Marker>& markers) {
-    kinematics_.reserve(markers.size());
-    for (const Marker& marker : markers) {
-      kinematics_.push_back(assembler.marker(marker, Level::velocity));
-      views_.emplace_back(kinematics_.back(), static_cast<int>(views_.size()));
-    }
-  }
-  operator std::span<const MarkerView>() const { return views_; }
+const double* measured_turns(const Evaluator& evaluator, const Connector& connector) {
+  return evaluator.workspace().quarter_turns.data() + evaluator.system().first_angle(connector);
+}
 
- private:
-  std::vector<MarkerKinematics> kinematics_;
-  std::vector<MarkerView> views_;
-};
+MarkerMotions motions_of(Evaluator& evaluator, const std::vector<Marker>& markers) {
+  return {markers, [&](const Marker& m) { return marker_kinematics(evaluator, m, Level::velocity); }};
+}
 
-bool is_finite(Assembler& assembler, const Constraint& joint, double time) {
-  const Views views(assembler, joint.markers());
+bool is_finite(Evaluator& evaluator, const Constraint& joint, double time) {
+  const MarkerMotions views = motions_of(evaluator, joint.markers());
   ConstraintRows rows(joint.marker_count());
-  rows.recall(assembler.quarter_turns_of(joint));
+  rows.recall(measured_turns(evaluator, joint));
   joint.evaluate(time, views, rows);
   for (int r = 0; r < rows.count(); ++r) {
     bool all = std::isfinite(rows.residual(r)) && std::isfinite(rows.rate(r)) && std::isfinite(rows.bias(r));
@@ -42,10 +35,10 @@ bool is_finite(Assembler& assembler, const Constraint& joint, double time) {
   return true;
 }
 
-bool is_finite(Assembler& assembler, const ForceElement& force, double time) {
-  const Views views(assembler, force.markers());
+bool is_finite(Evaluator& evaluator, const ForceElement& force, double time) {
+  const MarkerMotions views = motions_of(evaluator, force.markers());
   ForceRows rows(force.marker_count());
-  rows.recall(assembler.quarter_turns_of(force));
+  rows.recall(measured_turns(evaluator, force));
   rows.set_reaction({Vector3::Zero(), Vector3::Zero()});
   force.evaluate(time, views, rows);
   bool all = std::isfinite(rows.energy());
@@ -57,9 +50,9 @@ bool is_finite(Assembler& assembler, const ForceElement& force, double time) {
   return all;
 }
 
-bool is_finite(Assembler& assembler, const Layout::BodySlice& slice, const VectorX& v_dot) {
+bool is_finite(Evaluator& evaluator, const Layout::BodySlice& slice, const VectorX& v_dot) {
   VectorX residual = VectorX::Zero(slice.body->coordinates().v_count());
-  slice.body->add_residual(assembler.body_state(*slice.body), v_dot.data() + slice.v, assembler.workspace().gravity,
+  slice.body->add_residual(body_state(evaluator, *slice.body), v_dot.data() + slice.v, evaluator.workspace().gravity,
                            residual.data());
   return residual.allFinite();
 }
@@ -69,28 +62,28 @@ std::string in_words(const Element& element, double time) {
 }
 
 /// At one state, whose numbers are finite.
-std::string look_at(Assembler& assembler, const State& state) {
+std::string look_at(Evaluator& evaluator, const State& state) {
   try {
-    assembler.recall(state.quarter_turns);
-    assembler.recall(state.contacts);
-    assembler.evaluate(state.time, state.q, state.v, Level::acceleration);
+    evaluator.recall(state.quarter_turns);
+    evaluator.recall(state.contacts);
+    evaluator.evaluate(state.time, state.q, state.v, Level::acceleration);
   } catch (const Error& error) {
     return error.problem() + " (" + error.where() + ")";
   }
-  for (const auto& slice : assembler.layout().bodies())
-    if (slice.part == 0 && !is_finite(assembler, slice, state.v_dot)) return in_words(*slice.body, state.time);
-  const SystemGraph& graph = assembler.system().graph();
+  for (const auto& slice : evaluator.layout().bodies())
+    if (slice.part == 0 && !is_finite(evaluator, slice, state.v_dot)) return in_words(*slice.body, state.time);
+  const SystemGraph& graph = evaluator.system().graph();
   for (const auto& entry : graph.constraints())
-    if (!is_finite(assembler, *entry.constraint, state.time)) return in_words(*entry.constraint, state.time);
+    if (!is_finite(evaluator, *entry.constraint, state.time)) return in_words(*entry.constraint, state.time);
   for (const auto& entry : graph.forces())
-    if (!is_finite(assembler, *entry.force, state.time)) return in_words(*entry.force, state.time);
-  if (!assembler.workspace().load.allFinite()) return "a contact gives a value that is not finite";
+    if (!is_finite(evaluator, *entry.force, state.time)) return in_words(*entry.force, state.time);
+  if (!evaluator.workspace().load.allFinite()) return "a contact gives a value that is not finite";
   return "";
 }
 
 }  // namespace
 
-std::string find_failing_element(Assembler& assembler, const State& from, double until) {
+std::string find_failing_element(Evaluator& evaluator, const State& from, double until) {
   constexpr int kEven = 16, kHalvings = 40;
   const double h = until - from.time;
   State there = from;
@@ -105,10 +98,10 @@ std::string find_failing_element(Assembler& assembler, const State& from, double
       const double t = part * h;
       there.time = from.time + t;
       const VectorX increment = t * from.v + 0.5 * t * t * from.v_dot;
-      assembler.layout().retract(from.q, increment, there.q);
+      evaluator.layout().retract(from.q, increment, there.q);
       there.v = from.v + t * from.v_dot;
       if (!there.q.allFinite() || !there.v.allFinite()) return "";
-      if (std::string found = look_at(assembler, there); !found.empty()) return found;
+      if (std::string found = look_at(evaluator, there); !found.empty()) return found;
     }
   } catch (const std::exception&) {  // NOLINT: the failure that is looked into matters more
   }

@@ -2,15 +2,15 @@
 
 #include <string>
 
-#include "engine/assembly/assembler.h"
+#include "engine/assembly/evaluator.h"
 #include "engine/model/state.h"
 
 namespace lithe {
 
 /// After a step from `from` that failed, or left a value that is not finite: the element that gives no finite numbers
 /// on the way to the time `until`, in words ("'wind' (scene.cpp:12) gives ..."); empty if none is found. Looks at
-/// samples of the motion that the state's velocities and accelerations tell, ever nearer to where it began, since the
-/// true one is not known. What an element throws there is told likewise. Leaves the assembler at another state.
-std::string find_failing_element(Assembler& assembler, const State& from, double until);
+/// samples of the motion predicted from the state's velocities and accelerations, ever closer to where it began, since
+/// the true motion is not known. Reports what an element throws there, too. Leaves the evaluator at another state.
+std::string find_failing_element(Evaluator& evaluator, const State& from, double until);
 
 }  // namespace lithe

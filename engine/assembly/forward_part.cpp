@@ -1,6 +1,6 @@
 #include "engine/assembly/forward_part.h"
 
-#include "engine/assembly/assembler.h"
+#include "engine/assembly/evaluator.h"
 #include "engine/assembly/find_rigid_scene.h"
 
 namespace lithe {

@@ -7,12 +7,12 @@
 
 namespace lithe {
 
-class Assembler;
+class Evaluator;
 
 /// Forward dynamics of one evaluator: a kernel for its rigid scene, with the forces that act in it.
 class ForwardPart final : public ForwardDynamics {
  public:
-  ForwardPart(const RigidScene& scene, Assembler& evaluator) : scene_(scene), evaluator_(evaluator) {}
+  ForwardPart(const RigidScene& scene, Evaluator& evaluator) : scene_(scene), evaluator_(evaluator) {}
 
   void accelerations(double time, ConstVectorRef q, ConstVectorRef v, VectorRef v_dot) override;
   bool project(double time, VectorRef q, VectorRef v, double tolerance) override;
@@ -21,7 +21,7 @@ class ForwardPart final : public ForwardDynamics {
   ForwardKernel& kernel();
 
   const RigidScene& scene_;
-  Assembler& evaluator_;
+  Evaluator& evaluator_;
   std::unique_ptr<ForwardKernel> kernel_;  // once asked for
 };
 

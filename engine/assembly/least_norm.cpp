@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "engine/factor/block_kernels.h"
+#include "engine/assembly/evaluator.h"
+#include "engine/factor/block_products.h"
 
 namespace lithe {
 namespace {
@@ -52,27 +53,12 @@ void LeastNorm::load(const std::vector<double>& values) {
   factor_.factorize(values_);
 }
 
-void LeastNorm::add_forces(ConstVectorRef lambda, double* force) const {
-  for (const auto& G : structure_.jacobians) {
-    const auto& row = structure_.rows[G.rows];
-    if (row.first >= lambda.size()) continue;  // of a force
-    double* to = force + G.velocity;
-    if (G.frame >= 0) {
-      kernels::add_transposed(to, values_.data() + G.values, lambda.data() + row.first, row.count, 6);
-      to += 6;
-    }
-    if (G.linear >= 0)
-      kernels::add_transposed(to, values_.data() + G.linear_values, lambda.data() + row.first, row.count,
-                              structure_.linears[G.linear].size);
-  }
-}
-
 void LeastNorm::apply(const std::vector<double>& values, VectorRef lambda) {
   constexpr int kFilters = 2, kMaxSteps = 30;
-  const auto velocities = structure_.velocity_count;
+  const int velocities = structure_.velocity_count, rows = static_cast<int>(lambda.size());
   load(values);
   force_.setZero(velocities);
-  add_forces(lambda, force_.data());
+  add_row_forces(structure_, values_, rows, lambda.data(), nullptr, force_.data());
   // 1. Take the part away that makes no force; what is left of it after one pass is round-off over δ.
   for (int k = 0; k < kFilters; ++k) {
     x_.setZero();
@@ -85,7 +71,8 @@ void LeastNorm::apply(const std::vector<double>& values, VectorRef lambda) {
   for (int k = 0; k < kMaxSteps; ++k) {
     x_.setZero();
     auto missing = x_.head(velocities);
-    add_forces(-lambda, missing.data());
+    const VectorX opposite = -lambda;
+    add_row_forces(structure_, values_, rows, opposite.data(), nullptr, missing.data());
     missing += force_;
     const double size = missing.norm();
     if (!(size < 0.5 * last)) return;
@@ -93,6 +80,11 @@ void LeastNorm::apply(const std::vector<double>& values, VectorRef lambda) {
     factor_.solve(x_.data());
     lambda += x_.segment(velocities, lambda.size());
   }
+}
+
+void minimize_norm(const Evaluator& evaluator, VectorRef lambda) {
+  if (!evaluator.redundant_rows().empty())
+    LeastNorm(evaluator.system().blocks()).apply(evaluator.workspace().values, lambda);
 }
 
 }  // namespace lithe

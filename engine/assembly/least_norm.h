@@ -7,6 +7,8 @@
 
 namespace lithe {
 
+class Evaluator;
+
 /// The multipliers of least norm |λ| among all with the same Gᵀ λ: the part of λ in the range of G. Linear cost,
 /// however many rows are redundant, and no row is singled out.
 ///
@@ -23,12 +25,15 @@ class LeastNorm {
  private:
   static BlockStructure with_compliance(const BlockStructure& structure);
   void load(const std::vector<double>& values);
-  void add_forces(ConstVectorRef lambda, double* force) const;  // Gᵀ λ
 
   BlockStructure structure_;
   BlockFactor factor_;
   std::vector<double> values_;
   VectorX force_, x_;
 };
+
+/// Once: the multipliers of least norm with the same Gᵀ λ at the state evaluated last. Does nothing without redundant
+/// rows.
+void minimize_norm(const Evaluator& evaluator, VectorRef lambda);
 
 }  // namespace lithe

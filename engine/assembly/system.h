@@ -10,6 +10,7 @@
 #include "engine/contact/contact_places.h"
 #include "engine/factor/block_structure.h"
 #include "engine/forward/rigid_scene.h"
+#include "engine/model/joint_coordinate.h"
 #include "engine/model/layout.h"
 #include "engine/model/state.h"
 #include "engine/model/system_graph.h"
@@ -46,11 +47,20 @@ class System {
   /// How explicit integrators find accelerations.
   ForwardMethod forward_method() const { return forward_method_; }
 
+  /// Where the blocks of the equations lie in an evaluator's values.
+  const BlockStructure& blocks() const { return blocks_; }
+  /// √(g M⁻¹ gᵀ) of each row as drawn, 1 where nothing moves; empty without redundant rows.
+  const VectorX& row_scales() const { return row_scales_; }
+  /// Place of an angle in State::quarter_turns; -1 if no connector of the system measures it.
+  int find_angle(const JointCoordinate& coordinate) const;
+  /// Place of the first angle that a connector of the graph measures.
+  int first_angle(const Connector& connector) const;
+
   /// First row and number of rows of a constraint in lambda. Throws SceneError for one of another graph.
   const Layout::RowSlice& rows(const Constraint& constraint) const;
 
  private:
-  friend class Assembler;
+  friend class Evaluator;
   friend class SystemBuilder;
   System() = default;
 
@@ -72,7 +82,7 @@ class System {
   int marker_count_ = 0, compliant_count_ = 0;
   std::vector<ContactRecord> contacts_;
   std::vector<RedundantRow> redundant_;
-  VectorX row_scales_;  // √(g M⁻¹ gᵀ) of each row as drawn, 1 where nothing moves; empty without redundant rows
+  VectorX row_scales_;
   std::vector<int> velocity_rows_;
   struct Angle {
     int A, B;  // places of the markers in the table

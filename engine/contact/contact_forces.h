@@ -10,7 +10,7 @@
 
 namespace lithe {
 
-/// The contact elements of one assembler: finds their points at a state, lets compliant ones push, and knows their
+/// The contact elements of one evaluator: finds their points at a state, lets compliant ones push, and knows their
 /// stiffness. Rigid ones act by what State::contacts says they did.
 class ContactForces {
  public:

@@ -17,7 +17,7 @@ struct ContactRecord {
   std::vector<int> bodies;      // index into Layout::bodies(); -1: ground
 };
 
-/// Where the colliders are, and their bodies' slices, for one assembler.
+/// Where the colliders are, and their bodies' slices, for one evaluator.
 class ContactPlaces final : public ContactPoses {
  public:
   /// All of them are borrowed: the table of markers, and the bodies' states by layout.

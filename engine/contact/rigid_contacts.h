@@ -66,14 +66,14 @@ class RigidContacts {
   void remember(ConstVectorRef r, ConstVectorRef v, double h, ConstVectorRef slip_at_start, ConstVectorRef slip_at_end,
                 ContactMemory& memory) const;
 
-  /// What happened since find(), to be taken by who tells of it.
+  /// What happened since find(); whoever reports it takes it out.
   struct Happening {
     double time;  // since the step's start, s
     int element;
     ContactEvent event;
   };
   std::vector<Happening>& happenings() { return happenings_; }
-  /// Whether the pairs of an element are of rigid surfaces and told of.
+  /// Whether the pairs of an element are of rigid surfaces and reported as events.
   bool located(int element) const { return located_[element]; }
 
  private:

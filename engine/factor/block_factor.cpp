@@ -42,7 +42,7 @@ void BlockFactorOf<Scalar>::plan() {
   for (int r = 0; r < rows; ++r)
     if (s.rows[r].compliant < 0) joints.ties.push_back(topology.ties[r]);
   guarded_ = has_loops(joints);
-  const std::vector<int> order = elimination_order(topology, dimension, couplings);
+  const Elimination elimination = plan_elimination(topology, dimension, couplings);
 
   // Factor storage, found by (row vertex, column vertex) while planning only.
   std::vector<std::map<int, int>> at(n);
@@ -53,7 +53,7 @@ void BlockFactorOf<Scalar>::plan() {
     return place->second;
   };
   diagonal_.resize(n);
-  for (int v : order) diagonal_[v] = block(v, v);
+  for (int v : elimination.order) diagonal_[v] = block(v, v);
   for (int f = 0; f < frames; ++f) copies_.push_back({s.frames[f].values, diagonal_[f], -1, 6});
   row_copies_.resize(rows);
   for (const auto& G : s.jacobians) {
@@ -75,13 +75,8 @@ void BlockFactorOf<Scalar>::plan() {
     if (s.rows[r].compliant >= 0)
       compliant_.insert(compliant_.end(), {diagonal_[frames + r], s.rows[r].compliant, s.rows[r].count});
 
-  // Elimination, symbolically: the neighbours of each vertex that are still there.
-  std::vector<int> position(n);
-  for (int i = 0; i < n; ++i) position[order[i]] = i;
-  for (int v : order) {
-    std::vector<int> rest;
-    for (const auto& [w, unused] : at[v])
-      if (position[w] > position[v]) rest.push_back(w);
+  for (int v : elimination.order) {
+    const std::vector<int>& rest = elimination.neighbours[v];
     const int d = dimension[v];
     Step step{d,
               diagonal_[v],

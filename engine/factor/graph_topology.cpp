@@ -103,8 +103,8 @@ bool has_loops(const Topology& t) {
   return static_cast<int>(boost::num_edges(graph) + components) > static_cast<int>(boost::num_vertices(graph));
 }
 
-std::vector<int> elimination_order(const Topology& t, const std::vector<int>& dimensions,
-                                   const std::vector<std::pair<int, int>>& couplings) {
+Elimination plan_elimination(const Topology& t, const std::vector<int>& dimensions,
+                             const std::vector<std::pair<int, int>>& couplings) {
   const int bodies = t.body_count, n = bodies + static_cast<int>(t.ties.size());
   std::vector<int> discovered;
   const std::vector<Overhang> beyond = overhangs(t, discovered);
@@ -143,16 +143,17 @@ std::vector<int> elimination_order(const Topology& t, const std::vector<int>& di
   };
   for (int v = n - 1; v >= 0; --v) enqueue(v);
 
-  std::vector<int> order;
+  Elimination elimination{{}, std::vector<std::vector<int>>(n)};
   std::vector<bool> done(n, false);
-  order.reserve(n);
+  elimination.order.reserve(n);
   while (!queue.empty()) {
     const auto [c, unused, v] = queue.top();
     queue.pop();
     if (done[v] || c != queued[v]) continue;
     done[v] = true;
-    order.push_back(v);
-    const std::vector<int> around(neighbours[v].begin(), neighbours[v].end());
+    elimination.order.push_back(v);
+    const std::vector<int>& around = elimination.neighbours[v];
+    elimination.neighbours[v].assign(neighbours[v].begin(), neighbours[v].end());
     for (int a : around) {
       neighbours[a].erase(v);
       for (int b : around)
@@ -163,7 +164,7 @@ std::vector<int> elimination_order(const Topology& t, const std::vector<int>& di
         if (a >= bodies && std::count(t.ties[a - bodies].begin(), t.ties[a - bodies].end(), v)) --waiting[a];
     for (int a : around) enqueue(a);
   }
-  return order;
+  return elimination;
 }
 
 std::string graphviz(const GraphDrawing& drawing) {

@@ -18,13 +18,19 @@ std::vector<int> islands(const Topology& topology);
 /// Whether any constraints close a loop (through ground counts too): only then can rows depend on each other's.
 bool has_loops(const Topology& topology);
 
+/// Gaussian elimination as symbols.
+struct Elimination {
+  std::vector<int> order;                    // of the vertices
+  std::vector<std::vector<int>> neighbours;  // of each vertex when its turn comes, sorted: between them it fills in
+};
+
 /// An order in which Gaussian elimination of [S Gᵀ; G 0] fills in little and never meets a zero block.
 /// Vertices: bodies, then constraints (body_count + c). Trees fill in nothing. `couplings`: pairs of bodies with a
 /// block of their own. A constraint is eliminated after all its bodies, or, where it alone holds a part of the graph
 /// that does not touch ground, after that part: in both cases its pivot block is minus a compliance, definite if its
 /// rows are independent. Among the eligible, the one with the smallest remaining neighbourhood goes first.
-std::vector<int> elimination_order(const Topology& topology, const std::vector<int>& dimensions,
-                                   const std::vector<std::pair<int, int>>& couplings);
+Elimination plan_elimination(const Topology& topology, const std::vector<int>& dimensions,
+                             const std::vector<std::pair<int, int>>& couplings);
 
 /// Graphviz text: bodies are boxes, connectors ellipses, edges carry marker names.
 struct GraphDrawing {

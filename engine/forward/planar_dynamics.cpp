@@ -6,6 +6,7 @@
 #include <map>
 
 #include "engine/factor/graph_topology.h"
+#include "engine/forward/in_plane.h"
 
 namespace lithe {
 namespace {
@@ -13,35 +14,21 @@ namespace {
 /// m, rad, or parts of the fastest motion: what lies farther off is not where the step should have ended, but across a
 /// singular position, where a small gap has a large answer. The step is tried again, shorter.
 constexpr double kLargestMove = 0.02;
-constexpr double kParallel = 1e-10;  // what an axis may be off
 /// Where many loops are singular at one time (forty four-bars in a row), steps get through by constraints only.
 constexpr int kMostLoops = 8;
 constexpr std::size_t kMostJoints = 12;  // of a body: each pair of them costs a block
 
 enum class InPlane { none, hinge, slider, free };
 
-/// What a joint is to bodies that move in the plane normal to world axis n; z is its own axis in the world.
-/// `holds`: it keeps a body in the plane if the other is.
-InPlane in_plane(const JointFreedom& f, const Vector3& z, int n, bool& holds) {
+/// What a joint is to bodies that move in the plane normal to n; z is its own axis. Both in world axes.
+InPlane in_plane(const JointFreedom& f, const Vector3& z, const Vector3& n) {
   using Rotation = JointFreedom::Rotation;
-  const bool upright = std::abs(z[n]) > 1 - kParallel, level = std::abs(z[n]) < kParallel;
-  const bool shifts = f.x || f.y || f.z;
-  holds = false;
+  const bool upright = are_parallel(z, n), shifts = f.x || f.y || f.z;
   if (f.rotation == Rotation::any) return shifts ? InPlane::none : InPlane::hinge;
-  if (f.x && f.y && !f.z && f.rotation == Rotation::about_z && upright) {
-    holds = true;
-    return InPlane::free;
-  }
+  if (f.x && f.y && !f.z && f.rotation == Rotation::about_z && upright) return InPlane::free;
   if (f.x || f.y) return InPlane::none;
-  if (upright && f.rotation == Rotation::about_z) {
-    holds = !f.z;
-    return InPlane::hinge;
-  }
-  if (level && f.z) {
-    holds = f.rotation == Rotation::none;
-    return InPlane::slider;
-  }
-  return InPlane::none;
+  if (upright && f.rotation == Rotation::about_z) return InPlane::hinge;
+  return f.z && are_perpendicular(z, n) ? InPlane::slider : InPlane::none;
 }
 
 }  // namespace
@@ -60,33 +47,28 @@ std::unique_ptr<PlanarDynamics> PlanarDynamics::make(const RigidScene& scene) {
                     [&](const auto& b) { return b.in_plane && b.normal != e3; }))
       continue;
     // 1. What every joint is in this plane, and which bodies stay in it.
+    const Vector3 up = Vector3::Unit(e3);
     std::vector<InPlane> kinds;
-    std::vector<std::vector<int>> held_with(n + 1);
+    std::vector<std::pair<int, int>> holds;
     for (const auto& j : scene.joints) {
-      bool holds = false;
-      kinds.push_back(in_plane(j.freedom, axes(j.A).col(2), e3, holds));
+      const Matrix3 R = axes(j.A);
+      kinds.push_back(in_plane(j.freedom, R.col(2), up));
       if (kinds.back() == InPlane::none) break;
-      if (!holds) continue;
-      const int a = j.A.body < 0 ? n : j.A.body, b = j.B.body < 0 ? n : j.B.body;
-      held_with[a].push_back(b), held_with[b].push_back(a);
+      if (holds_in_plane(j.freedom, R, up))
+        holds.emplace_back(j.A.body < 0 ? n : j.A.body, j.B.body < 0 ? n : j.B.body);
     }
     if (kinds.back() == InPlane::none) continue;
     std::vector<char> held(n + 1, 0);
-    std::vector<int> reached{n};
-    held[n] = 1;
-    for (int i = 0; i < n; ++i)
-      if (scene.bodies[i].in_plane) held[i] = 1, reached.push_back(i);
-    for (std::size_t i = 0; i < reached.size(); ++i)
-      for (int next : held_with[reached[i]])
-        if (!held[next]) held[next] = 1, reached.push_back(next);
-    if (static_cast<int>(reached.size()) != n + 1) continue;
+    held[n] = 1;  // ground
+    for (int i = 0; i < n; ++i) held[i] = scene.bodies[i].in_plane;
+    const std::vector<char> reached = reached_over(holds, std::move(held));
+    if (std::count(reached.begin(), reached.end(), 1) != n + 1) continue;
 
     // 2. Bodies and joints in plane axes.
     std::unique_ptr<PlanarDynamics> plane(new PlanarDynamics);
     const int e1 = plane->e1_ = (e3 + 1) % 3, e2 = plane->e2_ = (e3 + 2) % 3;
     plane->e3_ = e3;
     plane->gravity_ = {scene.gravity[e1], scene.gravity[e2]};
-    const Vector3 up = Vector3::Unit(e3);
     for (int i = 0; i < n; ++i) {
       const auto& b = scene.bodies[i];
       const Vector3 normal = A[i].transpose() * up;
@@ -151,17 +133,17 @@ void PlanarDynamics::plan() {
     for (const Tie& a : at)
       for (const Tie& b : at)
         if (a.joint < b.joint) couplings.emplace_back(a.joint, b.joint);
-  const std::vector<int> order = elimination_order({n, {}}, std::vector<int>(n, 2), couplings);
+  Elimination elimination = plan_elimination({n, {}}, std::vector<int>(n, 2), couplings);
   std::vector<int> position(n);
-  for (int i = 0; i < n; ++i) position[order[i]] = i;
+  for (int i = 0; i < n; ++i) position[elimination.order[i]] = i;
 
   // 2. Blocks: the diagonal ones, then those below, in the column of whichever goes first.
-  std::vector<std::map<int, int>> below(n);  // by position
+  std::vector<std::map<int, int>> below(n);  // by joint
   int count = n;
   const auto block = [&](int j, int k) {
     if (j == k) return j;
     const int column = position[j] < position[k] ? j : k, row = column == j ? k : j;
-    const auto [place, fresh] = below[column].try_emplace(position[row], count);
+    const auto [place, fresh] = below[column].try_emplace(row, count);
     if (fresh) ++count;
     return place->second;
   };
@@ -172,9 +154,11 @@ void PlanarDynamics::plan() {
         if (j.joint == k.joint && j.rows != k.rows) continue;
         products_.push_back({block(j.joint, k.joint), j.rows, k.rows, static_cast<int>(b)});
       }
-  for (int j : order) {
+  for (int j : elimination.order) {
     Pivot pivot{j, static_cast<int>(neighbours_.size()), 0, static_cast<int>(updates_.size()), 0};
-    for (const auto& [at, place] : below[j]) neighbours_.push_back({order[at], place});
+    std::vector<int>& rest = elimination.neighbours[j];
+    std::sort(rest.begin(), rest.end(), [&](int a, int b) { return position[a] < position[b]; });
+    for (int k : rest) neighbours_.push_back({k, block(j, k)});
     pivot.last_neighbour = static_cast<int>(neighbours_.size());
     for (int i = pivot.first_neighbour; i < pivot.last_neighbour; ++i)
       for (int k = pivot.first_neighbour; k <= i; ++k)

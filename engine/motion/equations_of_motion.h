@@ -98,7 +98,7 @@ class EquationsOfMotion {
     StepMemory* memory = nullptr;  // never null
     ComplexFactor* complex_factor = nullptr;
     ForwardDynamics* forward_dynamics = nullptr;
-    RigidContacts* rigid_contacts = nullptr;  // of rigid surfaces: who does not know them must refuse the scene
+    RigidContacts* rigid_contacts = nullptr;  // rigid surfaces: a method that cannot handle them refuses the scene
     HeldCoordinates* held = nullptr;
   };
   virtual Parts parts() = 0;

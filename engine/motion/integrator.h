@@ -41,7 +41,7 @@ struct StepResult {
 };
 
 /// Whether a step must find the multipliers at its end, or may leave State::lambda empty where they are not part of the
-/// method and cost extra: who wants them then asks Snapshot::multipliers().
+/// method and cost extra: Snapshot::multipliers() then finds them.
 enum class Multipliers { found, later };
 
 /// Advances a state of the equations of motion. Keeps its own history; a changed state needs start().
@@ -76,7 +76,7 @@ class Integrator {
   /// All that the next steps from `state` depend on besides the state: saved, or loaded into an integrator with the
   /// same parameters that has been started with these equations and a copy of the state (SceneError for other
   /// parameters, FileError for an archive of something else). False: the method cannot tell its history; a run then
-  /// starts it anew wherever it is saved, and so does the resumed one: both go on with the same bits.
+  /// starts it anew wherever it is saved, and so does the resumed one: both continue with the same bits.
   bool history(Archive& archive, EquationsOfMotion& equations, const State& state);
 
   /// Whether the motion is that of the equations at (t, q, v), which then tell v_dot and lambda at any time; false where

@@ -41,7 +41,7 @@ void add_load(const ContactTrace& trace, double sign, const Vector3& about, std:
 
 ContactMemory contacts(Snapshot& now, const ContactElement& contact) {
   const int number = record_of(now, contact).number;
-  ContactMemory all = now.assembler().contacts()->report();
+  ContactMemory all = now.contacts()->report();
   std::erase_if(all, [&](const ContactTrace& t) { return t.element != number; });
   return all;
 }
@@ -80,7 +80,7 @@ Sensor gap(const ContactElement& contact, int a, int b, double reach, Located na
   check_collider(contact, a, name), check_collider(contact, b, name);
   return named(std::move(name), contact, "gap_" + std::to_string(a) + "_" + std::to_string(b), {"m"},
                [&contact, a, b, reach](Snapshot& now, std::span<double> out) {
-                 out[0] = now.assembler().contacts()->gap(record_of(now, contact).number, a, b, reach);
+                 out[0] = now.contacts()->gap(record_of(now, contact).number, a, b, reach);
                });
 }
 
@@ -88,7 +88,7 @@ Sensor penetration(const ContactElement& contact, int a, int b, Located name) {
   check_collider(contact, a, name), check_collider(contact, b, name);
   return named(std::move(name), contact, "penetration_" + std::to_string(a) + "_" + std::to_string(b), {"m"},
                [&contact, a, b](Snapshot& now, std::span<double> out) {
-                 out[0] = std::max(0.0, -now.assembler().contacts()->gap(record_of(now, contact).number, a, b, 0));
+                 out[0] = std::max(0.0, -now.contacts()->gap(record_of(now, contact).number, a, b, 0));
                });
 }
 
@@ -97,7 +97,7 @@ namespace {
 std::vector<ContactPoint> touching(Snapshot& now, const ContactElement& contact) {
   const std::vector<double> none(contact.marker_count(), 0.0);
   std::vector<ContactPoint> points;
-  now.assembler().contacts()->find(record_of(now, contact).number, none, points);
+  now.contacts()->find(record_of(now, contact).number, none, points);
   return points;
 }
 
@@ -118,13 +118,13 @@ Sensor contact_count(const ContactElement& contact, Located name) {
 
 Sensor contact_energy(const ContactElement& contact, Located name) {
   return named(std::move(name), contact, "energy", {"J"}, [&contact](Snapshot& now, std::span<double> out) {
-    out[0] = now.assembler().workspace().force_energy[record_of(now, contact).energy];
+    out[0] = now.evaluator().workspace().force_energy[record_of(now, contact).energy];
   });
 }
 
 Sensor contact_power(const ContactElement& contact, Located name) {
   return named(std::move(name), contact, "power", {"W"}, [&contact](Snapshot& now, std::span<double> out) {
-    out[0] = now.assembler().contacts()->power(record_of(now, contact).number);
+    out[0] = now.contacts()->power(record_of(now, contact).number);
   });
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/model/deformable_body.h"
+#include "engine/model/marker_motions.h"
 
 namespace lithe {
 namespace {
@@ -74,28 +75,15 @@ const double* multipliers_of(Snapshot& now, const Constraint& joint) {
   return now.multipliers().data() + now.system().rows(joint).first;
 }
 
-/// A connector's markers at a snapshot, as it sees them.
-class ConnectorMarkers {
- public:
-  ConnectorMarkers(Snapshot& now, const std::vector<Marker>& markers) {
-    kinematics_.reserve(markers.size());  // views refer to it
-    for (const Marker& m : markers) {
-      kinematics_.push_back(now.marker(m));
-      views_.emplace_back(kinematics_.back(), static_cast<int>(views_.size()));
-    }
-  }
-  operator std::span<const MarkerView>() const { return views_; }
-
- private:
-  std::vector<MarkerKinematics> kinematics_;
-  std::vector<MarkerView> views_;
-};
+MarkerMotions motions_of(Snapshot& now, const std::vector<Marker>& markers) {
+  return {markers, [&](const Marker& m) { return now.marker(m); }};
+}
 
 /// What a joint does to the body at one of its markers: -Σ_rows W λ.
 Wrench wrench_of(Snapshot& now, const Constraint& joint, int marker) {
-  const ConnectorMarkers markers(now, entry_of(now.system().graph(), joint).markers);
+  const MarkerMotions markers = motions_of(now, entry_of(now.system().graph(), joint).markers);
   ConstraintRows rows(joint.marker_count());
-  rows.recall(now.assembler().quarter_turns_of(joint));
+  rows.recall(now.quarter_turns_of(joint));
   joint.evaluate(now.time(), markers, rows);
   const double* multiplier = multipliers_of(now, joint);
   Wrench sum{Vector3::Zero(), Vector3::Zero()};
@@ -108,9 +96,9 @@ Wrench wrench_of(Snapshot& now, const Constraint& joint, int marker) {
 
 /// A force element at a snapshot.
 ForceRows rows_of(Snapshot& now, const ForceElement& force) {
-  const ConnectorMarkers markers(now, entry_of(now.system().graph(), force).markers);
+  const MarkerMotions markers = motions_of(now, entry_of(now.system().graph(), force).markers);
   ForceRows rows(force.marker_count());
-  rows.recall(now.assembler().quarter_turns_of(force));
+  rows.recall(now.quarter_turns_of(force));
   if (const Constraint* joint = force.reaction_of()) rows.set_reaction(wrench_of(now, *joint, 1));
   force.evaluate(now.time(), markers, rows);
   return rows;
@@ -162,7 +150,7 @@ Sensor power_sensor(const Element& element, Located name) {
 MeasuredCoordinate measured(Snapshot& now, const JointCoordinate& x) {
   const MarkerKinematics A = now.marker(x.A), B = now.marker(x.B);
   MeasuredCoordinate measured = measure(x.kind, x.axis, {A, 0}, {B, 1});
-  if (const int place = now.assembler().find_angle(x); place >= 0 && x.is_angle()) {
+  if (const int place = now.system().find_angle(x); place >= 0 && x.is_angle()) {
     AngleMemory memory;
     memory.recall(now.state().quarter_turns.data());
     measured.value = memory.wound(place, measured.value);
@@ -231,9 +219,8 @@ template <class ShareOf>
 Sensor energy_sensor(const Body* body, Located name, const std::string& quantity, ShareOf&& share) {
   return make_sensor(std::move(name), body ? body->name() + "_" + quantity : quantity, {""}, {"J"},
                      [body, share](Snapshot& now, std::span<double> values) {
-                       Assembler& assembler = now.assembler();
-                       values[0] = share(body ? body->energy(assembler.body_state(*body), now.system().gravity())
-                                              : assembler.energy());
+                       values[0] =
+                           share(body ? body->energy(now.body_state(*body), now.system().gravity()) : now.energy());
                      });
 }
 
@@ -245,7 +232,7 @@ double total(const BodyEnergy& e) { return e.total(); }
 Sensor residual_sensor(Located name, const std::string& otherwise, Level level) {
   return make_sensor(std::move(name), otherwise, {""}, {}, [level](Snapshot& now, std::span<double> values) {
     VectorX rows(now.system().layout().row_count());
-    now.assembler().constraint(level, rows);
+    now.evaluator().constraint(level, rows);
     values[0] = rows.size() > 0 ? rows.lpNorm<Eigen::Infinity>() : 0;
   });
 }

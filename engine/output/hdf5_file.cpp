@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "engine/base/error.h"
+#include "engine/base/packed_texts.h"
 #include "engine/output/hdf5_internal.h"
 #include "engine/output/partial_file.h"
 
@@ -50,16 +51,6 @@ constexpr const char* kChecksum = "checksum";
 size_t byte_count(hid_t type, const std::vector<hsize_t>& extent) {
   size_t bytes = H5Tget_size(type);
   for (hsize_t size : extent) bytes *= size;
-  return bytes;
-}
-
-/// Text as bytes, one after the other, each closed by a zero: short, and no pointers in the file.
-std::vector<char> packed(const std::vector<std::string>& texts) {
-  std::vector<char> bytes;
-  for (const std::string& text : texts) {
-    bytes.insert(bytes.end(), text.begin(), text.end());
-    bytes.push_back('\0');
-  }
   return bytes;
 }
 
@@ -159,8 +150,7 @@ void Hdf5Writer::write(const std::string& name, const std::string& text) {
 }
 
 void Hdf5Writer::write(const std::string& name, const std::vector<std::string>& texts) {
-  const std::vector<char> bytes = packed(texts);
-  handles_->write(path_, name, H5T_NATIVE_CHAR, {bytes.size()}, bytes.data());
+  write(name, packed(texts));
 }
 
 void Hdf5Writer::attribute(const std::string& of, const std::string& name, const std::string& text) {
@@ -300,15 +290,9 @@ std::string Hdf5Reader::text(const std::string& name) const {
 }
 
 std::vector<std::string> Hdf5Reader::texts(const std::string& name) const {
-  const std::string bytes = text(name);
-  std::vector<std::string> found;
-  for (size_t from = 0; from < bytes.size();) {
-    const size_t end = bytes.find('\0', from);
-    if (end == std::string::npos) refuse(name, "is a list of texts whose last one is not closed");
-    found.push_back(bytes.substr(from, end - from));
-    from = end + 1;
-  }
-  return found;
+  auto found = unpacked(text(name));
+  if (!found) refuse(name, "is a list of texts whose last one is not closed");
+  return *std::move(found);
 }
 
 std::string Hdf5Reader::text_attribute(const std::string& of, const std::string& name) const {

@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "engine/base/error.h"
+#include "engine/base/packed_texts.h"
 #include "engine/output/hdf5_internal.h"
 
 namespace lithe {
@@ -72,8 +73,7 @@ void Hdf5Series::write(const std::string& name, const std::vector<int>& integers
 }
 
 void Hdf5Series::write(const std::string& name, const std::vector<std::string>& texts) {
-  std::string bytes;
-  for (const std::string& text : texts) bytes += text + '\0';
+  const std::string bytes = packed(texts);
   write(name, H5T_NATIVE_CHAR, {bytes.size()}, bytes.data());
 }
 

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/base/class_name.h"
+#include "engine/model/marker_motions.h"
 #include "engine/model/placeless_body.h"
 #include "engine/page/scene_plan_internal.h"
 #include "engine/simplify/stand_in.h"
@@ -245,14 +246,10 @@ int SceneDescription::describe_marker(const Marker& m) {
 /// Rows or loads of the same markers at another time.
 bool SceneDescription::is_drive(const ConnectorPart& part) const {
   if (!part.joint) return false;
-  std::vector<MarkerKinematics> kinematics;
-  std::vector<MarkerView> views;
-  kinematics.reserve(part.markers->size());
-  for (const Marker& m : *part.markers) kinematics.push_back(plan_.marker(m, Level::acceleration));
-  for (const auto& k : kinematics) views.emplace_back(k, static_cast<int>(views.size()));
+  const MarkerMotions views(*part.markers, [&](const Marker& m) { return plan_.marker(m, Level::acceleration); });
   const auto residuals_at = [&](double time) {
     ConstraintRows rows(part.joint->marker_count());
-    rows.recall(now_.assembler().quarter_turns_of(*part.joint));
+    rows.recall(now_.quarter_turns_of(*part.joint));
     part.joint->evaluate(time, views, rows);
     VectorX values(3 * rows.count());
     for (int r = 0; r < rows.count(); ++r) values.segment<3>(3 * r) << rows.residual(r), rows.rate(r), rows.bias(r);

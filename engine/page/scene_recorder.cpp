@@ -9,7 +9,7 @@ namespace lithe {
 
 void ScenePlan::look(Snapshot& now) {
   states.clear();
-  for (std::size_t i = 0; i < system->graph().bodies().size(); ++i) states.push_back(now.assembler().body_state_at(i));
+  for (std::size_t i = 0; i < system->graph().bodies().size(); ++i) states.push_back(now.evaluator().body_state(i));
 }
 
 MarkerKinematics ScenePlan::marker(const Marker& m, Level level) const {
@@ -91,13 +91,13 @@ Loads loads_of(Snapshot& now, const ScenePlan& plan, const ScenePlan::ConnectorP
   };
   if (part.joint) {  // -Σ_rows W λ
     ConstraintRows rows(part.joint->marker_count());
-    rows.recall(now.assembler().quarter_turns_of(*part.joint));
+    rows.recall(now.quarter_turns_of(*part.joint));
     part.joint->evaluate(now.time(), views, rows);
     for (int r = 0; r < rows.count(); ++r) subtract(rows, r, now.multipliers()[part.first_row + r]);
     return loads;
   }
   ForceRows rows(part.force->marker_count());
-  rows.recall(now.assembler().quarter_turns_of(*part.force));
+  rows.recall(now.quarter_turns_of(*part.force));
   if (const Constraint* joint = part.force->reaction_of())
     for (const auto& other : plan.connectors)
       if (other.joint == joint) rows.set_reaction(loads_of(now, plan, other).wrenches.at(1));
@@ -156,7 +156,7 @@ void SceneRecorder::fill(Snapshot& now, int number, VectorX& row, std::vector<do
     if (part.energies >= 0) put(part.energies, Vector3(energy.kinetic, energy.elastic, energy.gravity));
   }
   if (plan.totals >= 0) {
-    total = now.assembler().energy();
+    total = now.energy();
     put(plan.totals, Vector4(total.kinetic, total.elastic, total.gravity, total.total()));
   }
 
@@ -164,8 +164,8 @@ void SceneRecorder::fill(Snapshot& now, int number, VectorX& row, std::vector<do
   if (plan.residuals >= 0) {
     position.resize(plan.system->layout().row_count());
     velocity.resize(position.size());
-    now.assembler().constraint(Level::position, position);
-    now.assembler().constraint(Level::velocity, velocity);
+    now.evaluator().constraint(Level::position, position);
+    now.evaluator().constraint(Level::velocity, velocity);
     put(plan.residuals, Eigen::Vector2d(position.lpNorm<Eigen::Infinity>(), velocity.lpNorm<Eigen::Infinity>()));
   }
   for (const auto& part : plan.connectors) {
@@ -184,7 +184,7 @@ void SceneRecorder::fill(Snapshot& now, int number, VectorX& row, std::vector<do
   }
   contacts.clear();
   if (plan.with_contacts)
-    for (const ContactTrace& trace : now.assembler().contacts()->report()) {
+    for (const ContactTrace& trace : now.contacts()->report()) {
       const int connector = plan.connector_of_contact.at(trace.element);
       const Vector3& p = trace.point.position;
       contacts.insert(contacts.end(), {static_cast<double>(number), static_cast<double>(connector), p[0], p[1], p[2],

@@ -13,7 +13,7 @@ class Archive;
 /// the middle of a step, or where the parabola through these has an extremum near the level (two passages in one step);
 /// then on the integrator's dense output, by bracketing (Alefeld, Potra & Shi 1995), to round-off of time. What passes
 /// its level more than twice within a step may be missed. Functions of accelerations and reactions are given those of
-/// the equations at each state looked at, at one factorisation each (Integrator::follows_equations()). Has an assembler
+/// the equations at each state looked at, at one factorisation each (Integrator::follows_equations()). Has an evaluator
 /// of its own.
 class EventFinder {
  public:

@@ -159,7 +159,7 @@ void IslandRun::advance(State& state, double stop) {
          "look for a force that divides by zero or overflows near there, or give a smaller step");
   if (!(state.time > last_.time && state.time <= stop))
     fail(state, step() + " to " + time_text(stop) + " ended at " + time_text(state.time) + failing_element(stop),
-         "give a looser tolerance if steps became smaller than time can tell; else fix the integrator: a step moves "
+         "give a looser tolerance if steps became smaller than time can resolve; else fix the integrator: a step moves "
          "time, never past its stop");
   if (finder_) {
     try {

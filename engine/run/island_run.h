@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/assembly/assembler.h"
+#include "engine/assembly/evaluator.h"
 #include "engine/assembly/system.h"
 #include "engine/model/state.h"
 #include "engine/motion/integrator.h"
@@ -61,7 +61,7 @@ class IslandRun {
 
   const System& system_;
   Integrator& integrator_;
-  Assembler equations_;
+  Evaluator equations_;
   Snapshot snapshot_;
   ObserverSchedules watches_;
   State last_;              // the last good state

@@ -21,7 +21,7 @@ constexpr double kShortly = 1e-5;        // of the time since the first of them
 /// Gap of two colliders, or how far they are from each other at least.
 EventFunction gap_of(int element, int a, int b) {
   return [=](Snapshot& now) {
-    ContactForces& contacts = *now.assembler().contacts();
+    ContactForces& contacts = *now.contacts();
     const double size = contacts.extent(element, a) + contacts.extent(element, b);
     return contacts.gap(element, a, b, size > 0 ? size : 1.0);
   };

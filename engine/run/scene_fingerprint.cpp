@@ -2,7 +2,7 @@
 #include <bit>
 #include <cmath>
 
-#include "engine/assembly/assembler.h"
+#include "engine/assembly/evaluator.h"
 #include "engine/assembly/system.h"
 #include "engine/base/error.h"
 #include "engine/base/number_text.h"
@@ -87,7 +87,7 @@ bool SceneFingerprint::sample(double away) {
   const VectorX v = drawn.v + 10 * away * mixture(nv, 1), v_dot = mixture(nv, 3), lambda = mixture(rows, 4);
   layout.retract(drawn.q, away * mixture(nv, 2), q);
   try {
-    Assembler equations(system_);
+    Evaluator equations(system_);
     equations.recall(drawn.quarter_turns);
     equations.recall(drawn.contacts);
     equations.evaluate(drawn.time + away, q, v, Level::acceleration);
@@ -104,7 +104,7 @@ bool SceneFingerprint::sample(double away) {
     energy_.resize(3 * static_cast<Eigen::Index>(bodies.size() - 1) + of_forces.size());
     Eigen::Index at = 0;
     for (std::size_t i = 1; i < bodies.size(); ++i) {
-      const BodyEnergy e = bodies[i].body->energy(equations.body_state_at(i), system_.gravity());
+      const BodyEnergy e = bodies[i].body->energy(equations.body_state(i), system_.gravity());
       for (double joules : {e.kinetic, e.elastic, e.gravity}) energy_[at++] = joules;
     }
     energy_.tail(of_forces.size()) = of_forces;

@@ -45,15 +45,15 @@ struct SimulationOptions {
 ///   simulation.observe(recorder, every(0.01));
 ///   simulation.run(state, 10);
 ///
-/// Observers are borrowed, and see states through an assembler of their own. Their schedules cut the integrator's
+/// Observers are borrowed, and see states through an evaluator of their own. Their schedules cut the integrator's
 /// steps, so that observed times are met exactly, never interpolated. Events are located within steps. Where force laws
 /// change their form (ForceElement::switches, a stop met or left), the step ends and the integrator starts anew: across
 /// such a kink no method keeps its order, and its error estimate errs. The same where surfaces of compliant contacts
-/// meet or part, which events() tells of too, as of the impacts, meeting and parting of rigid ones, which time stepping
+/// meet or part. events() reports that too, and the impacts, meeting and parting of rigid ones, which time stepping
 /// locates within its steps.
 class Simulation {
  public:
-  /// One island, nothing spared. Borrows both.
+  /// One island, no shortcuts. Borrows both.
   Simulation(const System& system, Integrator& integrator);
   Simulation(const System&& system, Integrator& integrator) = delete;  // borrowed: a temporary would be gone
   /// An integrator an island. The graph must outlive the simulation. Throws SceneError as assemble() does, and as
@@ -83,15 +83,15 @@ class Simulation {
   const std::string& stopped_by() const;
 
   /// Moves the state, one of system(), to time `end`, exactly, or to an event that stops the run. Observers of every
-  /// step are told of the states at events that end a step (restart, stop). Observers are told of the first state too;
+  /// step receive the states at events that end a step (restart, stop). Observers receive the first state too;
   /// index-3 integrators may have shifted its velocities a little (integrators/generalized_alpha.h). A state left as
-  /// the last run made it goes on from there: run(state, 1), run(state, 2) is run(state, 2) where a step ends at 1. Any
+  /// the last run made it continues from there: run(state, 1), run(state, 2) is run(state, 2) where a step ends at 1. Any
   /// other starts the integrator, and the schedules, anew; of several islands only those that it changes start anew.
   /// Throws SceneError for an end before the state's time or a state that does not fit the system; SimulationError
   /// where the integrator fails or leaves a coordinate that is not finite, or where events accumulate: ever more of
   /// them in ever shorter times; where an element, observer or event throws, memory runs out, or a signal asks to end
   /// (engine/base/interrupt.h). It names the element and the time. Then the state is the last good one, observers have
-  /// been told of it (but after lack of memory or an exception), and the next run starts from it. Where one of several
+  /// received it (but after lack of memory or an exception), and the next run starts from it. Where one of several
   /// islands fails, the error names its bodies, and the others are brought to its last good time; if they cannot be,
   /// the state is that of the last time at which all met. Multipliers::later leaves State::lambda empty at the end
   /// where the integrator does.
@@ -101,17 +101,17 @@ class Simulation {
   /// the first step that ends at or beyond t₀ + k·interval; of several islands, or a simpler scene, where islands meet:
   /// at times that observers wait for, and at the end of a run. Steps are not cut: the run is the same, bit for bit, as
   /// without, but for methods that cannot tell their history (Integrator::history), which start anew there. Throws
-  /// FileError from run() where one cannot be written; the run may then be gone on with.
+  /// FileError from run() where one cannot be written; the run can then be continued.
   void checkpoint(std::string path, Schedule schedule);
-  /// A checkpoint of this state, by hand. Where it is the one that the last run ended with, resuming goes on with the
+  /// A checkpoint of this state, by hand. Where it is the one that the last run ended with, resuming continues with the
   /// same bits as this simulation; any other is one to start from. Methods that cannot tell their history are started
   /// anew, which may move the state by round-off.
   void save(State& state, const std::string& path);
   void save(State& state, Archive& archive);
-  /// The state of a checkpoint, from which run() goes on with the bits of the run that wrote it: in the same scene,
-  /// with the same kind of integrator, islands, observers and events in the same order, all of them told of before.
+  /// The state of a checkpoint, from which run() continues with the bits of the run that wrote it: in the same scene,
+  /// with the same kind of integrator, islands, observers and events in the same order, all of them added before.
   /// Observers that keep something (Recorder) have it again. Throws FileError for a file that is damaged or of another
-  /// version, SceneError where scene, islands, integrator, observers or events are others, saying which; then nothing
+  /// version, SceneError where scene, islands, integrator, observers or events differ, saying which; then nothing
   /// has been changed but the integrators, which the next run starts anew.
   State resume(const std::string& path);
   State resume(Archive& archive);

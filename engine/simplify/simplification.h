@@ -25,9 +25,9 @@ struct SimplificationOptions {
 ///   State state = simple.start(), full;
 ///   ...                                          // integrate
 ///   simple.expand(state, full);                  // for sensors: Snapshot{simple.whole(), full}
-/// A fixed joint whose reaction a force element asks for stays, as does one that does not close as drawn. Equilibria
-/// and linearizations are the business of the whole: bodies in planes leave the stiffness of loaded joints out of
-/// Newton's matrix.
+/// A fixed joint whose reaction a force element asks for stays, as does one that does not close as drawn. Find
+/// equilibria and linearize with the whole scene: bodies in planes leave the stiffness of loaded joints out of Newton's
+/// matrix.
 class Simplification {
  public:
   /// Assembles the whole. Throws SceneError as assemble() does.

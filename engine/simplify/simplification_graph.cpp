@@ -38,7 +38,7 @@ void Simplifier::run() {
 }
 
 FramePose Simplifier::pose(const Marker& m) {
-  const MarkerKinematics k = start_.marker(m, Level::position);
+  const MarkerKinematics k = marker_kinematics(start_, m, Level::position);
   return {k.p, k.R};
 }
 

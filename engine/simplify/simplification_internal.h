@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/assembly/assembler.h"
+#include "engine/assembly/evaluated.h"
 #include "engine/factor/graph_topology.h"
 #include "engine/model/rigid_frame_body.h"
 #include "engine/simplify/simplification.h"
@@ -87,7 +87,7 @@ class Simplifier {
   const SimplificationOptions& options_;
   Simplification& made_;
   const System& system_;
-  Assembler start_, drawn_;  // at the consistent start, and as drawn
+  Evaluator start_, drawn_;  // at the consistent start, and as drawn
   VectorX drawn_q_;
   std::map<const Body*, int> number_;
   std::vector<const SystemGraph::BodyEntry*> entries_;  // of bodies

@@ -1,28 +1,18 @@
 #include <algorithm>
 
+#include "engine/forward/in_plane.h"
 #include "engine/simplify/rows_in_plane.h"
 #include "engine/simplify/simplification_internal.h"
 
 namespace lithe {
 namespace {
 
-constexpr double kParallel = 1e-9;  // sine of what axes may be off
-constexpr double kInPlane = 1e-9;   // m and rad
-
-/// Whether the joint keeps a body in a plane normal to n if the other is kept so; R: axes of its first marker.
-bool holds_in_plane(const JointFreedom& f, const Matrix3& R, const Vector3& n) {
-  if (f.rotation == JointFreedom::Rotation::any) return false;
-  if (f.rotation == JointFreedom::Rotation::about_z && R.col(2).cross(n).norm() > kParallel) return false;
-  const bool shifts[] = {f.x, f.y, f.z};
-  for (int i = 0; i < 3; ++i)
-    if (shifts[i] && std::abs(R.col(i).dot(n)) > kParallel) return false;
-  return true;
-}
+constexpr double kInPlane = 1e-9;  // m and rad
 
 /// A world axis where it is one but for round-off: then components of no use are zero, not nearly so.
 Vector3 exact(const Vector3& axis) {
   for (int i = 0; i < 3; ++i)
-    if (Vector3::Unit(i).cross(axis).norm() < kParallel) return Vector3::Unit(i);
+    if (are_parallel(Vector3::Unit(i), axis)) return Vector3::Unit(i);
   return axis.normalized();
 }
 
@@ -103,7 +93,7 @@ std::vector<Simplifier::LowerPair> Simplifier::lower_pairs(Topology& all, bool& 
 std::vector<Vector3> Simplifier::normals(const std::vector<LowerPair>& joints) const {
   std::vector<Vector3> all;
   const auto add = [&](const Vector3& axis) {
-    if (std::none_of(all.begin(), all.end(), [&](const Vector3& n) { return n.cross(axis).norm() < kParallel; }))
+    if (std::none_of(all.begin(), all.end(), [&](const Vector3& n) { return are_parallel(n, axis); }))
       all.push_back(exact(axis));
   };
   for (const LowerPair& j : joints)
@@ -115,20 +105,14 @@ std::vector<Vector3> Simplifier::normals(const std::vector<LowerPair>& joints) c
 
 /// Items that joints keep in planes with this normal, from ground outwards.
 std::vector<char> Simplifier::held_in_plane(const std::vector<LowerPair>& joints, const Vector3& normal) const {
-  const int n = static_cast<int>(items_.size()), ground = n;
-  std::vector<std::vector<int>> holds(n + 1);
+  const int ground = static_cast<int>(items_.size());
+  std::vector<std::pair<int, int>> holds;
   for (const LowerPair& j : joints)
-    if (holds_in_plane(j.freedom, j.axes, normal)) {
-      const int a = j.a == kGround ? ground : j.a, b = j.b == kGround ? ground : j.b;
-      holds[a].push_back(b), holds[b].push_back(a);
-    }
-  std::vector<char> held(n + 1, 0);
-  std::vector<int> reached{ground};
+    if (holds_in_plane(j.freedom, j.axes, normal))
+      holds.emplace_back(j.a == kGround ? ground : j.a, j.b == kGround ? ground : j.b);
+  std::vector<char> held(items_.size() + 1, 0);
   held[ground] = 1;
-  for (std::size_t i = 0; i < reached.size(); ++i)
-    for (int next : holds[reached[i]])
-      if (!held[next]) held[next] = 1, reached.push_back(next);
-  return held;
+  return reached_over(holds, std::move(held));
 }
 
 /// Explicit integrators solve a tree without constraints if it is all in space, or all in one plane.

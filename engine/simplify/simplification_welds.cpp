@@ -27,8 +27,8 @@ bool Simplifier::may_go(const Tie& c) {
     say(stays + "'" + user->second + "' asks for its reaction.");
     return false;
   }
-  const MarkerKinematics A = drawn_.marker(c.markers[0], Level::position),
-                         B = drawn_.marker(c.markers[1], Level::position);
+  const MarkerKinematics A = marker_kinematics(drawn_, c.markers[0], Level::position),
+                         B = marker_kinematics(drawn_, c.markers[1], Level::position);
   if ((A.p - B.p).norm() < kClosed && (A.R - B.R).norm() < kClosed) return true;
   say(stays + "it does not close as drawn.");
   return false;

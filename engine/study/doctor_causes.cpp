@@ -210,7 +210,7 @@ std::vector<Finding> find_inaccuracy(const Case& c) {
   constexpr double kChange = 1e-8, kChaotic = 1e5;
   const System& system = *c.drawn.system;
   State near = system.initial_state();
-  Assembler equations(system);
+  Evaluator equations(system);
   equations.recall(near.quarter_turns);
   for (int i = 0; i < near.v.size(); ++i) near.v[i] += kChange * std::sin(1 + 2.4 * i);
   Projector(equations).velocity(near.time, near.q, near.v);

@@ -7,6 +7,7 @@
 
 #include "engine/analysis/free_motions.h"
 #include "engine/base/number_text.h"
+#include "engine/model/marker_motions.h"
 #include "engine/run/simulation.h"
 #include "engine/study/doctor_internal.h"
 
@@ -49,13 +50,13 @@ class Probe : public Observer {
       : run_(run), integrator_(integrator), options_(options), begun_(std::clock()) {}
 
   void observe(Snapshot& now) override {
-    const BodyEnergy energy = now.assembler().energy();
+    const BodyEnergy energy = now.energy();
     if (run_.times.empty()) run_.first_energy = run_.largest_energy = energy.total();
     run_.largest_energy = std::max(run_.largest_energy, energy.total());
     run_.largest_kinetic = std::max(run_.largest_kinetic, energy.kinetic);
     rows_.resize(now.system().layout().row_count());
     if (rows_.size() > 0) {
-      now.assembler().constraint(Level::position, rows_);
+      now.evaluator().constraint(Level::position, rows_);
       run_.residual = std::max(run_.residual, rows_.cwiseAbs().maxCoeff());
     }
     if (const int i = integrator_.statistics().limiting; i >= 0) ++run_.limiting[i];
@@ -130,7 +131,7 @@ double DenseRows::conditioning() const {
 }
 
 DenseRows dense_rows(const System& system, const State& state) {
-  Assembler equations(system);
+  Evaluator equations(system);
   equations.recall(state.quarter_turns);
   equations.evaluate(state.time, state.q, state.v, Level::velocity);
   const int n = equations.layout().v_count();
@@ -178,7 +179,7 @@ std::vector<Rate> fastest_rates(const System& system, const State& state) {
   const VectorX still = VectorX::Zero(n);
   VectorX no_load = VectorX::Zero(layout.row_count()), force(n), motion(n);
   // 1. Elastic coordinates by themselves: ω² = K_ii / M_ii.
-  Assembler equations(system);
+  Evaluator equations(system);
   equations.recall(state.quarter_turns);
   equations.evaluate(state.time, state.q, state.v, Level::velocity);
   VectorX mass = still, both = still;
@@ -198,22 +199,16 @@ std::vector<Rate> fastest_rates(const System& system, const State& state) {
   // 2. Force elements: k w·M⁻¹w with the joints in place, w the row's force on the velocities.
   for (const auto& entry : system.graph().forces()) {
     if (entry.force->row_count() == 0) continue;
-    std::vector<MarkerKinematics> kinematics;
-    std::vector<MarkerView> views;
-    kinematics.reserve(entry.markers.size());
-    for (const Marker& m : entry.markers) {
-      kinematics.push_back(now.marker(m));
-      views.emplace_back(kinematics.back(), static_cast<int>(views.size()));
-    }
+    const MarkerMotions views(entry.markers, [&](const Marker& m) { return now.marker(m); });
     ForceRows rows(entry.force->marker_count());
-    rows.recall(now.assembler().quarter_turns_of(*entry.force));
+    rows.recall(now.quarter_turns_of(*entry.force));
     rows.set_reaction({Vector3::Zero(), Vector3::Zero()});
     entry.force->evaluate(state.time, views, rows);
     Rate rate{"'" + entry.force->name() + "' between " + bodies_of(*entry.force), 0, 0, 0};
     for (int r = 0; r < rows.count(); ++r) {
       force.setZero();
       for (std::size_t m = 0; m < views.size(); ++m)
-        add_wrench(layout, entry.markers[m], kinematics[m], rows.wrench(r, static_cast<int>(m)), force);
+        add_wrench(layout, entry.markers[m], views[m], rows.wrench(r, static_cast<int>(m)), force);
       motion = force;
       no_load.setZero();
       equations.solve(motion, no_load);

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <set>
 
-#include "engine/assembly/assembler.h"
+#include "engine/assembly/evaluator.h"
 #include "engine/study/doctor_internal.h"
 
 namespace lithe {
@@ -24,7 +24,7 @@ State as_drawn(const System& system) {
 
 /// g or ġ of a state, all rows.
 VectorX rows_at(const System& system, double time, const State& state, Level level) {
-  Assembler equations(system);
+  Evaluator equations(system);
   equations.recall(state.quarter_turns);
   equations.evaluate(time, state.q, state.v, Level::velocity);
   VectorX rows(system.layout().row_count());
@@ -137,7 +137,7 @@ struct BodyInertia {
 };
 
 std::vector<BodyInertia> inertias(const System& system, const State& start) {
-  Assembler equations(system);
+  Evaluator equations(system);
   equations.recall(start.quarter_turns);
   equations.evaluate(start.time, start.q, start.v, Level::velocity);
   equations.factorize({0, 0, 1}, VectorX::Zero(start.v.size()), VectorX::Zero(system.layout().row_count()), nullptr);

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "engine/assembly/evaluated.h"
 #include "engine/model/rigid_frame_body.h"
 #include "engine/observe/snapshot.h"
 #include "engine/study/driven_oscillators.h"
@@ -416,7 +417,7 @@ class Estimate {
     for (RecordedWrench::Parameters& on : feedback) {
       const int v = system_.layout().slice(*on.marker.body).v;
       const Vector3 force = -r.segment<3>(v), torque = -r.segment<3>(v + 3);  // world, body axes, at the frame's origin
-      const MarkerKinematics k = equations_.marker(on.marker, Level::position);
+      const MarkerKinematics k = marker_kinematics(equations_, on.marker, Level::position);
       on.force.col(sample / stride_) = force;
       on.torque.col(sample / stride_) = k.R.transpose() * (*k.A * (torque - k.r.cross(k.A->transpose() * force)));
     }
@@ -436,7 +437,7 @@ class Estimate {
   Detail detail_;
   const std::vector<Remainder>& own_;
   Embedding embedding_;
-  Assembler equations_;
+  Evaluator equations_;
   Snapshot snapshot_;
   VectorX zero_v_, zero_rows_;
   std::vector<Embedding::Elastic> elastic_;
@@ -468,7 +469,7 @@ ModelRun with_response(SystemGraph& graph, BodyModels& bodies, const ModelRun& r
 std::vector<Remainder> own_remainders(SystemGraph& graph, BodyModels& bodies, const ModelRun& run) {
   bodies.set(run.models);
   const System system = assemble(graph);
-  Assembler equations(system);
+  Evaluator equations(system);
   std::vector<Remainder> remainders;
   for (const State& state : run.states) {
     Remainder r{VectorX(system.layout().v_count()), VectorX(system.layout().row_count())};

@@ -21,7 +21,7 @@ class Sampler final : public Observer {
         request_(request),
         run_(run),
         snapshot_(system),
-        projector_(snapshot_.assembler()) {
+        projector_(snapshot_.evaluator()) {
     run_.samples.columns = {"t"};
     for (const Sensor& sensor : sensors)
       run_.samples.columns.insert(run_.samples.columns.end(), sensor.columns().begin(), sensor.columns().end());
@@ -64,7 +64,7 @@ class Sampler final : public Observer {
     run_.samples.add_row(row_);
     VectorX g(snapshot_.system().layout().row_count());
     if (g.size() > 0) {
-      snapshot_.assembler().constraint(Level::position, g);
+      snapshot_.evaluator().constraint(Level::position, g);
       run_.residual = std::max(run_.residual, g.cwiseAbs().maxCoeff());
     }
     if (request_.dynamics) run_.states.push_back(at_);

@@ -56,7 +56,7 @@ struct RunRequest {
   bool dynamics = true;   // whether accelerations and multipliers of the samples are wanted: what estimates need
 };
 /// Runs the scene with its bodies so modelled, under wrenches on their frames if there are any; the graph is left at
-/// that fidelity. What stops a run is told in `why`; what a scene does wrong is thrown.
+/// that fidelity. `why` says what stopped a run; errors of the scene are thrown.
 ModelRun run_model(SystemGraph& graph, BodyModels& bodies, const std::vector<Fidelity>& models,
                    const std::vector<Sensor>& sensors, const MakeIntegratorBy<Tolerance>& make,
                    const RunRequest& request, const std::vector<RecordedWrench::Parameters>& wrenches = {});

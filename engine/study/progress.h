@@ -9,12 +9,12 @@ namespace lithe {
 
 /// One moving line on stderr for work that takes minutes:
 ///   [=====>              ] 12/40  explicit Runge-Kutta 5(4) 1e-6   left 0:35
-/// The work is a number of lines (methods), each a number of runs that grow dearer (tolerances). What is left is told
-/// from the runs done: a line's cost goes on growing as it did last, at most fourfold a run; a line without a finished
+/// The work is a number of lines (methods), each a number of runs of growing cost (tolerances). The time left is
+/// predicted from the runs done: a line's cost keeps growing as it did last, at most fourfold a run; a line without a finished
 /// run costs what the others do on average.
 class Progress {
  public:
-  enum class Show { on_terminal, always, never };  // on_terminal: silent where stderr is none
+  enum class Show { on_terminal, always, never };  // on_terminal: silent where stderr is not one
   /// `longest`: no run takes longer, s.
   Progress(std::vector<int> runs_a_line, double longest, Show show = Show::on_terminal, std::FILE* out = stderr);
   /// Wipes the line.

@@ -38,10 +38,10 @@ struct SolveOptions {
   /// Deflections are known to be small: their second order stays out of the statement where a basis has no data for it.
   /// Else nothing is certified with such a basis.
   bool small_deflection = false;
-  int most_runs = 4;  // of models that deform, before it is told that the precision is not reached
+  int most_runs = 4;  // of models that deform, before the precision is reported as not reached
 };
 
-/// The answer and its certificate. The graph is left with the chosen models: assemble(graph) goes on with them.
+/// The answer and its certificate. The graph is left with the chosen models: assemble(graph) uses them.
 struct Solution {
   Table samples;  // "t", then the columns of the wanted quantities
   Certificate certificate;
@@ -57,14 +57,13 @@ struct Solution {
 ///      along its own motion. How far it came from what was predicted scales the statement. If it is not within the
 ///      bounds, what counts most is refined, and it runs again.
 ///   4. Bodies that can be drawn with any number of elements (bodies/beam/slender_body.h) run with half as many too,
-///      which tells their part of the error; where modes do not do, they are exact, with more elements until it is met.
+///      which tells their part of the error; where modes do not suffice, they are exact, with more elements until it is met.
 /// Two runs with fixed steps of one and of half a sampling interval come first: where their difference says that they
 /// do, they are the cheapest.
 /// Bodies without candidates stay as they are drawn. integrators/solve.h has the default methods.
 /// Compliant contacts are forces like others, but impacts between two samples are not seen by the estimate (a remark).
-/// Throws SceneError for wants that are none, a duration that is not positive, contacts of rigid surfaces, and whatever
-/// drawing throws;
-/// SimulationError if no model reaches the end.
+/// Throws SceneError for no or invalid wants, a duration that is not positive, contacts of rigid surfaces, and whatever
+/// drawing throws; SimulationError if no model reaches the end.
 Solution solve(SystemGraph& graph, double duration, const std::vector<Want>& wants, const SolveMethods& methods,
                const SolveOptions& options = {});
 

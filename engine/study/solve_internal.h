@@ -12,7 +12,7 @@
 ///   Asked -> RigidMotion -> Choice -> Answer -> Solution
 namespace lithe::solving {
 
-/// What is asked, and what the drawing tells of it before anything runs.
+/// What is asked, and what the scene as drawn says of it before anything runs.
 struct Asked {
   SystemGraph& graph;
   BodyModels& bodies;  // runs leave them at their fidelity

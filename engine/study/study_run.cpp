@@ -3,7 +3,7 @@
 #include <cmath>
 #include <ctime>
 
-#include "engine/assembly/assembler.h"
+#include "engine/assembly/evaluator.h"
 #include "engine/observe/snapshot.h"
 
 namespace lithe {
@@ -79,7 +79,7 @@ class Runner {
   const StudySystem& study_;
   Integrator& integrator_;
   StudyRun& run_;
-  Assembler equations_;
+  Evaluator equations_;
   Snapshot snapshot_;
   State state_, from_, within_;
   std::vector<double> row_;

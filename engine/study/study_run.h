@@ -41,12 +41,12 @@ struct StudyRun {
   IntegratorStatistics statistics{};
 };
 
-/// How a run comes by its samples: steps of the method's own length and its dense output within them, as one who wants
-/// the method at its best would; or steps that end at every instant.
+/// How a run gets its samples: by dense output within steps of the method's own length, where the method is at its
+/// best; or by steps that end at every instant.
 enum class Sampling { dense, stops };
 
 /// Runs from t = 0 to the last of `times` (rising, the first > 0) and reads the sensors at each. A run that takes more
-/// than `time_limit` seconds of CPU is stopped. Whatever stops it is told in `why`, not thrown.
+/// than `time_limit` seconds of CPU is stopped. `why` says what stopped it; nothing is thrown.
 StudyRun run_study(const StudySystem& study, const StudyMethod& method, double setting,
                    const std::vector<double>& times, double time_limit, Sampling sampling = Sampling::stops);
 

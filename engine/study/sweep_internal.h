@@ -66,7 +66,7 @@ class SweepRanks {
 
   virtual int rank() const = 0;
   virtual int ranks_on_this_machine() const = 0;
-  /// Computes the points 0 … count - 1 together. On every rank `listener` is told of all points, on rank 0 as they are
+  /// Computes the points 0 … count - 1 together. On every rank `listener` receives all points, on rank 0 as they are
   /// finished. `fingerprint`: of the parameters; ranks that sweep different ones end the program.
   virtual void share(SweepThreads& team, int count, std::uint64_t fingerprint, const SweepListener& listener) = 0;
 };

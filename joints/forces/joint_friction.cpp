@@ -23,18 +23,16 @@ struct Press {
 }  // namespace
 
 JointFriction::JointFriction(CoordinateSet coordinate, Parameters parameters)
-    : coordinate_(std::move(coordinate)), parameters_(parameters) {
-  Parameters& p = parameters_;
+    : coordinate_(std::move(coordinate)),
+      parameters_(parameters),
+      law_({parameters.coefficient, parameters.static_coefficient, parameters.stribeck_speed, parameters.creep_speed}) {
+  const Parameters& p = parameters_;
   coordinate_.require_one("friction");
   if (!p.joint) throw SceneError("names no joint", "", "give .joint = &pin: whose reaction presses");
-  for (const auto& [value, name] :
-       {std::pair(p.dynamic, "dynamic"), std::pair(p.still, "still"), std::pair(p.viscous, "viscous"),
-        std::pair(p.radius, "radius"), std::pair(p.bending_arm, "bending_arm"), std::pair(p.preload, "preload")})
+  for (const auto& [value, name] : {std::pair(p.viscous, "viscous"), std::pair(p.radius, "radius"),
+                                    std::pair(p.bending_arm, "bending_arm"), std::pair(p.preload, "preload")})
     require::not_negative(value, name);
-  require::positive(p.stribeck_speed, "stribeck_speed");
-  require::positive(p.transition_speed, "transition_speed");
   if (coordinate_.is_angle(0)) require::positive(p.radius, "radius");
-  if (p.still == 0) p.still = p.dynamic;
 }
 
 void JointFriction::evaluate(double, std::span<const MarkerView> markers, ForceRows& rows) const {
@@ -53,10 +51,7 @@ void JointFriction::evaluate(double, std::span<const MarkerView> markers, ForceR
   const double N = press.force + p.preload;
 
   const double arm = turns ? p.radius : 1, s = arm * x.rate;
-  const double drop = (p.still - p.dynamic) * std::exp(-std::pow(s / p.stribeck_speed, 2));
-  const double level = p.dynamic + drop, level_slope = -2 * s / (p.stribeck_speed * p.stribeck_speed) * drop;
-  const double step = std::tanh(s / p.transition_speed), step_slope = (1 - step * step) / p.transition_speed;
-  const double mu = level * step, mu_slope = level_slope * step + level * step_slope;
+  const auto [mu, mu_slope] = law_.at(s);
   rows.add({x.on_A, x.on_B}, arm * mu * N + p.viscous * x.rate, 0, arm * arm * mu_slope * N + p.viscous, 0);
   rows.depends_on_reaction((arm * mu) * press.by);
 }

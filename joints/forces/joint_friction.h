@@ -3,25 +3,26 @@
 #include "engine/assembly/batch.h"
 #include "engine/model/force_element.h"
 #include "engine/model/joint_coordinate.h"
+#include "joints/forces/friction_law.h"
 
 namespace lithe {
 
 /// Dry friction in a joint, driven by the joint's own reaction: regularized Coulomb with Stribeck's drop, and a viscous
 /// part.
-///   μ(s) = (μ_d + (μ_s - μ_d) exp(-(s / v_s)²)) tanh(s / v_t),   s: sliding speed, m/s
+///   μ(s): FrictionLaw,   s: sliding speed, m/s
 ///   an angle:        torque = r μ(r φ̇) N + c φ̇,   N = |F_lateral| + |F_axial| + |T_lateral| / l + N₀
 ///   a displacement:  force  = μ(ẋ) N + c ẋ,        N = |F_lateral| + |T_lateral| / l + |T_axial| / r + N₀
 /// F, T: the joint's reaction at its second marker, along the coordinate's axis and across it; a term without a given
-/// arm is left out. Below v_t the joint creeps: it holds no load at rest. Friction has no potential.
-///   graph.add<JointFriction>("rub", {pin.angle()}, {.joint = &pin, .dynamic = 0.1, .radius = 0.01});
+/// arm is left out. Below creep_speed the joint creeps: it holds no load at rest. Friction has no potential.
+///   graph.add<JointFriction>("rub", {pin.angle()}, {.joint = &pin, .coefficient = 0.1, .radius = 0.01});
 class JointFriction final : public Force</*markers=*/2, /*rows=*/1> {
  public:
   struct Parameters {
     const Constraint* joint = nullptr;  // its reaction gives the normal force
-    double dynamic = 0;                 // μ_d
-    double still = 0;                   // μ_s; 0: as dynamic
+    double coefficient = 0;             // μ_k
+    double static_coefficient = 0;      // μ_s; 0: μ_k
     double stribeck_speed = 0.1;        // v_s, m/s
-    double transition_speed = 1e-3;     // v_t, m/s
+    double creep_speed = 3e-3;          // v_c, m/s
     double viscous = 0;                 // c, N m s/rad or N s/m
     double radius = 0;                  // r, m; an angle needs it
     double bending_arm = 0;             // l, m: between the bearing's halves; 0: bending gives no normal force
@@ -38,6 +39,7 @@ class JointFriction final : public Force</*markers=*/2, /*rows=*/1> {
  private:
   const CoordinateSet coordinate_;
   Parameters parameters_;
+  FrictionLaw law_;
 };
 
 extern template std::unique_ptr<ForceBatch> make_force_batch<JointFriction>();

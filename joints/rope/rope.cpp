@@ -330,7 +330,7 @@ Sensor tension(const Rope& rope, int span, Located name) {
                   MarkerKinematics table[kMaxMarkers];
                   for (int m = 0; m < count; ++m) table[m] = now.marker(markers[static_cast<std::size_t>(m)]);
                   ForceRows rows(count);
-                  rows.recall(now.assembler().quarter_turns_of(*element));
+                  rows.recall(now.quarter_turns_of(*element));
                   element->evaluate(now.time(), connector::Views(table, count), rows);
                   values[0] = rows.tension(0);
                 },

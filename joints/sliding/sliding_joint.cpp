@@ -5,6 +5,7 @@
 
 #include "engine/assembly/batch_of.h"
 #include "engine/base/checks.h"
+#include "engine/model/marker_motions.h"
 #include "engine/observe/snapshot.h"
 
 namespace lithe {
@@ -68,15 +69,13 @@ void SlidingJoint::evaluate(double, std::span<const MarkerView> markers, Constra
   }
 }
 
-SlidingFriction::SlidingFriction(Parameters parameters) : parameters_(parameters) {
-  Parameters& p = parameters_;
+SlidingFriction::SlidingFriction(Parameters parameters)
+    : parameters_(parameters),
+      law_({parameters.coefficient, parameters.static_coefficient, parameters.stribeck_speed, parameters.creep_speed}) {
+  const Parameters& p = parameters_;
   if (!p.joint) throw SceneError("names no joint", "", "give .joint = &slider: whose reaction presses");
-  for (const auto& [value, name] : {std::pair(p.dynamic, "dynamic"), std::pair(p.still, "still"),
-                                    std::pair(p.viscous, "viscous"), std::pair(p.preload, "preload")})
-    require::not_negative(value, name);
-  require::positive(p.stribeck_speed, "stribeck_speed");
-  require::positive(p.transition_speed, "transition_speed");
-  if (p.still == 0) p.still = p.dynamic;
+  require::not_negative(p.viscous, "viscous");
+  require::not_negative(p.preload, "preload");
 }
 
 void SlidingFriction::evaluate(double, std::span<const MarkerView> markers, ForceRows& rows) const {
@@ -90,13 +89,11 @@ void SlidingFriction::evaluate(double, std::span<const MarkerView> markers, Forc
   const Vector3 across = rows.reaction().force - t.dot(rows.reaction().force) * t;
   const double pressing = across.norm(), N = pressing + p.preload;
 
-  const double drop = (p.still - p.dynamic) * std::exp(-std::pow(s / p.stribeck_speed, 2));
-  const double level = p.dynamic + drop, level_slope = -2 * s / (p.stribeck_speed * p.stribeck_speed) * drop;
-  const double step = std::tanh(s / p.transition_speed), step_slope = (1 - step * step) / p.transition_speed;
+  const auto [mu, mu_slope] = law_.at(s);
   act_on(at, rows);
   fill(at, t, rows.open());
-  rows.finish(level * step * N + p.viscous * s, 0, (level_slope * step + level * step_slope) * N + p.viscous);
-  if (pressing > 0) rows.depends_on_reaction(force(level * step / pressing * across));
+  rows.finish(mu * N + p.viscous * s, 0, mu_slope * N + p.viscous);
+  if (pressing > 0) rows.depends_on_reaction(force(mu / pressing * across));
 }
 
 SlidingJoint& add_sliding_joint(SystemGraph& graph, Located name, Marker slider, const std::vector<Marker>& rail) {
@@ -119,13 +116,7 @@ Sensor slide_sensor(const SlidingJoint& joint, Located name, const std::string& 
   const std::string column = name.text;
   return Sensor(std::move(name), {column},
                 [&joint, value](Snapshot& now, std::span<double> values) {
-                  std::vector<MarkerKinematics> kinematics;
-                  std::vector<MarkerView> views;
-                  kinematics.reserve(joint.markers().size());  // views refer to it
-                  for (const Marker& m : joint.markers()) {
-                    kinematics.push_back(now.marker(m));
-                    views.emplace_back(kinematics.back(), static_cast<int>(views.size()));
-                  }
+                  const MarkerMotions views(joint.markers(), [&](const Marker& m) { return now.marker(m); });
                   values[0] = joint.slide(views).*value;
                 },
                 {unit});

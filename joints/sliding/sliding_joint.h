@@ -7,6 +7,7 @@
 #include "engine/model/force_element.h"
 #include "engine/model/system_graph.h"
 #include "engine/observe/sensors.h"
+#include "joints/forces/friction_law.h"
 #include "joints/sliding/rail_curve.h"
 
 namespace lithe {
@@ -52,18 +53,18 @@ class SlidingJoint final : public Constraint {
   RailCurve rail_;
 };
 
-/// Dry friction of a slider, driven by the joint's reaction N, regularized as JointFriction:
-///   F = (μ_d + (μ_s - μ_d) exp(-(s / v_s)²)) tanh(s / v_t) (N + N₀) + c s,   s: speed along the rail, m/s
+/// Dry friction of a slider, driven by the joint's reaction N:
+///   F = μ(s) (N + N₀) + c s,   s: speed along the rail, m/s,   μ(s): FrictionLaw
 class SlidingFriction final : public ForceElement {
  public:
   struct Parameters {
     const SlidingJoint* joint = nullptr;
-    double dynamic = 0;              // μ_d
-    double still = 0;                // μ_s; 0: as dynamic
-    double stribeck_speed = 0.1;     // v_s, m/s
-    double transition_speed = 1e-3;  // v_t, m/s: below it the slider creeps
-    double viscous = 0;              // c, N s/m
-    double preload = 0;              // N₀, N
+    double coefficient = 0;         // μ_k
+    double static_coefficient = 0;  // μ_s; 0: μ_k
+    double stribeck_speed = 0.1;    // v_s, m/s
+    double creep_speed = 3e-3;      // v_c, m/s: below it the slider creeps
+    double viscous = 0;             // c, N s/m
+    double preload = 0;             // N₀, N
   };
   static constexpr int kRows = 1;
   /// Throws SceneError without a joint, and for what is negative or not finite.
@@ -76,6 +77,7 @@ class SlidingFriction final : public ForceElement {
 
  private:
   Parameters parameters_;
+  FrictionLaw law_;
 };
 
 extern template std::unique_ptr<ConstraintBatch> make_constraint_batch<SlidingJoint>();

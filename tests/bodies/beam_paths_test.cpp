@@ -36,7 +36,7 @@ Path path_of(SystemGraph& graph, const Marker& loaded, double most) {
                        }});
   const System system = assemble(graph);
   const State start = find_equilibrium(system, system.initial_state()).state;
-  const EquilibriumPath found = follow_equilibria(system, start, {.farthest_turn = 0.1, .longest_step = 1});
+  const EquilibriumPath found = follow_equilibria(system, start, {.max_turn = 0.1, .max_step = 1});
   Snapshot now(system, start);
   const Vector3 drawn = now.marker(loaded).p;
   Path path;

@@ -9,6 +9,7 @@
 #include "bodies/beam/beam_element.h"
 #include "bodies/rigid_body.h"
 #include "engine/analysis/equilibrium.h"
+#include "engine/assembly/evaluated.h"
 #include "engine/run/simulation.h"
 #include "joints/fixed_joint.h"
 #include "joints/forces/user_force.h"
@@ -243,11 +244,11 @@ TEST(Beam, IsDrawnAsThickAsItsSections) {
   const DrawnMesh mesh = beam.drawn_mesh(false);
   Matrix3X points = mesh.points;
   points.setZero();
-  Assembler equations(system);
+  Evaluator equations(system);
   State state = system.initial_state();
   for (int i = 0; i < beam.node_count(); ++i) state.q[7 * i + 1] += 5;
   equations.evaluate(0, state.q, state.v, Level::velocity);
-  beam.drawn_points(equations.body_state(beam), mesh, points);
+  beam.drawn_points(body_state(equations, beam), mesh, points);
   EXPECT_LT((points - mesh.points - Vector3(0, 5, 0).replicate(1, points.cols())).cwiseAbs().maxCoeff(), 1e-14);
   const auto rims = mesh.points.rightCols(mesh.points.cols() - beam.node_count());
   EXPECT_LT((rims.rowwise().minCoeff() - Vector3(0, 0, -0.035)).norm(), 1e-12);

@@ -57,7 +57,7 @@ TEST(Cable, HasTheTangentOfItsForce) {
   graph.add<Cable>("cable", wire(4.0));
   const System system = assemble(graph);
   const Layout& layout = system.layout();
-  Assembler equations(system);
+  Evaluator equations(system);
   const int n = layout.v_count();
   RandomNumbers random(3);
   const VectorX still = VectorX::Zero(n), none = VectorX::Zero(0);
@@ -89,7 +89,7 @@ TEST(Cable, DoesNotFeelRigidMotion) {
   State state = system.initial_state();
   Snapshot drawn(system, state);
   const double energy = elastic_energy(cable).value(drawn);
-  const VectorX tensions = cable.tensions(drawn.assembler().body_state(cable));
+  const VectorX tensions = cable.tensions(drawn.body_state(cable));
   const Matrix3 R = rotation_about({1, 2, -1}, 2.3);
   const Vector3 spin(3, -5, 2);
   for (int i = 0; i < cable.node_count(); ++i) {
@@ -137,7 +137,7 @@ Hanging hang(const Catenary& c, int elements) {
   const Equilibrium found = find_equilibrium(system, system.initial_state());
   Snapshot now(system, found.state);
   Hanging error{};
-  const BodyState state = now.assembler().body_state(cable);
+  const BodyState state = now.body_state(cable);
   const Vector3 pull = static_cast<const Cable::Cache&>(*state.cache).directions.col(0) * cable.tensions(state)[0];
   error.H = pull.x() / c.H - 1;
   const Matrix3X x = cable.positions(state);
@@ -260,7 +260,7 @@ TEST(Cable, IsDrawnSlackWithElementsAsLongAsTheyAre) {
         "rope", {.to = to, .length = 5, .elements = 11, .stations = {1.2}, .mass_per_length = 1, .axial_stiffness = 1});
     const System system = assemble(graph);
     Snapshot now(system, system.initial_state());
-    const BodyState state = now.assembler().body_state(cable);
+    const BodyState state = now.body_state(cable);
     EXPECT_LT(cable.tensions(state).cwiseAbs().maxCoeff(), 1e-12);
     EXPECT_LT((cable.positions(state).col(cable.element_count()) - to).norm(), 1e-14);
     EXPECT_EQ(cable.arc(cable.element_at(1.2)), 1.2);

@@ -8,7 +8,8 @@
 #include "bodies/flexible/elements/solid_element.h"
 #include "bodies/flexible/flexible_body.h"
 #include "bodies/flexible/readers/calculix.h"
-#include "engine/assembly/assembler.h"
+#include "engine/assembly/evaluated.h"
+#include "engine/assembly/evaluator.h"
 #include "engine/base/error.h"
 #include "engine/study/certificate.h"
 #include "integrators/explicit_runge_kutta.h"
@@ -160,13 +161,13 @@ TEST_P(DeflectedBody, in_free_flight_keeps_energy_and_momenta) {
   parameters.modal_coordinates << 2e-3, -1e-3, 5e-4, 2e-4, 0;
   auto& body = graph.add<FlexibleBody>("rod", parameters);
   const System system = assemble(graph);
-  Assembler equations(system);
+  Evaluator equations(system);
   State state = system.initial_state();
   ExplicitRungeKutta integrator({.tolerance = {.relative = 1e-10, .absolute = 1e-12}});
   integrator.start(equations, state);
   const auto observed = [&] {
     equations.evaluate(state.time, state.q, state.v, Level::velocity);
-    const BodyState s = equations.body_state(body);
+    const BodyState s = body_state(equations, body);
     return std::tuple(equations.energy().total(), body.linear_momentum(s), body.angular_momentum(s));
   };
   const auto [e0, p0, l0] = observed();

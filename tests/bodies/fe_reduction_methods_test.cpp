@@ -2,7 +2,8 @@
 #include <numbers>
 
 #include "bodies/flexible/flexible_body.h"
-#include "engine/assembly/assembler.h"
+#include "engine/assembly/evaluated.h"
+#include "engine/assembly/evaluator.h"
 #include "integrators/explicit_runge_kutta.h"
 #include "joints/revolute_joint.h"
 #include "tests/bodies/bar_model.h"
@@ -428,13 +429,13 @@ TEST(BeamModel, InFreeFlightKeepsEnergyAndMomentaAndOwesWhatEveryBodyOwes) {
   parameters.modal_coordinates = 3e-4 * VectorX::LinSpaced(4, -1, 1);
   auto& body = graph.add<FlexibleBody>("beam", parameters);
   const System system = assemble(graph);
-  Assembler equations(system);
+  Evaluator equations(system);
   State state = system.initial_state();
   ExplicitRungeKutta integrator({.tolerance = {.relative = 1e-11, .absolute = 1e-13}});
   integrator.start(equations, state);
   const auto observe = [&] {
     equations.evaluate(state.time, state.q, state.v, Level::velocity);
-    const BodyState s = equations.body_state(body);
+    const BodyState s = body_state(equations, body);
     VectorX seen(7);
     seen << equations.energy().total(), body.linear_momentum(s), body.angular_momentum(s);
     return seen;
@@ -457,13 +458,13 @@ double fallen_tip(const std::shared_ptr<const ModalBasis>& basis, const std::vec
                                    root.size() == 1 ? body.node(root[0], axis) : body.average(root, axis)});
   const Marker end = tip.size() == 1 ? body.node(tip[0]) : body.average(tip);
   const System system = assemble(graph);
-  Assembler equations(system);
+  Evaluator equations(system);
   State state = system.initial_state();
   ExplicitRungeKutta integrator({.tolerance = {.relative = 1e-8, .absolute = 1e-10}});
   integrator.start(equations, state);
   while (state.time < time) EXPECT_TRUE(integrator.step(equations, state, time).ok());
   equations.evaluate(state.time, state.q, state.v, Level::velocity);
-  return equations.marker(end, Level::position).p.z();
+  return marker_kinematics(equations, end, Level::position).p.z();
 }
 
 TEST(BeamModel, SwingsAsTheRodOfBricksDoes) {

@@ -7,7 +7,7 @@
 
 #include "bodies/flexible/flexible_body.h"
 #include "bodies/rigid_body.h"
-#include "engine/assembly/assembler.h"
+#include "engine/assembly/evaluator.h"
 #include "integrators/explicit_runge_kutta.h"
 #include "joints/constant_velocity_joint.h"
 #include "joints/cylindrical_joint.h"
@@ -103,7 +103,7 @@ TEST_P(BarBetweenJoints, OfEveryTypeMovesWithinThemAndKeepsItsEnergy) {
     EXPECT_EQ(system.rank(), 2 * joint.rank);
     EXPECT_EQ(system.redundant_rows().size(), 0u);
 
-    Assembler equations(system);
+    Evaluator equations(system);
     State state = system.initial_state();
     ExplicitRungeKutta integrator({.tolerance = {.relative = 1e-8, .absolute = 1e-9}});
     integrator.start(equations, state);

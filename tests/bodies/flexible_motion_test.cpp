@@ -5,7 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "bodies/flexible/flexible_body.h"
-#include "engine/assembly/assembler.h"
+#include "engine/assembly/evaluated.h"
+#include "engine/assembly/evaluator.h"
 #include "integrators/explicit_runge_kutta.h"
 #include "tests/bodies/flexible_models.h"
 #include "tests/support/linear_algebra.h"
@@ -25,14 +26,14 @@ TEST(FlexibleBody, in_free_flight_keeps_energy_and_momenta_for_ten_seconds) {
   parameters.modal_coordinates << 3e-4, -2e-4, 1e-4, 5e-5, 0;
   auto& body = graph.add<FlexibleBody>("rod", parameters);
   const System system = assemble(graph);
-  Assembler equations(system);
+  Evaluator equations(system);
   State state = system.initial_state();
 
   ExplicitRungeKutta integrator({.tolerance = {.relative = 1e-10, .absolute = 1e-12}});
   integrator.start(equations, state);
   const auto observe = [&](double& energy, Vector3& linear, Vector3& angular) {
     equations.evaluate(state.time, state.q, state.v, Level::velocity);
-    const BodyState s = equations.body_state(body);
+    const BodyState s = body_state(equations, body);
     energy = equations.energy().total();
     linear = body.linear_momentum(s);
     angular = body.angular_momentum(s);
@@ -115,11 +116,11 @@ TEST(FlexibleBody, with_all_nodal_coordinates_follows_the_inertial_frame_model) 
   parameters.modal_coordinates = 2e-3 * VectorX::LinSpaced(basis->modes.cols(), -1, 1);
   auto& body = graph.add<FlexibleBody>("hex", parameters);
   const System system = assemble(graph);
-  Assembler equations(system);
+  Evaluator equations(system);
   State state = system.initial_state();
   const auto nodes = [&] {
     equations.evaluate(state.time, state.q, state.v, Level::velocity);
-    return body.nodal_motion(equations.body_state(body), state.v_dot.data());
+    return body.nodal_motion(body_state(equations, body), state.v_dot.data());
   };
   const auto start = nodes();
   ExplicitRungeKutta integrator({.tolerance = {.relative = 1e-12, .absolute = 1e-13}});

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "bodies/flexible/flexible_body.h"
+#include "engine/assembly/evaluated.h"
 #include "engine/observe/recorder.h"
 #include "engine/run/simulation.h"
 #include "integrators/explicit_runge_kutta.h"
@@ -103,14 +104,14 @@ TEST(InertiaTerms, any_of_them_left_out_a_free_body_keeps_its_energy_and_momenta
     parameters.modal_coordinates << 3e-4, -2e-4, 1e-4, 5e-5, 0;
     auto& body = graph.add<FlexibleBody>("rod", parameters);
     const System system = assemble(graph);
-    Assembler equations(system);
+    Evaluator equations(system);
     State state = system.initial_state();
     ExplicitRungeKutta integrator(
         {.method = ExplicitRungeKutta::Method::dormand_prince8, .tolerance = {.relative = 1e-11, .absolute = 1e-12}});
     integrator.start(equations, state);
     const auto observed = [&] {
       equations.evaluate(state.time, state.q, state.v, Level::velocity);
-      const BodyState s = equations.body_state(body);
+      const BodyState s = body_state(equations, body);
       return std::tuple(equations.energy().total(), body.linear_momentum(s), body.angular_momentum(s));
     };
     const auto [e0, p0, l0] = observed();

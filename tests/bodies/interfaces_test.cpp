@@ -5,7 +5,8 @@
 
 #include "bodies/flexible/flexible_body.h"
 #include "engine/analysis/equilibrium.h"
-#include "engine/assembly/assembler.h"
+#include "engine/assembly/evaluated.h"
+#include "engine/assembly/evaluator.h"
 #include "engine/observe/sensors.h"
 #include "engine/observe/snapshot.h"
 #include "joints/fixed_joint.h"
@@ -175,10 +176,10 @@ TEST(StaticModes, LetALoadedFaceYieldAsTheMeshDoes) {
   auto& body = graph.add<FlexibleBody>("rod", {.basis = basis});
   const Marker tip = body.average(rod.end, Matrix3::Identity(), weights);
   const System system = assemble(graph);
-  Assembler equations(system);
+  Evaluator equations(system);
   const State state = system.initial_state();
   equations.evaluate(0, state.q, state.v, Level::acceleration);
-  const MarkerKinematics k = equations.marker(tip, Level::position);
+  const MarkerKinematics k = marker_kinematics(equations, tip, Level::position);
   const Eigen::Map<const Matrix6X> J(k.elastic, 6, 6);
   const Matrix6 compliance = J * VectorX(basis->stiffness.diagonal()).cwiseInverse().asDiagonal() * J.transpose();
 
@@ -239,19 +240,19 @@ TEST(AverageMarker, OnALineFollowsItsNodesButForTheTurnAboutTheLine) {
   const Marker plain = body.average({1, 2, 3, 4}), weighted = body.average({1, 2, 3, 4}, Matrix3::Identity(), weights);
   const Marker one = body.average({3});
   const System system = assemble(graph);
-  Assembler equations(system);
+  Evaluator equations(system);
   const State state = system.initial_state();
   equations.evaluate(0, state.q, state.v, Level::acceleration);
   const Vector3 seen = turn - turn.dot(along) * along;
   for (Marker marker : {plain, weighted}) {
-    const MarkerKinematics k = equations.marker(marker, Level::position);
+    const MarkerKinematics k = marker_kinematics(equations, marker, Level::position);
     const Eigen::Map<const Vector6> column(k.elastic);
     EXPECT_LT((column.tail<3>() - seen).norm(), 1e-14);
     EXPECT_LT((column.head<3>() - (turn.cross(k.r) + Vector3(0.1, 0.2, 0.3))).norm(), 1e-14);
   }
   const Vector3 expected = (nodes * Eigen::Map<const VectorX>(weights.data(), 4)) / 12;
-  EXPECT_LT((equations.marker(weighted, Level::position).r - expected).norm(), 1e-15);
-  EXPECT_EQ((equations.marker(one, Level::position).r - nodes.col(2)).norm(), 0);
+  EXPECT_LT((marker_kinematics(equations, weighted, Level::position).r - expected).norm(), 1e-15);
+  EXPECT_EQ((marker_kinematics(equations, one, Level::position).r - nodes.col(2)).norm(), 0);
   expect_error<SceneError>([&] { body.average({1, 2}, Matrix3::Identity(), {1}); }, {"2 nodes has 1 weights"});
   expect_error<SceneError>([&] { body.average({1, 2}, Matrix3::Identity(), {1, -1}); }, {"negative"});
 }

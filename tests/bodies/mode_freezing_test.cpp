@@ -9,6 +9,7 @@
 #include "bodies/flexible/elements/meshes.h"
 #include "bodies/flexible/flexible_body.h"
 #include "bodies/rigid_body.h"
+#include "engine/assembly/evaluated.h"
 #include "engine/motion/make_integrator.h"
 #include "engine/motion/projection.h"
 #include "engine/observe/sensors.h"
@@ -96,8 +97,8 @@ Momentum momentum(Scene& scene) {
   scene.equations.evaluate(scene.state.time, scene.state.q, scene.state.v, Level::velocity);
   for (const auto& entry : scene.graph.bodies())
     if (const auto* body = dynamic_cast<const FlexibleBody*>(entry.body)) {
-      sum.linear += body->linear_momentum(scene.equations.body_state(*body));
-      sum.angular += body->angular_momentum(scene.equations.body_state(*body));
+      sum.linear += body->linear_momentum(body_state(scene.equations, *body));
+      sum.angular += body->angular_momentum(body_state(scene.equations, *body));
     }
   return sum;
 }
@@ -150,7 +151,7 @@ TEST_P(Freezing, keeps_the_momenta_and_joints_of_two_bars_and_counts_the_energy_
   const VectorX gone = v - scene.state.v, zero = VectorX::Zero(v.size());
   VectorX Mv(v.size()), f(v.size());
   const VectorX rows = VectorX::Zero(system.layout().row_count());
-  scene.equations.hold({});
+  scene.equations.parts().held->hold({});
   scene.equations.evaluate(0, scene.state.q, zero, Level::velocity);
   scene.equations.residual(gone, rows, Mv);
   scene.equations.residual(zero, rows, f);
@@ -175,7 +176,7 @@ TEST_P(Freezing, of_all_modes_leaves_the_rigid_body_with_every_kind_of_integrato
     Scene scene(kGravity, draw(modes));
     std::vector<int> held;
     for (int k = 0; k < modes; ++k) held.push_back(6 + k);
-    EXPECT_TRUE(scene.equations.hold(held));
+    EXPECT_TRUE(scene.equations.parts().held->hold(held));
     if (modes > 0) scene.state.v.tail(modes).setZero();
     scene.state.q.tail(modes).setZero();
     scene.run(integrator, 0.2);
@@ -276,7 +277,7 @@ Swing swing(Deflection deflection, bool pinned, const MakeIntegrator& make,
   for (int k = 1; k <= 60; ++k) {
     scene.run(*integrator, 0.02 * k);
     scene.equations.evaluate(scene.state.time, scene.state.q, scene.state.v, Level::velocity);
-    out.tip.push_back(scene.equations.marker(tip, Level::position).p);
+    out.tip.push_back(marker_kinematics(scene.equations, tip, Level::position).p);
     out.residual = std::max(out.residual, scene.violation(Level::position));
   }
   out.steps = integrator->statistics().steps;
@@ -370,7 +371,7 @@ TEST(ModeFreezing, feels_resonance_that_no_static_deflection_shows) {
     double height = 0;
     while (scene.state.time < 1.5) {
       scene.run(*method, scene.state.time + 0.001);
-      height = std::max(height, std::abs(scene.equations.marker(tip, Level::position).p.z()));
+      height = std::max(height, std::abs(marker_kinematics(scene.equations, tip, Level::position).p.z()));
     }
     thaws = 0;
     if (freezes)

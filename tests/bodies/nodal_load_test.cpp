@@ -3,7 +3,8 @@
 
 #include "bodies/flexible/flexible_body.h"
 #include "engine/analysis/equilibrium.h"
-#include "engine/assembly/assembler.h"
+#include "engine/assembly/evaluated.h"
+#include "engine/assembly/evaluator.h"
 #include "engine/observe/sensors.h"
 #include "engine/observe/snapshot.h"
 #include "joints/fixed_joint.h"
@@ -46,7 +47,7 @@ State random_state(const System& system, RandomNumbers& random, int modes) {
 
 /// What the load adds to the right-hand side.
 VectorX generalized_force(const System& system, const State& state) {
-  Assembler equations(system);
+  Evaluator equations(system);
   equations.evaluate(state.time, state.q, state.v, Level::velocity);
   VectorX residual = VectorX::Zero(state.v.size());
   equations.residual(VectorX::Zero(state.v.size()), VectorX::Zero(system.layout().row_count()), residual);
@@ -56,12 +57,12 @@ VectorX generalized_force(const System& system, const State& state) {
 /// Σ f_i · (motion of node i by a unit of each velocity), node by node.
 VectorX by_nodes(const System& system, const FlexibleBody& body, const State& state, const std::vector<int>& ids,
                  const Matrix3X& forces, Axes axes) {
-  Assembler equations(system);
+  Evaluator equations(system);
   VectorX sum(state.v.size());
   for (int j = 0; j < state.v.size(); ++j) {
     const VectorX unit = VectorX::Unit(state.v.size(), j), still = VectorX::Zero(state.v.size());
     equations.evaluate(0, state.q, unit, Level::velocity);
-    const BodyState s = equations.body_state(body);
+    const BodyState s = body_state(equations, body);
     const Matrix3X velocity = body.nodal_motion(s, still.data()).velocity;
     const Matrix3 R =
         axes == Axes::body ? Matrix3(s.cache->A * body.basis().rotation.transpose()) : Matrix3::Identity();
@@ -110,7 +111,7 @@ TEST(NodalLoad, OfTheNodesWeightsIsGravity) {
   const VectorX by_load = generalized_force(a, state), by_gravity = generalized_force(b, state);
   EXPECT_LT((by_load - by_gravity).norm() / by_gravity.norm(), 1e-12);
   // Dead loads have the potential of gravity, up to nothing: both count from the world's origin.
-  Assembler loads(a), gravity(b);
+  Evaluator loads(a), gravity(b);
   loads.evaluate(0, state.q, state.v, Level::velocity);
   gravity.evaluate(0, state.q, state.v, Level::velocity);
   EXPECT_NEAR(loads.energy().total(), gravity.energy().total(), 1e-10);

@@ -197,7 +197,7 @@ TEST(PointMass, HangsOnAMechanismThatIsMadePlanar) {
   Simplification simple{graph, {.planar = true}};
   const System system = assemble(simple.graph());
   EXPECT_EQ(system.degrees_of_freedom(), 3);
-  Assembler equations(system);
+  Evaluator equations(system);
   State state = simple.start(), whole;
   const Method method = runge_kutta(1e-10);
   method->start(equations, state);

@@ -44,7 +44,7 @@ struct Pendulum {
 /// The largest von Mises stress at the sixteen integration points of elements 1 and 2, at the hinge.
 double root_stress(const FlexibleBody& rod, Snapshot& now) {
   const ModalBasis& basis = rod.basis();
-  const VectorX xi = rod.field_coordinates(now.assembler().body_state(rod));
+  const VectorX xi = rod.field_coordinates(now.body_state(rod));
   const VectorX u =
       basis.modes * xi.head(basis.mode_count()) + basis.deflection->fields * xi.tail(xi.size() - basis.mode_count());
   double largest = 0;
@@ -266,14 +266,14 @@ TEST(Recovery, LoadsBackAreInEquilibriumAndTheirStaticSolutionHasTheModalCoordin
         EXPECT_LT(loads.spread_moment.norm(), 1e-10 * moment_scale);
       }
       if (deformed && !ball) {
-        const Matrix3& A = now.assembler().body_state(scene.rod).cache->A;
+        const Matrix3& A = now.body_state(scene.rod).cache->A;
         const Vector3 wanted = A.transpose() * (torque ? twist : Vector3(0, 0, 0));
         EXPECT_LT((loads.spread_moment - wanted).norm(), 1e-5) << loads.spread_moment.transpose();
       }
 
       const ModalBasis& basis = scene.rod.basis();
       const VectorX u = static_solution(model, loads.forces, kHeld);
-      const VectorX eta = scene.rod.field_coordinates(now.assembler().body_state(scene.rod));
+      const VectorX eta = scene.rod.field_coordinates(now.body_state(scene.rod));
       const VectorX found = basis.modes.transpose() * (model.mass * u);
       EXPECT_LT((found - eta).norm(), 1e-9 * eta.norm()) << (found - eta).transpose();
       EXPECT_LT((loads.displacements.reshaped() - basis.modes * eta).norm(), 1e-12 * eta.norm());

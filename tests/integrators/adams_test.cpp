@@ -161,7 +161,7 @@ TEST(Adams, IteratesForcesThatKnowTheReactions) {
           auto& pin = graph.add<RevoluteJoint>("pin", {graph.ground().marker(), bob.marker({-1, 0, 0})});
           graph.add<JointFriction>(
               "rub", {pin.angle()},
-              {.joint = &pin, .dynamic = 0.3, .transition_speed = 0.1, .radius = 0.1, .bending_arm = 0.2});
+              {.joint = &pin, .coefficient = 0.3, .creep_speed = 0.3, .radius = 0.1, .bending_arm = 0.2});
         });
       },
       0.5, 1e-8);

@@ -62,7 +62,7 @@ Scene driven_with_friction() {
     graph.add<CoordinateDrive>("drive", {hinge.angle()}, {.motion = harmonic(0.5, 3)});
     auto& pin = graph.add<RevoluteJoint>("pin", {crank.marker({0.2, 0, 0}, axes), link.marker({-0.2, 0, 0}, axes)});
     graph.add<JointFriction>("rub", {pin.angle()},
-                             {.joint = &pin, .dynamic = 0.3, .transition_speed = 0.5, .radius = 0.1});
+                             {.joint = &pin, .coefficient = 0.3, .creep_speed = 1.5, .radius = 0.1});
   });
 }
 

@@ -171,7 +171,7 @@ TEST(LinearlyImplicit, ReportsWhatIsNoNumber) {
 
 TEST(LinearlyImplicit, RefusesParametersOutOfRange) {
   EXPECT_THROW(LinearlyImplicit({.step = 0}), SceneError);
-  EXPECT_THROW(LinearlyImplicit({.order = 3}), SceneError);
+  EXPECT_THROW(LinearlyImplicit({.step = 1e-3, .order = 3}), SceneError);
 }
 
 }  // namespace

@@ -60,8 +60,8 @@ class Laws final : public Observer {
     VectorX r(layout.v_count()), weight(layout.v_count());
     const VectorX still = VectorX::Zero(layout.v_count()), none = VectorX::Zero(layout.row_count());
     const VectorX v_dot = now.accelerations(), lambda = now.multipliers();
-    now.assembler().residual(still, lambda, weight);
-    now.assembler().residual(v_dot, lambda, r);
+    now.evaluator().residual(still, lambda, weight);
+    now.evaluator().residual(v_dot, lambda, r);
     generalised = std::max(generalised, r.norm() / weight.norm());
   }
   int states = 0;
@@ -119,7 +119,7 @@ void draw_chain(SystemGraph& graph) {
 void draw_rubbing(SystemGraph& graph) {
   auto& arm = graph.add<RigidBody>("arm", {.mass = 2, .inertia = {0.05, 0.1, 0.12}, .position = {0.5, 0, 0}});
   auto& pin = graph.add<RevoluteJoint>("pin", {graph.ground().marker({}, kAcross), arm.marker({-0.5, 0, 0}, kAcross)});
-  graph.add<JointFriction>("rubs", {pin.angle()}, {.joint = &pin, .dynamic = 0.2, .radius = 0.02});
+  graph.add<JointFriction>("rubs", {pin.angle()}, {.joint = &pin, .coefficient = 0.2, .radius = 0.02});
 }
 
 /// A flexible link on a pin, a rigid bob at its end.

@@ -230,7 +230,7 @@ TEST(RadauStiffness, BearsDryFrictionThatKnowsTheReaction) {
   Scene scene({0, 0, -9.81}, [&](SystemGraph& graph) {
     auto& block = graph.add<RigidBody>("block", {.mass = 3, .velocity = v0 * along.col(2)});
     auto& slide = graph.add<PrismaticJoint>("slide", {graph.ground().marker({}, along), block.marker({}, along)});
-    graph.add<JointFriction>("rub", {slide.displacement()}, {.joint = &slide, .dynamic = mu});
+    graph.add<JointFriction>("rub", {slide.displacement()}, {.joint = &slide, .coefficient = mu});
   });
   scene.run(*radau(1e-9), end);
   const double a = 9.81 * (std::sin(slope) + mu * std::cos(slope)), gone = v0 * end + 0.5 * a * end * end;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "bodies/rigid_body.h"
+#include "engine/assembly/evaluated.h"
 #include "joints/forces/spring_damper.h"
 #include "tests/integrators/conserving_scenes.h"
 #include "tests/support/methods.h"
@@ -120,7 +121,7 @@ TEST(Rattle, KeepsTheMomentaOfAFreeFlexibleBodyToRoundOff) {
   Scene scene(Vector3::Zero(), [&](SystemGraph& graph) { bar = &add_bar(graph, {0.3, -0.2, 0.1}, {8, 5, -6}, 1e-2); });
   const auto momenta = [&]() -> Vector6 {
     scene.equations.evaluate(scene.state.time, scene.state.q, scene.state.v, Level::velocity);
-    const BodyState state = scene.equations.body_state(*bar);
+    const BodyState state = body_state(scene.equations, *bar);
     Vector6 both;
     both << bar->linear_momentum(state), bar->angular_momentum(state);
     return both;

@@ -62,7 +62,7 @@ inline void draw_rubbing(SystemGraph& graph) {
   draw_loop(graph, {});
   auto& pin = *dynamic_cast<const RevoluteJoint*>(graph.find("a"));
   graph.add<JointFriction>("rub", {pin.angle()},
-                           {.joint = &pin, .dynamic = 0.2, .transition_speed = 1e-2, .radius = 0.02});
+                           {.joint = &pin, .coefficient = 0.2, .creep_speed = 3e-2, .radius = 0.02});
 }
 
 inline std::shared_ptr<const ModalBasis> rod_modes() {

@@ -2,7 +2,7 @@
 
 #include "bodies/integral_state.h"
 #include "bodies/rigid_body.h"
-#include "engine/assembly/assembler.h"
+#include "engine/assembly/evaluator.h"
 #include "joints/forces/bushing.h"
 #include "joints/forces/coordinate_motor.h"
 #include "joints/forces/coordinate_spring.h"

@@ -157,15 +157,16 @@ TEST(ElementErrors, DrivesAndForcesNeedTheirLaws) {
 
 TEST(ElementErrors, FrictionNeedsAJointOfTheSceneAndAnArm) {
   Bench bench;
-  refuses_on_angle<JointFriction>({"'bad'", "joint"}, {.dynamic = 0.1, .radius = 0.1});
+  refuses_on_angle<JointFriction>({"'bad'", "joint"}, {.coefficient = 0.1, .radius = 0.1});
   const auto rub = [&](JointFriction::Parameters p) { bench.graph.add<JointFriction>("bad", {bench.angle()}, p); };
-  expect_error([&] { rub({.joint = bench.pin, .dynamic = 0.1}); }, {"'bad'", "radius"});
-  expect_error([&] { rub({.joint = bench.pin, .dynamic = -0.1, .radius = 1}); }, {"'bad'", "dynamic"});
-  expect_error([&] { rub({.joint = bench.pin, .still = kNaN, .radius = 1}); }, {"'bad'", "still"});
-  expect_error([&] { rub({.joint = bench.pin, .transition_speed = 0, .radius = 1}); }, {"'bad'", "transition_speed"});
+  expect_error([&] { rub({.joint = bench.pin, .coefficient = 0.1}); }, {"'bad'", "radius"});
+  expect_error([&] { rub({.joint = bench.pin, .coefficient = -0.1, .radius = 1}); }, {"'bad'", "coefficient"});
+  expect_error([&] { rub({.joint = bench.pin, .static_coefficient = kNaN, .radius = 1}); },
+               {"'bad'", "static_coefficient"});
+  expect_error([&] { rub({.joint = bench.pin, .creep_speed = 0, .radius = 1}); }, {"'bad'", "creep_speed"});
   expect_error([&] { rub({.joint = bench.pin, .stribeck_speed = -1, .radius = 1}); }, {"'bad'", "stribeck_speed"});
   Bench other;
-  rub({.joint = other.pin, .dynamic = 0.1, .radius = 1});
+  rub({.joint = other.pin, .coefficient = 0.1, .radius = 1});
   expect_error([&] { assemble(bench.graph); }, {"'bad'", "joint"});
 }
 

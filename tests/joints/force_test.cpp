@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "bodies/rigid_body.h"
-#include "engine/assembly/assembler.h"
+#include "engine/assembly/evaluator.h"
 #include "joints/forces/point_force.h"
 #include "joints/forces/spring_damper.h"
 #include "joints/forces/user_force.h"
@@ -33,9 +33,9 @@ TEST(SpringDamper, OscillatesAtTheRootOfStiffnessOverMass) {
                                          {.stiffness = 50, .natural_length = 1});
   const System system = assemble(graph);
   EXPECT_NEAR(system.initial_state().v_dot[0], -50 * 0.5 / 2, 1e-12);  // ẍ = -ω² x, ω² = k/m
-  Assembler assembler(system);
-  assembler.evaluate(0, system.initial_state().q, system.initial_state().v, Level::velocity);
-  EXPECT_NEAR(assembler.energy().elastic, 0.5 * 50 * 0.25, 1e-12);
+  Evaluator evaluator(system);
+  evaluator.evaluate(0, system.initial_state().q, system.initial_state().v, Level::velocity);
+  EXPECT_NEAR(evaluator.energy().elastic, 0.5 * 50 * 0.25, 1e-12);
   EXPECT_EQ(spring.natural_length(), 1);
 }
 

@@ -28,10 +28,10 @@ TEST(JointFriction, TakesPowerAndKnowsItsDerivatives) {
       auto& pin = graph.add<RevoluteJoint>("pin", pair.draw(graph, {0, 0, 0}));
       auto& rub = graph.add<JointFriction>("rub", {pin.angle()},
                                            {.joint = &pin,
-                                            .dynamic = 0.2,
-                                            .still = 0.3,
+                                            .coefficient = 0.2,
+                                            .static_coefficient = 0.3,
                                             .stribeck_speed = 2,
-                                            .transition_speed = 1,
+                                            .creep_speed = 3,
                                             .viscous = 0.1,
                                             .radius = 0.4,
                                             .bending_arm = 0.6,
@@ -42,7 +42,7 @@ TEST(JointFriction, TakesPowerAndKnowsItsDerivatives) {
     auto& slide = graph.add<PrismaticJoint>("slide", pair.draw(graph, {0, 0, 0.3}));
     auto& rub = graph.add<JointFriction>(
         "rub", {slide.displacement()},
-        {.joint = &slide, .dynamic = 0.3, .transition_speed = 1, .radius = 0.5, .bending_arm = 0.3});
+        {.joint = &slide, .coefficient = 0.3, .creep_speed = 3, .radius = 0.5, .bending_arm = 0.3});
     check_friction(graph, rub, 1e-7);
   }
 }
@@ -59,7 +59,7 @@ TEST(JointFriction, SlowsABlockOnASlopeByItsOwnWeight) {
       Scene scene({0, 0, -kGravity}, [&](SystemGraph& graph) {
         auto& block = graph.add<RigidBody>("block", {.mass = 3, .velocity = v0 * along.col(2)});
         slide = &graph.add<PrismaticJoint>("slide", {graph.ground().marker({}, along), block.marker({}, along)});
-        rub = &graph.add<JointFriction>("rub", {slide->displacement()}, {.joint = slide, .dynamic = mu});
+        rub = &graph.add<JointFriction>("rub", {slide->displacement()}, {.joint = slide, .coefficient = mu});
       });
       const double start = scene.energy();
       scene.run(*method, end);
@@ -85,7 +85,7 @@ TEST(JointFriction, GrowsWithTheAccelerationThatPresses) {
       graph.add<CoordinateDrive>("drive", {rail.displacement()}, {.motion = smooth_step(0, 0.5, 0, 1)});
       auto& block = graph.add<RigidBody>("block", {.mass = m, .velocity = {4, 0, 0}});
       slide = &graph.add<PrismaticJoint>("slide", {lift.marker({}, along_x), block.marker({}, along_x)});
-      graph.add<JointFriction>("rub", {slide->displacement()}, {.joint = slide, .dynamic = mu});
+      graph.add<JointFriction>("rub", {slide->displacement()}, {.joint = slide, .coefficient = mu});
     });
     scene.run(*method, 0.6);
     const double lifted = smooth_step(0, 0.5, 0, 1)(0.6).rate;  // ∫ z̈ dt
@@ -137,7 +137,7 @@ TEST(JointFriction, DampsAPendulumByItsBearingsReactionWithEveryIntegratorAlike)
           "rod", {.mass = P::m, .inertia = {P::J, P::J, P::J}, .position = A * Vector3(0, -P::l, 0), .orientation = A});
       pin = &graph.add<RevoluteJoint>("pin", {graph.ground().marker(), rod.marker({0, P::l, 0})});
       graph.add<JointFriction>("rub", {pin->angle()},
-                               {.joint = pin, .dynamic = P::mu, .transition_speed = P::creep, .radius = P::r});
+                               {.joint = pin, .coefficient = P::mu, .creep_speed = 3 * P::creep, .radius = P::r});
     });
     scene.run(*method, end);
     EXPECT_NEAR(read(scene, coordinate(pin->angle(), "phi")), phi, 1e-6);
@@ -155,7 +155,7 @@ TEST(JointFriction, TakesEqualAnglesOffEverySmallSwing) {
         "rod", {.mass = m, .inertia = {1e-3, 1e-3, 1e-3}, .position = A * Vector3(0, -l, 0), .orientation = A});
     pin = &graph.add<RevoluteJoint>("pin", {graph.ground().marker(), rod.marker({0, l, 0})});
     graph.add<JointFriction>("rub", {pin->angle()},
-                             {.joint = pin, .dynamic = mu, .transition_speed = 1e-6, .radius = r});
+                             {.joint = pin, .coefficient = mu, .creep_speed = 3e-6, .radius = r});
   });
   const Method method = runge_kutta(1e-8);
   double last = start;
@@ -172,7 +172,7 @@ TEST(JointFriction, TakesEqualAnglesOffEverySmallSwing) {
 TEST(JointFriction, DropsFromStillToDynamicAndGrowsWithViscosity) {
   const double still = 0.5, dynamic = 0.2, r = 0.1, N = 40, viscous = 0.03;
   const std::vector<std::pair<double, double>> curve = {
-      {1e-4, 0.5 * std::tanh(0.1)},         // creep, s / v_t = 0.1
+      {1e-4, 0.5 * std::tanh(0.1)},         // creep, 3 s / v_c = 0.1
       {0.01, 0.2 + 0.3 * std::exp(-0.01)},  // nearly still
       {0.1, 0.2 + 0.3 * std::exp(-1.0)},    // at Stribeck's speed
       {0.5, 0.2 + 0.3 * std::exp(-25.0)},   // sliding
@@ -185,10 +185,10 @@ TEST(JointFriction, DropsFromStillToDynamicAndGrowsWithViscosity) {
       drive = &graph.add<CoordinateDrive>("drive", {shaft.angle()}, {.motion = ramp(0, s / r)});
       graph.add<JointFriction>("rub", {shaft.angle()},
                                {.joint = shaft.pin,
-                                .dynamic = dynamic,
-                                .still = still,
+                                .coefficient = dynamic,
+                                .static_coefficient = still,
                                 .stribeck_speed = 0.1,
-                                .transition_speed = 1e-3,
+                                .creep_speed = 3e-3,
                                 .viscous = viscous,
                                 .radius = r,
                                 .preload = N});
@@ -208,7 +208,7 @@ TEST(JointFriction, IsPressedByThrustAndBending) {
     const Shaft shaft = draw_shaft(graph, "shaft", 1);
     drive = &graph.add<CoordinateDrive>("drive", {shaft.angle()}, {.motion = ramp(0, 10)});
     graph.add<JointFriction>("rub", {shaft.angle()},
-                             {.joint = shaft.pin, .dynamic = mu, .radius = r, .bending_arm = arm});
+                             {.joint = shaft.pin, .coefficient = mu, .radius = r, .bending_arm = arm});
     graph.add<PointForce>("load", {shaft.body->marker()}, {.force = {0, 0, 30}, .torque = {0, 8, 0}});
   });
   const Method method = index2(1e-2);
@@ -222,7 +222,7 @@ TEST(JointFriction, PowerAddsUpToTheEnergyLost) {
     auto& rod = graph.add<RigidBody>("rod", {.mass = 2, .inertia = {0.1, 0.1, 0.1}, .position = {0.5, 0, 0}});
     auto& pin = graph.add<RevoluteJoint>("pin", {graph.ground().marker(), rod.marker({-0.5, 0, 0})});
     rub = &graph.add<JointFriction>("rub", {pin.angle()},
-                                    {.joint = &pin, .dynamic = 0.3, .transition_speed = 0.01, .radius = 0.1});
+                                    {.joint = &pin, .coefficient = 0.3, .creep_speed = 0.03, .radius = 0.1});
   });
   const double start = scene.energy();
   const Method method = index2(5e-4);

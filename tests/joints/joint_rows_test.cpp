@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "bodies/rigid_body.h"
-#include "engine/assembly/assembler.h"
+#include "engine/assembly/evaluator.h"
 #include "joints/cylindrical_joint.h"
 #include "joints/distance_joint.h"
 #include "joints/fixed_joint.h"
@@ -74,13 +74,13 @@ void expect_freedoms(const Vector3& gap, const std::vector<int>& free_motions) {
   auto& body = graph.add<RigidBody>("body", {.position = axes * gap, .orientation = axes});
   graph.add<T>("joint", {graph.ground().marker({0, 0, 0}, axes), body.marker()});
   const System system = assemble(graph);
-  Assembler assembler(system);
+  Evaluator evaluator(system);
   for (int motion = 0; motion < 6; ++motion) {
     Vector6 v = Vector6::Unit(motion);        // body axes are A's axes here,
     v.head<3>() = axes * v.head<3>().eval();  // velocities are in world axes
-    assembler.evaluate(0, system.initial_state().q, v, Level::velocity);
+    evaluator.evaluate(0, system.initial_state().q, v, Level::velocity);
     VectorX g_dot(T::kRows);
-    assembler.constraint(Level::velocity, g_dot);
+    evaluator.constraint(Level::velocity, g_dot);
     const bool is_free = std::find(free_motions.begin(), free_motions.end(), motion) != free_motions.end();
     if (is_free) {
       EXPECT_LT(g_dot.norm(), 1e-14) << "motion " << motion;

@@ -3,7 +3,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "engine/assembly/assembler.h"
+#include "engine/assembly/evaluator.h"
 #include "joints/coordinate_drive.h"
 #include "joints/cylindrical_joint.h"
 #include "joints/distance_joint.h"
@@ -70,34 +70,34 @@ class JointOracle : public testing::Test {
     else
       graph.add<T>("joint", {A, B}, parameters...);
     const System system = assemble(graph);
-    Assembler assembler(system);
+    Evaluator evaluator(system);
     const VectorX q = join({"x0", "quat", "eta"}), v = join({"xdot", "omega", "etadot"}),
                   v_dot = join({"xddot", "omegadot", "etaddot"});
     ASSERT_EQ(q.size(), system.layout().q_count());
-    assembler.evaluate(0, q, v, Level::acceleration);
-    assembler.factorize({0, 0, 1}, VectorX::Zero(v.size()), VectorX::Zero(T::kRows), nullptr);
+    evaluator.evaluate(0, q, v, Level::acceleration);
+    evaluator.factorize({0, 0, 1}, VectorX::Zero(v.size()), VectorX::Zero(T::kRows), nullptr);
 
     const Json& expected = oracle_["joints"][kind];
     VectorX C(T::kRows), C_dot(T::kRows), gamma(T::kRows);
-    assembler.constraint(Level::position, C);
-    assembler.constraint(Level::velocity, C_dot);
-    assembler.constraint(Level::acceleration, gamma);
+    evaluator.constraint(Level::position, C);
+    evaluator.constraint(Level::velocity, C_dot);
+    evaluator.constraint(Level::acceleration, gamma);
     EXPECT_LT((C - vector(expected["C"])).norm(), 1e-12 * (1 + C.norm())) << "C";
     const MatrixX G1 = matrix(expected["G1"]), G2 = matrix(expected["G2"]);
     MatrixX G(T::kRows, v.size());
     G << G1, G2;
-    EXPECT_LT((dense(assembler).G() - G).norm(), 1e-12 * G.norm()) << "G";
+    EXPECT_LT((dense(evaluator).G() - G).norm(), 1e-12 * G.norm()) << "G";
     EXPECT_LT((C_dot - G * v - vector(expected["velocity_term"])).norm(), 1e-12 * (1 + C_dot.norm())) << "C_dot";
     EXPECT_LT((gamma - vector(expected["gamma"])).norm(), 1e-12 * (1 + gamma.norm())) << "gamma";
 
     // Reactions -Gᵀ lambda: what the residual M v_dot + Gᵀ lambda - f has of them; here M is the unit matrix, f zero.
     const VectorX lambda = vector(expected["lambda"]);
     VectorX r(v.size()), reactions(v.size());
-    assembler.residual(v_dot, lambda, r);
+    evaluator.residual(v_dot, lambda, r);
     reactions << vector(expected["reaction1"]), vector(expected["reaction2"]);
     EXPECT_LT((v_dot - r - reactions).norm(), 1e-12 * reactions.norm()) << "reactions";
     VectorX free_of_load(v.size());
-    assembler.residual(v_dot, VectorX::Zero(T::kRows), free_of_load);
+    evaluator.residual(v_dot, VectorX::Zero(T::kRows), free_of_load);
     EXPECT_EQ((free_of_load - v_dot).norm(), 0);
   }
 

@@ -169,7 +169,7 @@ TEST(PlanarPinJoint, KeepsItsRowsInAMechanismMadePlanar) {
   EXPECT_EQ(system.layout().v_count(), 9);
   EXPECT_EQ(system.layout().row_count(), 8);
   EXPECT_EQ(system.degrees_of_freedom(), 1);
-  Assembler equations(system);
+  Evaluator equations(system);
   State state = simple.start(), whole;
   const Method method = runge_kutta(1e-10);
   method->start(equations, state);

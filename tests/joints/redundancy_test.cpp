@@ -3,7 +3,9 @@
 #include <cmath>
 
 #include "bodies/rigid_body.h"
-#include "engine/assembly/assembler.h"
+#include "engine/assembly/evaluated.h"
+#include "engine/assembly/evaluator.h"
+#include "engine/assembly/least_norm.h"
 #include "engine/base/log.h"
 #include "integrators/generalized_alpha.h"
 #include "joints/fixed_joint.h"
@@ -32,19 +34,19 @@ struct Door {
 };
 
 State run(const System& system, double until, double step, double* residual = nullptr) {
-  Assembler assembler(system);
+  Evaluator evaluator(system);
   GeneralizedAlpha integrator{{.step = step, .newton_tolerance = 1e-12}};
   State state = system.initial_state();
-  integrator.start(assembler, state);
+  integrator.start(evaluator, state);
   VectorX g(system.layout().row_count());
   while (state.time < until) {
-    const StepResult result = integrator.step(assembler, state, until);
+    const StepResult result = integrator.step(evaluator, state, until);
     if (!result.ok()) {
       ADD_FAILURE() << result.why << " at t = " << state.time;
       break;
     }
-    assembler.evaluate(state.time, state.q, state.v, Level::position);
-    assembler.constraint(Level::position, g);
+    evaluator.evaluate(state.time, state.q, state.v, Level::position);
+    evaluator.constraint(Level::position, g);
     if (residual) *residual = std::max(*residual, g.cwiseAbs().maxCoeff());
   }
   return state;
@@ -76,13 +78,13 @@ TEST(RedundantRows, DoNotChangeTheMotion) {
 
 /// The reactions of least norm, as a singular value decomposition gives them: Gᵀ lambda = f - M v_dot.
 void expect_least_norm(const System& system, double tolerance) {
-  Assembler assembler(system);
+  Evaluator evaluator(system);
   const State& s = system.initial_state();
-  assembler.evaluate(0, s.q, s.v, Level::acceleration);
+  evaluator.evaluate(0, s.q, s.v, Level::acceleration);
   VectorX r(s.v.size());
-  assembler.residual(s.v_dot, VectorX::Zero(s.lambda.size()), r);
-  assembler.factorize({0, 0, 1}, s.v_dot, s.lambda, nullptr);
-  const MatrixX G = dense(assembler).G();
+  evaluator.residual(s.v_dot, VectorX::Zero(s.lambda.size()), r);
+  evaluator.factorize({0, 0, 1}, s.v_dot, s.lambda, nullptr);
+  const MatrixX G = dense(evaluator).G();
   EXPECT_EQ(rank(G), system.rank());
   const VectorX expected = least_norm(G.transpose(), -r);
   EXPECT_LT((s.lambda - expected).norm(), tolerance * (1 + expected.norm()));
@@ -90,7 +92,7 @@ void expect_least_norm(const System& system, double tolerance) {
   // From any multipliers with the same reactions to the same ones of least norm.
   VectorX lambda = VectorX::LinSpaced(s.lambda.size(), 1, 2);
   const VectorX moved = least_norm(G.transpose(), G.transpose() * lambda);
-  assembler.minimum_norm(lambda);
+  minimize_norm(evaluator, lambda);
   EXPECT_LT((lambda - moved).norm(), tolerance * (1 + moved.norm()));
 }
 
@@ -153,14 +155,14 @@ TEST(RedundantRows, OfAFourBarAreThreeOfTwenty) {
   EXPECT_NE(log::last_warning().find("3 dependent constraint rows"), std::string::npos) << log::last_warning();
   expect_least_norm(system, 1e-10);
 
-  Assembler assembler(system);
-  assembler.evaluate(0, system.initial_state().q, system.initial_state().v, Level::velocity);
-  EXPECT_NEAR(assembler.energy().total(), 21.4930393769398, 1e-10);
+  Evaluator evaluator(system);
+  evaluator.evaluate(0, system.initial_state().q, system.initial_state().v, Level::velocity);
+  EXPECT_NEAR(evaluator.energy().total(), 21.4930393769398, 1e-10);
   double residual = 0;
   const State end = run(system, 1, 1e-4, &residual);
   EXPECT_LT(residual, 1e-10);
-  assembler.evaluate(end.time, end.q, end.v, Level::velocity);
-  const Vector3 p_B = assembler.marker(rocker.end(), Level::position).p;
+  evaluator.evaluate(end.time, end.q, end.v, Level::velocity);
+  const Vector3 p_B = marker_kinematics(evaluator, rocker.end(), Level::position).p;
   EXPECT_LT((p_B - Vector3(5.472001848525287482e-1, 5.222379489125994478e-1, 0)).norm(), 1e-6);
   EXPECT_NEAR(p_B.z(), 0, 1e-12);
 }

@@ -73,8 +73,8 @@ TEST(SlidingJoint, ItsRowsAreDerivativesOfEachOther) {
   const auto rows = [&](const State& state, Level level) {
     Snapshot now(system, state);
     VectorX out(2);
-    now.assembler().evaluate(state.time, state.q, state.v, Level::acceleration);
-    now.assembler().constraint(level, out);
+    now.evaluator().evaluate(state.time, state.q, state.v, Level::acceleration);
+    now.evaluator().constraint(level, out);
     return out;
   };
   expect_below("g", rows(start, Level::position).norm(), 1e-12);
@@ -138,7 +138,7 @@ TEST(SlidingJoint, EveryMethodKeepsTheEnergyOfABead) {
     EXPECT_GT(read(system, end, place_on_rail(joint)), 1.5) << name;
     Snapshot now(system, end);
     VectorX g(2);
-    now.assembler().constraint(Level::position, g);
+    now.evaluator().constraint(Level::position, g);
     expect_below(name + ": g", g.norm(), 1e-6);
   }
 }
@@ -166,7 +166,7 @@ TEST(SlidingJoint, FrictionOnAnInclineHoldsOrBrakes) {
     for (int i = 0; i <= 10; ++i) rail.push_back(graph.ground().marker({i * std::cos(slope), 0, -i * std::sin(slope)}));
     auto& bead = graph.add<PointMass>("bead", {.mass = 3, .position = {std::cos(slope), 0, -std::sin(slope)}});
     auto& joint = add_sliding_joint(graph, "slide", bead.marker(), rail);
-    add_sliding_friction(graph, "rub", joint, {.dynamic = mu, .transition_speed = 1e-4});
+    add_sliding_friction(graph, "rub", joint, {.coefficient = mu, .creep_speed = 3e-4});
     const System system = assemble(graph);
     const State end = run(system, system.initial_state(), radau(1e-8), 1);
     const double way = read(system, end, place_on_rail(joint)) - 1;
@@ -174,7 +174,7 @@ TEST(SlidingJoint, FrictionOnAnInclineHoldsOrBrakes) {
     if (pull > 0)
       expect_below("way", std::abs(way / (0.5 * kGravity * pull) - 1), 1e-3);
     else
-      // Below the transition speed: tanh(s / v_t) = tan(slope) / μ.
+      // Below the creep speed: tanh(3 s / v_c) = tan(slope) / μ.
       expect_below("creep", std::abs(way / (1e-4 * std::atanh(std::tan(slope) / mu)) - 1), 1e-2);
   }
 }
@@ -301,8 +301,8 @@ TEST(SlidingJoint, SaysWhatIsWrong) {
   std::vector<Marker> rail{rubbed.ground().marker({-1, 0, 0}), rubbed.ground().marker(),
                            rubbed.ground().marker({1, 0, 0})};
   auto& joint = add_sliding_joint(rubbed, "slide", point.marker(), rail);
-  EXPECT_THROW(add_sliding_friction(rubbed, "a", joint, {.dynamic = -1}), SceneError);
-  EXPECT_THROW(add_sliding_friction(rubbed, "b", joint, {.transition_speed = 0}), SceneError);
+  EXPECT_THROW(add_sliding_friction(rubbed, "a", joint, {.coefficient = -1}), SceneError);
+  EXPECT_THROW(add_sliding_friction(rubbed, "b", joint, {.creep_speed = 0}), SceneError);
 }
 
 }  // namespace

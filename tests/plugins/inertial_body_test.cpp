@@ -13,8 +13,9 @@
 
 #include "bodies/rigid_body.h"
 #include "engine/analysis/equilibrium.h"
-#include "engine/assembly/assembler.h"
 #include "engine/assembly/batch_of.h"
+#include "engine/assembly/evaluated.h"
+#include "engine/assembly/evaluator.h"
 #include "engine/base/error.h"
 #include "engine/output/csv.h"
 #include "integrators/explicit_runge_kutta.h"
@@ -318,7 +319,7 @@ struct SlenderRod {
   /// How far the end has moved.
   double run(Integrator& method, double time) {
     const System system = assemble(graph);
-    Assembler equations(system);
+    Evaluator equations(system);
     State state = system.initial_state();
     method.start(equations, state);
     while (state.time < time) {
@@ -327,7 +328,7 @@ struct SlenderRod {
       if (!result.ok()) break;
     }
     equations.evaluate(state.time, state.q, state.v, Level::velocity);
-    return equations.marker(end, Level::position).p.z() - 0.0025;
+    return marker_kinematics(equations, end, Level::position).p.z() - 0.0025;
   }
 };
 
@@ -364,13 +365,13 @@ TEST(InertialBody, in_free_flight_keeps_momenta_and_energy) {
       "solid",
       {.mesh = shared(distorted_block({2, 1, 1}, kSoft)), .velocity = {1, 2, 3}, .angular_velocity = {1.5, -2, 2.5}});
   const System system = assemble(graph);
-  Assembler equations(system);
+  Evaluator equations(system);
   State state = system.initial_state();
   ExplicitRungeKutta integrator({.tolerance = {.relative = 1e-10, .absolute = 1e-10}});
   integrator.start(equations, state);
   const auto look = [&] {
     equations.evaluate(state.time, state.q, state.v, Level::velocity);
-    return equations.body_state(solid);
+    return body_state(equations, solid);
   };
   const Vector3 push = solid.linear_momentum(look()), turn = solid.angular_momentum(look());
   const double energy = equations.energy().total();
@@ -451,7 +452,7 @@ TEST(InertialBody, swings_as_the_large_deflection_pendulum_of_calculix) {
   const Marker tip = rod.node(mesh.node_set("tip").front());
   const System system = assemble(graph);
   EXPECT_EQ(system.rank(), 9);
-  Assembler equations(system);
+  Evaluator equations(system);
   State state = system.initial_state();
   GeneralizedAlpha integrator({.step = 1e-4, .spectral_radius = 0.9});
   integrator.start(equations, state);
@@ -460,7 +461,7 @@ TEST(InertialBody, swings_as_the_large_deflection_pendulum_of_calculix) {
   for (int ms = 1; ms <= 1000; ++ms) {
     while (state.time < ms * 1e-3) ASSERT_TRUE(integrator.step(equations, state, ms * 1e-3).ok());
     equations.evaluate(state.time, state.q, state.v, Level::velocity);
-    const MarkerKinematics k = equations.marker(tip, Level::velocity);
+    const MarkerKinematics k = marker_kinematics(equations, tip, Level::velocity);
     for (int i = 0; i < 3; ++i) off = std::max(off, std::abs(k.p[i] - reference.at(ms, 1 + i)));
   }
   EXPECT_LT(off, 1e-5);
@@ -478,13 +479,13 @@ TEST(InertialBody, flies_free_with_a_rigid_body_welded_to_its_end) {
   graph.add<FixedJoint>("weld", {solid.average(mesh.node_set("x1")), ball.marker({-1, 0, 0})});
   const System system = assemble(graph);
   EXPECT_EQ(system.rank(), 6);
-  Assembler equations(system);
+  Evaluator equations(system);
   State state = system.initial_state();
   GeneralizedAlpha integrator({.step = 1e-3, .spectral_radius = 0.95});
   integrator.start(equations, state);
   const auto momenta = [&] {
     equations.evaluate(state.time, state.q, state.v, Level::velocity);
-    const BodyState s = equations.body_state(solid), b = equations.body_state(ball);
+    const BodyState s = body_state(equations, solid), b = body_state(equations, ball);
     const Eigen::Map<const Vector3> x(b.q), u(b.v), w(b.v + 3);
     Vector6 both;
     both << solid.linear_momentum(s) + 500 * u,

@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "bodies/rigid_body.h"
-#include "engine/assembly/assembler.h"
 #include "engine/assembly/batch_of.h"
+#include "engine/assembly/evaluator.h"
 #include "engine/observe/recorder.h"
 #include "engine/observe/snapshot.h"
 #include "engine/run/simulation.h"

@@ -4,8 +4,8 @@
 #include <cstring>
 
 #include "bodies/rigid_body.h"
-#include "engine/assembly/assembler.h"
 #include "engine/assembly/batch_of.h"
+#include "engine/assembly/evaluator.h"
 #include "plugins/cam_follower/cam_follower.cpp"
 #include "plugins/massless_rod/massless_rod.cpp"
 #include "tests/plugins/kinds/bungee.cpp"
@@ -80,7 +80,7 @@ struct TwoBodies {
 void expect_same_equations(SystemGraph& compiled, SystemGraph& loaded) {
   const System systems[2] = {assemble(compiled, {.start = AssembleOptions::Start::as_drawn}),
                              assemble(loaded, {.start = AssembleOptions::Start::as_drawn})};
-  Assembler assemblers[2] = {Assembler(systems[0]), Assembler(systems[1])};
+  Evaluator evaluators[2] = {Evaluator(systems[0]), Evaluator(systems[1])};
   const Layout& layout = systems[0].layout();
   RandomNumbers random(5);
   for (int i = 0; i < 50; ++i) {
@@ -91,18 +91,18 @@ void expect_same_equations(SystemGraph& compiled, SystemGraph& loaded) {
     for (int k : {0, 1}) {
       std::vector<double> all;
       const auto keep = [&](const auto& x) { all.insert(all.end(), x.data(), x.data() + x.size()); };
-      assemblers[k].evaluate(0.7, q, v, Level::acceleration);
+      evaluators[k].evaluate(0.7, q, v, Level::acceleration);
       VectorX r = VectorX::Zero(layout.v_count()), rows(layout.row_count());
-      assemblers[k].residual(v_dot, lambda, r);
+      evaluators[k].residual(v_dot, lambda, r);
       keep(r);
       for (Level level : {Level::position, Level::velocity, Level::acceleration}) {
-        assemblers[k].constraint(level, rows);
+        evaluators[k].constraint(level, rows);
         keep(rows);
       }
-      assemblers[k].factorize({1, 10, 100}, v_dot, lambda, nullptr);
-      assemblers[k].visit_blocks([&](int, int, ConstMatrixRef block) { keep(MatrixX(block)); });
-      keep(assemblers[k].workspace().tension);
-      keep(assemblers[k].workspace().force_energy);
+      evaluators[k].factorize({1, 10, 100}, v_dot, lambda, nullptr);
+      evaluators[k].visit_blocks([&](int, int, ConstMatrixRef block) { keep(MatrixX(block)); });
+      keep(evaluators[k].workspace().tension);
+      keep(evaluators[k].workspace().force_energy);
       results[k] = Eigen::Map<VectorX>(all.data(), static_cast<Eigen::Index>(all.size()));
     }
     ASSERT_TRUE(same_bits(results[0], results[1]))

@@ -33,7 +33,7 @@ struct Outcome {
 /// G at a state, dense.
 MatrixX dense_rows(const Scene& scene, const State& state) {
   const int nv = scene.system.layout().v_count(), rows = scene.system.layout().row_count();
-  Assembler equations(scene.system);
+  Evaluator equations(scene.system);
   equations.evaluate(state.time, state.q, state.v, Level::velocity);
   equations.factorize({0, 0, 1}, VectorX::Zero(nv), VectorX::Zero(rows), nullptr);
   MatrixX G = MatrixX::Zero(rows, nv);

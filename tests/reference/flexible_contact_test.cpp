@@ -104,7 +104,7 @@ class Balance final : public Observer {
       force += Vector3(values[0], values[1], values[2]);
     }
     const double power = power_.value(now);
-    const Vector3 p = momentum_(now.assembler().body_state(body_));
+    const Vector3 p = momentum_(now.body_state(body_));
     const double energy = energy_.value(now), stored = stored_.value(now);
     if (steps_++ == 0) {
       p0_ = p, energy0_ = energy, start_ = now.time(), motion_ = kinetic_.value(now);
@@ -294,7 +294,7 @@ class Impulses final : public Observer {
   void observe(Snapshot& now) override {
     double f[6];
     force_.evaluate(now, f);
-    const Vector3 p = momentum_(now.assembler().body_state(body_));
+    const Vector3 p = momentum_(now.body_state(body_));
     const double energy = energy_.value(now);
     if (steps_++ > 0) {
       const Vector3 impulse = (now.time() - time_) * Vector3(f[0], f[1], f[2]);
@@ -417,19 +417,19 @@ TEST(FlexibleContact, APairOfBodiesKeepsItsMomentumAndAngularMomentum) {
     State state = system.initial_state();
     Snapshot now(system, state);
     const auto sums = [&] {
-      const BodyState a = now.assembler().body_state(lower), b = now.assembler().body_state(*upper);
+      const BodyState a = now.body_state(lower), b = now.body_state(*upper);
       Vector6 sum;
       sum << lower.linear_momentum(a) + linear(b), lower.angular_momentum(a) + angular(b);
       return sum;
     };
     const Vector6 start = sums();
-    const Vector3 before = linear(now.assembler().body_state(*upper));
+    const Vector3 before = linear(now.body_state(*upper));
     const Method method = runge_kutta_fixed(2e-6);
     Simulation simulation(system, *method);
     simulation.run(state, 1e-3);
     now.evaluate(state);
     const std::string name = nodal ? "modal and nodal" : "modal";
-    const Vector3 changed = linear(now.assembler().body_state(*upper)) - before;
+    const Vector3 changed = linear(now.body_state(*upper)) - before;
     expect_below(name + ": met, and braked (N s)", -changed.head<2>().norm(), -1e-3);
     expect_below(name + ": momentum (N s)", (sums() - start).head<3>().norm(), 1e-12);
     expect_below(name + ": angular momentum (N m s)", (sums() - start).tail<3>().norm(), 1e-12);

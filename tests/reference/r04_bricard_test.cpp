@@ -1,6 +1,7 @@
 // R04: Bricard's closed 6R loop, 30 rows of rank 29 all along; marks 1e-4 m and 1e-4 J over 10 s, |g| < 1e-8.
 #include <gtest/gtest.h>
 
+#include "engine/assembly/evaluated.h"
 #include "tests/reference/accuracy.h"
 #include "tests/reference/loops.h"
 
@@ -20,7 +21,7 @@ double check(Method method, double position, double energy) {
   double p = 0, v = 0, e = 0, g = 0;
   follow(scene, *method, table, 10, [&](std::span<const double> row) {
     e = std::max(e, std::abs(scene.energy() - start));
-    const MarkerKinematics end = scene.equations.marker({&second, 1}, Level::velocity);
+    const MarkerKinematics end = marker_kinematics(scene.equations, {&second, 1}, Level::velocity);
     p = std::max(p, (end.p - Vector3(row[0], row[1], row[2])).norm());
     v = std::max(v, (end.v - Vector3(row[3], row[4], row[5])).norm());
     g = std::max(g, scene.violation(Level::position));

@@ -1,6 +1,7 @@
 #include "tests/support/body_checks.h"
 
-#include "engine/assembly/assembler.h"
+#include "engine/assembly/evaluated.h"
+#include "engine/assembly/evaluator.h"
 #include "engine/motion/projection.h"
 #include "tests/support/dense.h"
 #include "tests/support/linear_algebra.h"
@@ -40,7 +41,7 @@ void check_body(SystemGraph& graph, const Body& body, const std::vector<Marker>&
                 const BodyExpectation& expected) {
   const System system = assemble(graph);
   const Layout& layout = system.layout();
-  Assembler equations(system);
+  Evaluator equations(system);
   const int n = layout.v_count(), frame = 6 * body.coordinates().frames;
   const VectorX no_rows = VectorX::Zero(layout.row_count()), still = VectorX::Zero(n);
   RandomNumbers random(7);
@@ -104,7 +105,7 @@ void check_body(SystemGraph& graph, const Body& body, const std::vector<Marker>&
     for (const Marker& m : markers) {
       const auto at = [&](double t) {
         equations.evaluate(0, motion.position(t), motion.velocity(t), Level::acceleration);
-        return equations.marker(m, Level::acceleration);
+        return marker_kinematics(equations, m, Level::acceleration);
       };
       const MarkerKinematics k = at(0);
       Vector6 velocity, acceleration;

@@ -12,11 +12,11 @@ MatrixX DenseMatrix::condensed_S() const {
   return out;
 }
 
-DenseMatrix dense(const Assembler& assembler) {
-  const Layout& layout = assembler.layout();
-  const int size = layout.v_count() + layout.row_count() + static_cast<int>(assembler.workspace().tension.size());
+DenseMatrix dense(const Evaluator& evaluator) {
+  const Layout& layout = evaluator.layout();
+  const int size = layout.v_count() + layout.row_count() + static_cast<int>(evaluator.workspace().tension.size());
   DenseMatrix out{MatrixX::Zero(size, size), layout.v_count(), layout.row_count()};
-  assembler.visit_blocks([&](int row, int column, ConstMatrixRef block) {
+  evaluator.visit_blocks([&](int row, int column, ConstMatrixRef block) {
     out.all.block(row, column, block.rows(), block.cols()) += block;
   });
   return out;

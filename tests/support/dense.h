@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/assembly/assembler.h"
+#include "engine/assembly/evaluator.h"
 
 /// The blocks of an assembled system as dense matrices: slow, obvious, for comparison.
 namespace lithe::test {
@@ -17,6 +17,6 @@ struct DenseMatrix {
   /// S with the compliant rows eliminated: what they add to the bodies, S + G_cᵀ C⁻¹ G_c.
   MatrixX condensed_S() const;
 };
-DenseMatrix dense(const Assembler& assembler);
+DenseMatrix dense(const Evaluator& evaluator);
 
 }  // namespace lithe::test

@@ -1,6 +1,6 @@
 #include "tests/support/joint_checks.h"
 
-#include "engine/assembly/assembler.h"
+#include "engine/assembly/evaluator.h"
 #include "tests/support/dense.h"
 #include "tests/support/linear_algebra.h"
 #include "tests/support/motion.h"
@@ -35,9 +35,9 @@ MatrixX on_frames(const Layout& layout, const MatrixX& S) {
   return mask.asDiagonal() * S * mask.asDiagonal();
 }
 
-/// An assembler at random states.
+/// An evaluator at random states.
 struct Probe {
-  Probe(SystemGraph& graph, unsigned seed) : system(assemble(graph)), assembler(system), random(seed) {}
+  Probe(SystemGraph& graph, unsigned seed) : system(assemble(graph)), evaluator(system), random(seed) {}
 
   void draw_state() {
     const State& start = system.initial_state();
@@ -52,26 +52,26 @@ struct Probe {
   VectorX no_load() const { return VectorX::Zero(layout().row_count()); }
 
   VectorX constraint(double t, const VectorX& at, const VectorX& moving, Level which) {
-    assembler.evaluate(t, at, moving, which);
+    evaluator.evaluate(t, at, moving, which);
     VectorX out(layout().row_count());
-    assembler.constraint(which, out);
+    evaluator.constraint(which, out);
     return out;
   }
   VectorX residual(double t, const VectorX& at, const VectorX& moving, const VectorX& lambda) {
-    assembler.evaluate(t, at, moving, Level::velocity);
+    evaluator.evaluate(t, at, moving, Level::velocity);
     VectorX out = no_motion();
-    assembler.residual(no_motion(), lambda, out);
+    evaluator.residual(no_motion(), lambda, out);
     return out;
   }
   /// The iteration matrix at this state, its blocks dense.
   DenseMatrix matrix(const TangentWeights& weights, const VectorX& at, const VectorX& moving, const VectorX& lambda) {
-    assembler.evaluate(time, at, moving, Level::acceleration);
-    assembler.factorize(weights, no_motion(), lambda, nullptr);
-    return dense(assembler);
+    evaluator.evaluate(time, at, moving, Level::acceleration);
+    evaluator.factorize(weights, no_motion(), lambda, nullptr);
+    return dense(evaluator);
   }
 
   const System system;
-  Assembler assembler;
+  Evaluator evaluator;
   RandomNumbers random;
   VectorX q, v, a;
   double time = 0;
@@ -156,11 +156,11 @@ void check_force(SystemGraph& graph, const ForceElement& force, const ForceExpec
   // Generalized force and potential of the element alone.
   const auto generalized = [&](const VectorX& q, const VectorX& v) -> VectorX {
     const DenseMatrix m = p.matrix({0, 0, 1}, q, v, p.no_load());
-    return p.assembler.workspace().load - m.compliant_G().transpose() * p.assembler.workspace().tension;
+    return p.evaluator.workspace().load - m.compliant_G().transpose() * p.evaluator.workspace().tension;
   };
   const auto potential = [&](const VectorX& q) -> VectorX {
-    p.assembler.evaluate(p.time, q, p.no_motion(), Level::velocity);
-    return p.assembler.workspace().force_energy;
+    p.evaluator.evaluate(p.time, q, p.no_motion(), Level::velocity);
+    return p.evaluator.workspace().force_energy;
   };
   // Bodies of several frames have a stiffness of their own there.
   const auto bodies = SystemGraph::part_of(graph);
@@ -210,12 +210,12 @@ void check_friction(SystemGraph& graph, const ForceElement& force, double tolera
     lambda.segment(first, count) = p.random.vector(count, 5);
     const auto tensions = [&](const VectorX& v, const VectorX& l) -> VectorX {
       p.residual(p.time, p.q, v, l);
-      return p.assembler.workspace().tension;
+      return p.evaluator.workspace().tension;
     };
     // What it feeds into the bodies is never positive.
     p.residual(p.time, p.q, p.v, lambda);
-    p.assembler.factorize({0, 1, 1}, p.no_motion(), lambda, nullptr);
-    const DenseMatrix m = dense(p.assembler);
+    p.evaluator.factorize({0, 1, 1}, p.no_motion(), lambda, nullptr);
+    const DenseMatrix m = dense(p.evaluator);
     const VectorX sigma = tensions(p.v, lambda);
     EXPECT_LE(-sigma.dot(m.compliant_G() * p.v), 0) << "friction gives power";
 

@@ -2,7 +2,7 @@
 #include <stdexcept>
 
 #include "bodies/flexible/flexible_body.h"
-#include "engine/assembly/assembler.h"
+#include "engine/assembly/evaluator.h"
 #include "engine/motion/projection.h"
 #include "integrators/explicit_runge_kutta.h"
 #include "joints/coordinate_drive.h"
@@ -76,7 +76,7 @@ Findings check_joints(const Json& data) {
     VectorX q(first.q.size() + second.q.size()), v(first.v.size() + second.v.size());
     q << first.q, second.q;
     v << first.v, second.v;
-    Assembler equations(system);
+    Evaluator equations(system);
     equations.evaluate(0, q, v, Level::acceleration);
     const int rows = joint.row_count(), n1 = static_cast<int>(first.v.size());
     VectorX C(rows), C_dot(rows), gamma(rows);
@@ -118,7 +118,7 @@ Findings check_trajectory(const Json& data) {
     throw std::runtime_error("unknown joint '" + type + "'");
   }
   const System system = assemble(graph, {.start = AssembleOptions::Start::as_drawn});
-  Assembler equations(system);
+  Evaluator equations(system);
   const auto& solution = data.at("solution");
   const Motion start(solution[0]);
   State state{0, start.q, start.v, start.v_dot, VectorX::Zero(system.layout().row_count())};

@@ -3,7 +3,7 @@
 #include <functional>
 #include <initializer_list>
 
-#include "engine/assembly/assembler.h"
+#include "engine/assembly/evaluator.h"
 #include "engine/motion/integrator.h"
 
 /// Classical scenes, assembled and ready to move.
@@ -26,7 +26,7 @@ class Scene {
 
   SystemGraph graph;
   System system;
-  Assembler equations;
+  Evaluator equations;
   State state;
 
  private:

@@ -9,12 +9,12 @@ namespace {
 void BM_chain_step(benchmark::State& run, ChainJoint joint) {
   const int count = static_cast<int>(run.range(0));
   const Scene scene([&](SystemGraph& graph) { return draw_chain(graph, count, joint); });
-  Assembler assembler(scene.system);
+  Evaluator evaluator(scene.system);
   State state = scene.system.initial_state();
   GeneralizedAlpha integrator({.step = 1e-3, .spectral_radius = 0.9, .newton_tolerance = 1e-9});
-  integrator.start(assembler, state);
+  integrator.start(evaluator, state);
   for (auto _ : run)
-    if (!integrator.step(assembler, state, state.time + 1e-3).ok()) run.SkipWithError("the step failed");
+    if (!integrator.step(evaluator, state, state.time + 1e-3).ok()) run.SkipWithError("the step failed");
   const double steps = static_cast<double>(integrator.statistics().steps);
   run.counters["iterations"] = static_cast<double>(integrator.statistics().newton_iterations) / steps;
   run.counters["links/s"] = benchmark::Counter(steps * count, benchmark::Counter::kIsRate);

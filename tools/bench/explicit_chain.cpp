@@ -4,7 +4,7 @@
 //   --method rk5|rk8|adams|automatic  --tol 1e-6  --T 1  time, s   --reference FILE  joint points at T   --repeat 5
 //   --evaluations K  accelerations of the chain as released, K times, instead of a run; limit_explicit.cpp is the same
 //                    without an engine
-#include "engine/assembly/assembler.h"
+#include "engine/assembly/evaluator.h"
 #include "tools/bench/runs.h"
 #include "tools/bench/scenes.h"
 
@@ -15,8 +15,8 @@ using namespace lithe::bench;
 
 /// CPU seconds of so many evaluations of v̇ at the start, as explicit integrators make them.
 double accelerations(const System& system, int evaluations) {
-  Assembler assembler(system);
-  ForwardDynamics& forward = *assembler.parts().forward_dynamics;
+  Evaluator evaluator(system);
+  ForwardDynamics& forward = *evaluator.parts().forward_dynamics;
   State state = system.initial_state();
   forward.accelerations(0, state.q, state.v, state.v_dot);  // the first one analyses and allocates
   const double started = cpu_seconds();

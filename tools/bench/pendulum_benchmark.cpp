@@ -8,12 +8,12 @@ namespace {
 
 void BM_pendulum_step(benchmark::State& run, PendulumVariant variant) {
   const Scene scene([&](SystemGraph& graph) { return draw_pendulum(graph, rod_model(), variant); });
-  Assembler assembler(scene.system);
+  Evaluator evaluator(scene.system);
   State state = scene.system.initial_state();
   GeneralizedAlpha integrator({.step = 1e-3, .spectral_radius = 0.9, .newton_tolerance = 1e-10});
-  integrator.start(assembler, state);
+  integrator.start(evaluator, state);
   for (auto _ : run)
-    if (!integrator.step(assembler, state, state.time + 1e-3).ok()) run.SkipWithError("the step failed");
+    if (!integrator.step(evaluator, state, state.time + 1e-3).ok()) run.SkipWithError("the step failed");
   run.counters["iterations"] = static_cast<double>(integrator.statistics().newton_iterations) /
                                static_cast<double>(integrator.statistics().steps);
 }

@@ -4,7 +4,8 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "engine/assembly/assembler.h"
+#include "engine/assembly/evaluated.h"
+#include "engine/assembly/evaluator.h"
 #include "engine/run/simulation.h"
 #include "integrators/adams.h"
 #include "integrators/automatic.h"
@@ -75,7 +76,7 @@ Run simulate(const System& system, const Setting& setting, double end) {
 Run follow(const System& system, const Setting& setting, const std::vector<double>& times, const Look& look) {
   return cheapest(setting.repeats, [&] {
     const auto integrator = make_method(setting.method, setting.tolerance);
-    Assembler equations(system);
+    Evaluator equations(system);
     Run run{.end = system.initial_state()};
     State &state = run.end, before = state, between = state;
     const double started = cpu_seconds();
@@ -115,12 +116,12 @@ ChainError chain_error(const System& system, const State& state, const std::vect
                        const std::string& reference) {
   const auto points = read_numbers(reference);
   if (points.size() != ends.size()) throw std::runtime_error(reference + " is of a chain of another length");
-  Assembler assembler(system);
-  assembler.evaluate(state.time, state.q, state.v, Level::position);
+  Evaluator evaluator(system);
+  evaluator.evaluate(state.time, state.q, state.v, Level::position);
   ChainError error;
   for (size_t i = 0; i < ends.size(); ++i) {
     const Vector3 there(points[i].at(0), 0, points[i].at(1));
-    error.tip = (assembler.marker(ends[i], Level::position).p - there).norm();
+    error.tip = (marker_kinematics(evaluator, ends[i], Level::position).p - there).norm();
     error.joint = std::max(error.joint, error.tip);
   }
   return error;

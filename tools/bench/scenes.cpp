@@ -5,6 +5,7 @@
 #include "bodies/flexible/readers/calculix.h"
 #include "bodies/rigid_body.h"
 #include "engine/assembly/batch_of.h"
+#include "engine/assembly/evaluated.h"
 #include "engine/model/joint_by_residual.h"
 #include "joints/forces/bushing.h"
 #include "joints/revolute_joint.h"
@@ -108,23 +109,23 @@ Marker draw_pendulum(SystemGraph& graph, const FiniteElementModel& model, const 
 }
 
 Cost measure(const Scene& scene, const Stepping& stepping) {
-  Assembler assembler(scene.system);
+  Evaluator evaluator(scene.system);
   State state = scene.system.initial_state();
   GeneralizedAlpha integrator({.step = stepping.step,
                                .spectral_radius = stepping.spectral_radius,
                                .newton_tolerance = stepping.newton_tolerance,
                                .correct_start = false});  // as the hand-written programs start: comparable end points
-  integrator.start(assembler, state);
+  integrator.start(evaluator, state);
   const double started = cpu_seconds();
   for (long i = 1; i <= stepping.steps; ++i) {
-    const StepResult result = integrator.step(assembler, state, static_cast<double>(i) * stepping.step);
+    const StepResult result = integrator.step(evaluator, state, static_cast<double>(i) * stepping.step);
     if (!result.ok()) throw std::runtime_error(result.why);
   }
   Cost cost{.seconds = cpu_seconds() - started};
   const IntegratorStatistics& done = integrator.statistics();
   cost.steps = done.steps, cost.newton_iterations = done.newton_iterations, cost.factorizations = done.factorizations;
-  assembler.evaluate(state.time, state.q, state.v, Level::position);
-  Eigen::Map<Vector3>(cost.tip) = assembler.marker(scene.tip, Level::position).p;
+  evaluator.evaluate(state.time, state.q, state.v, Level::position);
+  Eigen::Map<Vector3>(cost.tip) = marker_kinematics(evaluator, scene.tip, Level::position).p;
   return cost;
 }
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "bodies/flexible/flexible_body.h"
-#include "engine/assembly/assembler.h"
+#include "engine/assembly/evaluator.h"
 #include "engine/model/system_graph.h"
 #include "integrators/generalized_alpha.h"
 #include "tools/bench/measure.h"

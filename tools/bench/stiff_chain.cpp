@@ -5,7 +5,8 @@
 //   --reference FILE  joint points at T   --repeat 5   --write FILE  the joint points, instead of a JSON line
 #include <cstdio>
 
-#include "engine/assembly/assembler.h"
+#include "engine/assembly/evaluated.h"
+#include "engine/assembly/evaluator.h"
 #include "tools/bench/runs.h"
 #include "tools/bench/scenes.h"
 
@@ -19,10 +20,10 @@ void write_points(const System& system, const State& state, const std::vector<Ma
   std::FILE* file = std::fopen(path.c_str(), "w");
   if (!file) throw std::runtime_error("cannot write " + path);
   std::fputs(heading.c_str(), file);
-  Assembler assembler(system);
-  assembler.evaluate(state.time, state.q, state.v, Level::position);
+  Evaluator evaluator(system);
+  evaluator.evaluate(state.time, state.q, state.v, Level::position);
   for (const Marker& end : ends) {
-    const Vector3 p = assembler.marker(end, Level::position).p;
+    const Vector3 p = marker_kinematics(evaluator, end, Level::position).p;
     std::fprintf(file, "%.17g %.17g\n", p.x(), p.z());
   }
   std::fclose(file);

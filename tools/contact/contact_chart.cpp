@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <limits>
 
-#include "engine/assembly/assembler.h"
+#include "engine/assembly/evaluator.h"
 #include "engine/motion/make_integrator.h"
 #include "engine/output/chart.h"
 #include "engine/output/csv.h"
@@ -31,7 +31,7 @@ Sample run(const KnownMotion& motion, const Law& law, const MakeIntegratorBy<con
   SystemGraph graph({.gravity = {0, 0, -9.81}});
   motion.draw(graph, law);
   const System system = assemble(graph);
-  Assembler equations(system);
+  Evaluator equations(system);
   Sample sample{setting, std::numeric_limits<double>::infinity()};
   double spent = 0;
   for (int repeat = 0; repeat < 5 && (repeat < 1 || spent < 1); ++repeat) {

@@ -7,7 +7,7 @@
 #include <unordered_map>
 
 #include "bodies/rigid_body.h"
-#include "engine/assembly/assembler.h"
+#include "engine/assembly/evaluator.h"
 #include "joints/contact/contact.h"
 
 namespace lithe::contact_bench {
@@ -100,7 +100,7 @@ class LitheStepper final : public Stepper {
   double step_;
   SystemGraph graph_;
   System system_;
-  Assembler equations_;
+  Evaluator equations_;
   State state_;
   std::unique_ptr<Integrator> integrator_;
 };

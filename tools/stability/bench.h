@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "engine/assembly/assembler.h"
+#include "engine/assembly/evaluator.h"
 #include "engine/model/system_graph.h"
 #include "engine/motion/integrator.h"
 
@@ -79,7 +79,7 @@ class Bench {
 
   SystemGraph graph;
   System system;
-  Assembler equations{system};
+  Evaluator equations{system};
   State state = system.initial_state();
 
  private:

@@ -163,7 +163,7 @@ void add_sid_tables(SidWriter& out, const ModalBasis& basis) {
 void write_sid(const std::string& path, const ModalBasis& basis) {
   const int nm = basis.mode_count();
   if (basis.nodal || basis.deflection || !(basis.integrals.mass > 0) || basis.integrals.mode_count() != nm)
-    throw SceneError("this basis cannot be told in Standard Input Data.", "basis '" + basis.name + "'",
+    throw SceneError("this basis cannot be written as Standard Input Data.", "basis '" + basis.name + "'",
                      "give an eigenmode basis from make_basis(), of linear deflection, with its inertia integrals.");
   SidWriter out(nm);
   out.line(4, std::to_string(basis.nodes.cols()) + " " + std::to_string(nm) + "    :No. nodes, No. modes:Lithe");

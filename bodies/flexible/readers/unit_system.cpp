@@ -205,7 +205,7 @@ const UnitSystem& choose_units(const std::string& name, const UnitEvidence& evid
   for (const UnitSystem& system : unit_systems())
     candidates += "\n    " + system.name + " (" + system.remark + "): " + figures(evidence, system) +
                   (plausible(evidence, system) ? "  <- possible" : "");
-  throw FileError("the file does not tell its units, and they are not metre, kilogram, second.", path,
+  throw FileError("the file does not state its units, and they are not metre, kilogram, second.", path,
                   "say which they are (.units, or --units on the command line):" + candidates);
 }
 

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "bodies/rigid_body.h"
-#include "engine/assembly/assembler.h"
+#include "engine/assembly/evaluator.h"
 #include "joints/distance_joint.h"
 #include "joints/fixed_joint.h"
 #include "joints/forces/point_force.h"
@@ -52,22 +52,22 @@ class Part {
 void expect_same_as_dense(SystemGraph& graph, double distance = 0.2) {
   const System system = assemble(graph);
   ASSERT_TRUE(system.redundant_rows().empty());
-  Assembler assembler(system);
+  Evaluator evaluator(system);
   RandomNumbers random(3);
   const int n = system.layout().v_count(), rows = system.layout().row_count();
   for (int k = 0; k < 4; ++k) {
     VectorX q(system.layout().q_count());
     system.layout().retract(system.initial_state().q, random.vector(n, distance), q);
     const VectorX increment = random.vector(n, 0.1), v_dot = random.vector(n), lambda = random.vector(rows);
-    assembler.evaluate(0, q, random.vector(n), Level::acceleration);
+    evaluator.evaluate(0, q, random.vector(n), Level::acceleration);
     for (const TangentWeights weights : {TangentWeights{0, 0, 1}, TangentWeights{1, 20, 400}}) {
-      assembler.factorize(weights, v_dot, lambda, weights.position > 0 ? &increment : nullptr);
-      const DenseMatrix matrix = dense(assembler);
+      evaluator.factorize(weights, v_dot, lambda, weights.position > 0 ? &increment : nullptr);
+      const DenseMatrix matrix = dense(evaluator);
       MatrixX all = matrix.all.topLeftCorner(n + rows, n + rows);
       all.topLeftCorner(n, n) = matrix.condensed_S();
       const VectorX right = random.vector(n + rows), expected = solve(all, right);
       VectorX x = right.head(n), y = right.tail(rows);
-      assembler.solve(x, y);
+      evaluator.solve(x, y);
       EXPECT_LT((x - expected.head(n)).norm(), 1e-9 * expected.head(n).norm());
       EXPECT_LT((y - expected.tail(rows)).norm(), 1e-9 * (1e-12 + expected.tail(rows).norm()));
     }

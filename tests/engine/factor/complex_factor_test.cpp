@@ -16,7 +16,7 @@ namespace {
 using ComplexMatrix = Eigen::MatrixXcd;
 
 /// The engine's real blocks at these weights: velocities, constraint rows, compliant rows.
-MatrixX dense(Assembler& equations, const TangentWeights& weights, const VectorX& v_dot, const VectorX& lambda) {
+MatrixX dense(Evaluator& equations, const TangentWeights& weights, const VectorX& v_dot, const VectorX& lambda) {
   equations.factorize(weights, v_dot, lambda, nullptr);
   int size = 0;
   equations.visit_blocks([&](int row, int, ConstMatrixRef b) { size = std::max<int>(size, row + b.rows()); });
@@ -27,7 +27,7 @@ MatrixX dense(Assembler& equations, const TangentWeights& weights, const VectorX
 }
 
 /// [S Gᵀ; G 0] with the compliant rows eliminated, from K, D and M apart.
-ComplexMatrix expected(Assembler& equations, const ComplexTangentWeights& w, const VectorX& v_dot,
+ComplexMatrix expected(Evaluator& equations, const ComplexTangentWeights& w, const VectorX& v_dot,
                        const VectorX& lambda) {
   const int nv = equations.layout().v_count(), n = nv + equations.layout().row_count();
   const MatrixX K_M = dense(equations, {1, 0, 1}, v_dot, lambda), D_M = dense(equations, {0, 1, 1}, v_dot, lambda),
@@ -46,7 +46,7 @@ ComplexMatrix expected(Assembler& equations, const ComplexTangentWeights& w, con
   return A;
 }
 
-double solution_error(Assembler& equations, const State& state) {
+double solution_error(Evaluator& equations, const State& state) {
   RandomNumbers random(7);
   const int nv = equations.layout().v_count(), rows = equations.layout().row_count();
   const VectorX v_dot = random.vector(nv), lambda = random.vector(rows);
@@ -60,8 +60,8 @@ double solution_error(Assembler& equations, const State& state) {
   for (auto& value : x) value = {random.number(), random.number()};
   const ComplexVectorX b = A * x;
   ComplexVectorX rv = b.head(nv), rl = b.tail(rows);
-  equations.factorize_complex(weights, v_dot, lambda, nullptr);
-  equations.solve_complex(rv, rl);
+  equations.parts().complex_factor->factorize_complex(weights, v_dot, lambda, nullptr);
+  equations.parts().complex_factor->solve_complex(rv, rl);
   return std::max((rv - x.head(nv)).cwiseAbs().maxCoeff(), rows > 0 ? (rl - x.tail(rows)).cwiseAbs().maxCoeff() : 0.0) /
          x.cwiseAbs().maxCoeff();
 }
@@ -90,7 +90,7 @@ TEST(ComplexFactor, LeavesTheRealFactorAlone) {
   chain.equations.factorize({1, 10, 100}, zero, none, nullptr);
   VectorX a = VectorX::Ones(18), la = VectorX::Ones(15), b = a, lb = la;
   chain.equations.solve(a, la);
-  chain.equations.factorize_complex({1, {10, 5}, {75, 100}}, zero, none, nullptr);
+  chain.equations.parts().complex_factor->factorize_complex({1, {10, 5}, {75, 100}}, zero, none, nullptr);
   chain.equations.solve(b, lb);
   EXPECT_EQ(a, b);
   EXPECT_EQ(la, lb);
@@ -103,7 +103,7 @@ TEST(ComplexFactor, KnowsSpringsAndFriction) {
     const Matrix3 axis = rotation_about({1, 0, 0}, M_PI / 2);
     auto& pin =
         graph.add<RevoluteJoint>("pin", {graph.ground().marker({0, 0, 0}, axis), arm.marker({-0.5, 0, 0}, axis)});
-    graph.add<JointFriction>("rub", {pin.angle()}, {.joint = &pin, .dynamic = 0.2, .viscous = 0.1, .radius = 0.05});
+    graph.add<JointFriction>("rub", {pin.angle()}, {.joint = &pin, .coefficient = 0.2, .viscous = 0.1, .radius = 0.05});
     graph.add<SpringDamper>("spring", {arm.marker({0.5, 0, 0}), bob.marker()},
                             {.stiffness = 5e4, .damping = 30, .natural_length = 0.9});
   });

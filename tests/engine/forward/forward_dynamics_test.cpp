@@ -3,7 +3,7 @@
 #include <functional>
 
 #include "bodies/rigid_body.h"
-#include "engine/assembly/assembler.h"
+#include "engine/assembly/evaluator.h"
 #include "engine/base/error.h"
 #include "engine/motion/projection.h"
 #include "engine/observe/sensors.h"
@@ -109,7 +109,7 @@ void expect_same_accelerations(const std::function<void(SystemGraph&)>& draw, Fo
   ASSERT_EQ(forward.system.forward_method(), method);
   for (double time : {0.0, 0.11, 0.37}) {
     const State state = moved(general, time);
-    Assembler by_rows(general.system), by_forward(forward.system);
+    Evaluator by_rows(general.system), by_forward(forward.system);
     VectorX expected(state.v.size()), lambda(general.system.layout().row_count()), v_dot(state.v.size());
     Projector(by_rows).accelerations(state.time, state.q, state.v, expected, lambda);
     by_forward.parts().forward_dynamics->accelerations(state.time, state.q, state.v, v_dot);
@@ -137,7 +137,7 @@ TEST(ForwardDynamics, motions_agree_to_the_tolerance_and_multipliers_come_out_th
     EXPECT_LT((a.q - b.q).cwiseAbs().maxCoeff(), 1e-8);
     EXPECT_LT((a.v - b.v).cwiseAbs().maxCoeff(), 1e-7);
     EXPECT_LT((a.lambda - b.lambda).norm(), 1e-6 * a.lambda.norm());
-    Assembler check(forward.system);
+    Evaluator check(forward.system);
     VectorX g(forward.system.layout().row_count());
     check.evaluate(b.time, b.q, b.v, Level::velocity);
     check.constraint(Level::position, g);
@@ -156,7 +156,7 @@ TEST(ForwardDynamics, a_state_off_the_constraints_is_moved_onto_them_by_about_as
     for (int i = 0; i < away.size(); ++i) away[i] = 1e-4 * std::sin(1 + 2.4 * i);
     scene.system.layout().retract(on.q, away, q);
     v += away;
-    Assembler equations(scene.system);
+    Evaluator equations(scene.system);
     ASSERT_TRUE(equations.parts().forward_dynamics->project(on.time, q, v, 1e-14));
     VectorX g(scene.system.layout().row_count());
     equations.evaluate(on.time, q, v, Level::velocity);
@@ -215,7 +215,7 @@ TEST(ForwardDynamics, what_branches_hand_to_their_trunk_is_what_they_weigh) {
   const auto draw = [](SystemGraph& graph) { draw_wide(graph, 70, 3, 1); };
   const Scene general(draw, false), forward(draw, true);
   const State state = moved(general, 0.1, 1e-8);
-  Assembler by_rows(general.system), by_forward(forward.system);
+  Evaluator by_rows(general.system), by_forward(forward.system);
   VectorX expected(state.v.size()), lambda(general.system.layout().row_count()), v_dot(state.v.size());
   Projector(by_rows).accelerations(state.time, state.q, state.v, expected, lambda);
   by_forward.parts().forward_dynamics->accelerations(state.time, state.q, state.v, v_dot);
@@ -240,7 +240,7 @@ TEST(ForwardDynamics, what_a_joint_says_it_leaves_free_is_what_its_rows_leave) {
     const auto freedom = joint.freedom();
     ASSERT_TRUE(freedom);
     const System system = assemble(graph);
-    Assembler equations(system);
+    Evaluator equations(system);
     const State& state = system.initial_state();
     // Velocities of b alone, about the joint's point.
     const Matrix3 A_b = rotation_matrix(state.q.segment<4>(10));

@@ -97,7 +97,7 @@ TEST(AtWorld, AJointIsPlacedOnceByItsPointAndAxis) {
     const System system = assemble(graph);
     EXPECT_EQ(system.degrees_of_freedom(), 2);
     State state = system.initial_state();
-    Assembler equations(system);
+    Evaluator equations(system);
     ExplicitRungeKutta integrator({.tolerance = {.relative = 1e-11, .absolute = 1e-11}});
     integrator.start(equations, state);
     while (state.time < 1) ASSERT_TRUE(integrator.step(equations, state, 1).ok());

@@ -36,7 +36,7 @@ double largest_miss(const Page& page, FlexibleBody& body, const System& system, 
   for (std::size_t i = 0; i < states.size(); ++i) {
     Snapshot now(system, states[i]);
     const VectorX rest = VectorX::Zero(body.coordinates().v_count());
-    const Matrix3X exact = body.nodal_motion(now.assembler().body_state(body), rest.data()).position;
+    const Matrix3X exact = body.nodal_motion(now.body_state(body), rest.data()).position;
     const Matrix3X drawn = page.mesh_points(page.body(body.name()), static_cast<Eigen::Index>(i));
     most = std::max(most, (drawn - exact(Eigen::all, mesh.nodes)).colwise().norm().maxCoeff());
   }
@@ -145,7 +145,7 @@ TEST(Page, FitsShapesToTheNodesOfABodyWithoutModes) {
   double miss = 0, turn = 0;
   for (std::size_t i = 0; i < states.all.size(); ++i) {
     Snapshot now(system, states.all[i]);
-    const Matrix3X exact = free.positions(now.assembler().body_state(free))(Eigen::all, mesh.nodes);
+    const Matrix3X exact = free.positions(now.body_state(free))(Eigen::all, mesh.nodes);
     const Matrix3X drawn = page.mesh_points(page.body("inertial"), static_cast<Eigen::Index>(i));
     miss = std::max(miss, (drawn - exact).colwise().norm().maxCoeff());
     turn = std::max(turn, (exact - mesh.points).colwise().norm().maxCoeff());

@@ -116,7 +116,7 @@ struct Archipelago {
     graph.add<CoordinateSpring>("clock spring", {shaft.angle()}, {.stiffness = 0.15});
     auto& rubbing = add_rod(graph, "rubbing", {0, 20, 0});
     auto& pin = static_cast<RevoluteJoint&>(*graph.constraints().back().constraint);
-    graph.add<JointFriction>("rub", {pin.angle()}, {.joint = &pin, .dynamic = 0.1, .radius = 0.05});
+    graph.add<JointFriction>("rub", {pin.angle()}, {.joint = &pin, .coefficient = 0.1, .radius = 0.05});
     auto& stone = graph.add<RigidBody>("stone", {.velocity = {1, 2, 3}, .angular_velocity = {1, 2, 3}});
     for (RigidBody* body : {&first, &rotor, &second, &block, &rubbing, &stone}) {
       sensors.push_back(position(body->marker({0.1, 0.2, 0.3}), body->name()));
@@ -164,7 +164,7 @@ TEST(islands, friction_belongs_to_the_joint_that_presses_wherever_it_rubs) {
   add_rod(graph, "rubbed", {0, 5, 0});
   auto& other = static_cast<RevoluteJoint&>(*graph.constraints().back().constraint);
   EXPECT_EQ(split(graph).size(), 2u);
-  graph.add<JointFriction>("rub", {other.angle()}, {.joint = &pin, .dynamic = 0.1, .radius = 0.05});
+  graph.add<JointFriction>("rub", {other.angle()}, {.joint = &pin, .coefficient = 0.1, .radius = 0.05});
   EXPECT_EQ(split(graph).size(), 1u);
 }
 

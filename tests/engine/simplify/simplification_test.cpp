@@ -235,7 +235,8 @@ TEST(Simplification, AJointStaysWhereItsReactionIsFeltOrSomethingElseActsBetween
       auto& pin = graph.add<RevoluteJoint>("pin", {graph.ground().marker({}, kAcross), at(arm, {0, 0, 0}, kAcross)});
       const Vector3 seat = what == 2 ? Vector3(1, 0.01, 0) : Vector3(1, 0, 0);
       auto& bolt = graph.add<FixedJoint>("bolt", {at(arm, {1, 0, 0}), at(box, seat)});
-      if (what == 0) graph.add<JointFriction>("rub", {pin.angle()}, {.joint = &bolt, .dynamic = 0.3, .radius = 0.02});
+      if (what == 0)
+        graph.add<JointFriction>("rub", {pin.angle()}, {.joint = &bolt, .coefficient = 0.3, .radius = 0.02});
       if (what == 1)
         graph.add<CoordinateDrive>("drive", {angle_between(at(arm, {1, 0, 0}), at(box, {1, 0, 0}))},
                                    {.motion = constant(0)});
@@ -259,7 +260,7 @@ TEST(Simplification, FrictionOfABearingIsToldThoughAWeldBesideItHasGone) {
     auto& box = graph.add<RigidBody>("box", piece(1, {0.02, 0.02, 0.03}, {1.1, 0.1, 0}));
     auto& pin = graph.add<RevoluteJoint>("pin", {graph.ground().marker({}, kAcross), at(arm, {0, 0, 0}, kAcross)});
     auto& bolt = graph.add<FixedJoint>("bolt", {at(arm, {1, 0, 0}), at(box, {1, 0, 0})});
-    auto& rub = graph.add<JointFriction>("rub", {pin.angle()}, {.joint = &pin, .dynamic = 0.3, .radius = 0.05});
+    auto& rub = graph.add<JointFriction>("rub", {pin.angle()}, {.joint = &pin, .coefficient = 0.3, .radius = 0.05});
     return {position(box.marker()), applied_force(rub, 1), power(rub), joint_reaction(bolt), joint_reaction(pin)};
   };
   const Comparison found = compare(draw, tight, 1);
@@ -326,7 +327,7 @@ Draw slider_crank(const Matrix3& world, double friction = 0) {
                             {.stiffness = 200, .damping = 1, .natural_length = 0.5});
     if (friction > 0)
       graph.add<JointFriction>("rub", {guide.displacement()},
-                               {.joint = &guide, .dynamic = friction, .transition_speed = 0.1});
+                               {.joint = &guide, .coefficient = friction, .creep_speed = 0.3});
     return {position(at(rod, place(0.1, 0.2, 0.3))),
             coordinates(crank),
             generalized_velocities(rod),

@@ -163,7 +163,7 @@ inline std::vector<Patient> sound_scenes() {
     auto& rod = draw_rod(graph, "rod", {0, 0, 0}, {1, 0, 0});
     auto& pin = graph.add<RevoluteJoint>("pin", {ground_at(graph, {0, 0, 0}), end_of(rod, 1, -1)});
     graph.add<JointFriction>("rub", {pin.angle()},
-                             {.joint = &pin, .dynamic = 0.1, .transition_speed = 0.01, .radius = 0.02});
+                             {.joint = &pin, .coefficient = 0.1, .creep_speed = 0.03, .radius = 0.02});
     return watch_body(rod);
   });
   add("servo", rk, 1e-6, 2, [=](SystemGraph& graph) {

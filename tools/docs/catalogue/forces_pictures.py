@@ -76,11 +76,11 @@ def joint_friction():
     p = Chart("Friction: coefficient over sliding speed, from −0.3 to 0.3 m/s", (-0.3, 0.3), (-0.35, 0.35), "s, m/s", "μ(s)")
     p.grid([-0.3, -0.2, -0.1, 0, 0.1, 0.2, 0.3], [-0.3, -0.2, 0, 0.2, 0.3])
     s = np.linspace(-0.3, 0.3, 601)
-    for line, (still, text) in enumerate(((0.3, "μ_s = 0.3, μ_d = 0.2"), (0.2, "μ_s = μ_d = 0.2"))):
+    for line, (still, text) in enumerate(((0.3, "μ_s = 0.3, μ_k = 0.2"), (0.2, "μ_s = μ_k = 0.2"))):
         mu = (0.2 + (still - 0.2) * np.exp(-((s / 0.1) ** 2))) * np.tanh(s / 5e-3)
         p.curve(s, mu, line)
         p.key(text, line, 0.17, -0.1 - 0.06 * line)
-    p.key("v_s = 0.1 m/s, v_t = 5 mm/s", 4, 0.17, -0.22)
+    p.key("v_s = 0.1 m/s, v_c = 15 mm/s", 4, 0.17, -0.22)
     return p
 
 

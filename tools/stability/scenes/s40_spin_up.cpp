@@ -1,4 +1,5 @@
 // S40: a beam spun up beyond its first frequency: without geometric stiffening its deflection grows without bound.
+#include "engine/assembly/evaluated.h"
 #include "joints/coordinate_drive.h"
 #include "joints/fixed_joint.h"
 #include "joints/revolute_joint.h"
@@ -56,7 +57,7 @@ class OneBody : private EndMarker, public Bench {
   /// Across the hub's axis, m.
   double tip() {
     equations.evaluate(state.time, state.q, state.v, Level::velocity);
-    const Vector3 p = equations.marker(end, Level::position).p;
+    const Vector3 p = marker_kinematics(equations, end, Level::position).p;
     const double angle = spin_up(state.time, speed_).value;
     return -std::sin(angle) * p.x() + std::cos(angle) * p.y();
   }

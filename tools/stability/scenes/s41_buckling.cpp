@@ -1,5 +1,6 @@
 // S41: a column under nine tenths of its Euler load: a body that is linear in its deformation does not feel the load.
 #include "engine/analysis/equilibrium.h"
+#include "engine/assembly/evaluated.h"
 #include "joints/fixed_joint.h"
 #include "joints/forces/point_force.h"
 #include "tools/stability/scenes/beam.h"
@@ -61,7 +62,7 @@ class OneBody : private EndMarker, public Bench {
   double deflection() {
     const State s = find_equilibrium(system, state, {.tolerance = 1e-13}).state;
     equations.evaluate(s.time, s.q, s.v, Level::velocity);
-    return equations.marker(end, Level::position).p.y();
+    return marker_kinematics(equations, end, Level::position).p.y();
   }
 };
 

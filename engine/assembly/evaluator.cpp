@@ -1,0 +1,250 @@
+#include "engine/assembly/evaluator.h"
+
+#include <algorithm>
+
+#include "engine/assembly/evaluated.h"
+#include "engine/assembly/forward_part.h"
+#include "engine/assembly/held_blocks.h"
+#include "engine/assembly/tangent_factors.h"
+#include "engine/contact/rigid_contacts.h"
+#include "engine/factor/block_products.h"
+
+namespace lithe {
+
+Evaluator::Evaluator(const System& system) : system_(system) {
+  const auto& layout = system.layout();
+  const int rows = layout.row_count(), compliant = system.compliant_count_;
+  work_.q.setZero(layout.q_count());
+  work_.v.setZero(layout.v_count());
+  work_.gravity = system.gravity();
+  work_.markers.resize(system.marker_count_);
+  work_.values.assign(system.blocks_.value_count, 0.0);
+  for (VectorX* x : {&work_.residual, &work_.rate, &work_.bias}) x->setZero(rows);
+  for (VectorX* x : {&work_.tension, &work_.row_stiffness, &work_.row_damping}) x->setZero(compliant);
+  work_.load.setZero(layout.v_count());
+  work_.quarter_turns = system.initial_.quarter_turns;
+  work_.quarter_turns.conservativeResize(static_cast<int>(system.angles_.size()));
+  work_.force_energy.setZero(system.graph().load_count());
+  for (const auto& batch : system.batches_.bodies) caches_.push_back(batch->make_caches());
+  facts_.layout = &layout;
+  if (!system.contacts().empty()) make_contacts();
+  held_ = std::make_unique<HeldBlocks>(system.blocks_, work_, contacts_.get());
+  factors_ = std::make_unique<TangentFactors>(*this, work_, facts_.redundant_rows, contacts_.get());
+  facts_ = {.layout = &layout,
+            .redundant_rows = {},
+            .velocity_rows = system.velocity_rows(),
+            .reacts = system.reacts_,
+            .has_loops = factors_->has_loops()};
+  for (const RedundantRow& r : system.redundant_) facts_.redundant_rows.push_back(r.row);
+  factors_->drop_rows(facts_.redundant_rows);
+  if (system.rigid_) forward_ = std::make_unique<ForwardPart>(*system.rigid_, *this);
+}
+
+/// Here, where the parts are complete types.
+Evaluator::~Evaluator() = default;
+
+void Evaluator::make_contacts() {
+  const auto& slices = layout().bodies();
+  std::vector<BodyState> bodies;
+  for (const auto& slice : slices) bodies.push_back(lithe::body_state(*this, *slice.body));
+  contacts_ = std::make_unique<ContactForces>(system_.contacts(), layout(), work_.markers, work_.v, std::move(bodies));
+  if (!contacts_->any_rigid()) return;
+  // Frames of bodies on which force elements act: their loads have tangents.
+  std::vector<int> loaded;
+  for (const auto& entry : system_.graph().forces())
+    for (const Marker& m : entry.markers) {
+      const Coordinates has = m.body->coordinates();
+      if (has.v_count() == 0) continue;  // ground
+      const int first = static_cast<int>(&layout().slice(*m.body) - slices.data());
+      for (int i = 0; i < std::max(1, has.frames); ++i) loaded.push_back(first + i);
+    }
+  rigid_contacts_ =
+      std::make_unique<RigidContacts>(RigidContacts::Scene{*this, system_.blocks_, work_.values, system_.contacts(),
+                                                           *contacts_, std::move(loaded), system_.gravity().norm()});
+}
+
+void Evaluator::recall(const ContactMemory& contacts) {
+  if (contacts_) contacts_->recall(contacts);
+}
+
+EquationsOfMotion::Parts Evaluator::parts() {
+  return {.memory = this,
+          .complex_factor = factors_.get(),
+          .forward_dynamics = forward_.get(),
+          .rigid_contacts = rigid_contacts_.get(),
+          .held = held_.get()};
+}
+
+void Evaluator::track_contacts(State& state) {
+  if (!contacts_ || !contacts_->remembers()) return;
+  evaluate(state.time, state.q, state.v, Level::velocity);
+  contacts_->track(state.contacts);
+}
+
+const double* Evaluator::applied_forces(double time, ConstVectorRef q, ConstVectorRef v) {
+  if (!has_forces()) return nullptr;
+  work_.time = time;
+  work_.q = q;
+  work_.v = v;
+  for (std::size_t b = 0; b < caches_.size(); ++b)
+    system_.batches_.bodies[b]->evaluate_loaded(work_, *caches_[b], Level::velocity);
+  add_applied_forces();
+  if (work_.tension.size() > 0) {
+    work_.tension = -work_.tension;
+    add_row_forces(system_.blocks_, work_.values, layout().row_count(), nullptr, work_.tension.data(),
+                   work_.load.data());
+    work_.tension = -work_.tension;
+  }
+  return work_.load.data();
+}
+
+/// Loads, tensions and contacts of the state whose markers are evaluated.
+void Evaluator::add_applied_forces() {
+  work_.load.setZero();
+  for (const auto& batch : system_.batches_.forces) batch->evaluate(work_, system_.blocks_);
+  if (contacts_) contacts_->evaluate(work_.load, work_.force_energy);
+}
+
+void Evaluator::place_measured_angles(ConstVectorRef q) {
+  if (system_.angles_.empty()) return;
+  work_.q = q;
+  for (std::size_t b = 0; b < caches_.size(); ++b)
+    system_.batches_.bodies[b]->evaluate(work_, *caches_[b], Level::position, Level::position);
+}
+
+void Evaluator::recall(const VectorX& quarter_turns) {
+  if (quarter_turns.size() == work_.quarter_turns.size()) work_.quarter_turns = quarter_turns;
+}
+
+/// The quarter turns in which (cos, sin) lies, as a number that grows with the angle: exact at every quarter turn and
+/// never far off between, at the price of a division. With it the turn count needs no arc tangent a step.
+void Evaluator::track(VectorX& quarter_turns) const {
+  quarter_turns.resize(work_.quarter_turns.size());
+  for (std::size_t i = 0; i < system_.angles_.size(); ++i) {
+    const System::Angle& angle = system_.angles_[i];
+    const MarkerKinematics &A = work_.markers[angle.A], &B = work_.markers[angle.B];
+    const int next = (angle.axis + 1) % 3;
+    const Vector3 u = angle.to_point ? Vector3(B.p - A.p) : Vector3(B.R.col(next));
+    const double c = u.dot(A.R.col(next)), s = u.dot(A.R.col((angle.axis + 2) % 3));
+    const double sum = std::abs(c) + std::abs(s);
+    const double part = sum > 0 ? s / sum : 0, within = c >= 0 ? part : std::copysign(2, s) - part;
+    // Half a turn from the last count keeps its sign: ties go to even, here no turn.
+    quarter_turns[i] = within + 4 * std::nearbyint((work_.quarter_turns[i] - within) / 4);
+  }
+}
+
+void Evaluator::react(ConstVectorRef lambda) {
+  if (!system_.reacts_) return;
+  for (const auto& batch : system_.batches_.forces) batch->react(work_, system_.blocks_, lambda.data());
+}
+
+void Evaluator::evaluate(double time, ConstVectorRef q, ConstVectorRef v, Level level) {
+  work_.time = time;
+  work_.q = q;
+  work_.v = v;
+  // Joints ask for the velocities of markers where the velocity terms of g̈ or rows on velocities are wanted.
+  const bool no_velocities = level == Level::velocity && !has_forces() && system_.velocity_rows_.empty();
+  const Level markers = no_velocities ? Level::position : level;
+  for (std::size_t b = 0; b < caches_.size(); ++b)
+    system_.batches_.bodies[b]->evaluate(work_, *caches_[b], level, markers);
+  for (const auto& batch : system_.batches_.constraints) batch->evaluate(work_, system_.blocks_, level);
+  if (level != Level::position && has_forces()) add_applied_forces();
+  if (held_->any()) held_->release_from_joints();
+}
+
+void Evaluator::residual(ConstVectorRef v_dot, ConstVectorRef lambda, VectorRef r) {
+  if (!has_forces())
+    r.setZero();
+  else
+    r = -work_.load;
+  for (std::size_t b = 0; b < caches_.size(); ++b)
+    system_.batches_.bodies[b]->add_residual(work_, *caches_[b], v_dot.data(), r.data());
+  react(lambda);
+  add_row_forces(system_.blocks_, work_.values, static_cast<int>(work_.residual.size()), lambda.data(),
+                 work_.tension.data(), r.data());
+  held_->write_residual(v_dot, r);
+}
+
+void Evaluator::constraint(Level which, VectorRef out) const {
+  if (which == Level::position) {
+    out = work_.residual;
+    return;
+  }
+  if (which == Level::acceleration) {
+    out = -work_.bias;
+    return;
+  }
+  out = work_.rate;
+  add_rates(system_.blocks_, work_.values, work_.v.data(), out);
+}
+
+void Evaluator::write_tangent(const TangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
+                              const VectorX* increment) {
+  const auto& blocks = system_.blocks_;
+  double* values = work_.values.data();
+  for (const auto& c : blocks.couplings) std::fill_n(values + c.ab, 36, 0.0), std::fill_n(values + c.ba, 36, 0.0);
+  for (std::size_t b = 0; b < caches_.size(); ++b)
+    system_.batches_.bodies[b]->write_tangent(work_, *caches_[b], blocks, v_dot.data(), weights,
+                                              increment ? increment->data() : nullptr);
+  if (weights.position != 0) {
+    for (const auto& batch : system_.batches_.constraints)
+      batch->add_stiffness(work_, blocks, weights.position, lambda.data());
+  }
+  if (weights.position != 0 || weights.velocity != 0)
+    for (const auto& batch : system_.batches_.forces) batch->add_tangent(work_, blocks, weights);
+  const int rows = static_cast<int>(work_.residual.size());
+  for (const auto& row : blocks.rows) {
+    if (row.compliant < 0) continue;
+    for (int i = 0; i < row.count; ++i) {
+      const int k = row.first - rows + i;
+      const double stiffness = weights.position * work_.row_stiffness[k] + weights.velocity * work_.row_damping[k];
+      values[row.compliant + i] = stiffness == 0 ? -1e30 : -1 / stiffness;  // no stiffness: the row gives way
+    }
+  }
+  if (system_.reacts_)
+    for (const auto& batch : system_.batches_.forces) batch->write_reaction_tangent(work_, blocks, lambda.data());
+  held_->write_tangent(weights.acceleration);
+}
+
+void Evaluator::factorize(const TangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
+                          const VectorX* increment) {
+  factors_->factorize(weights, v_dot, lambda, increment);
+}
+
+void Evaluator::solve(VectorRef rv, VectorRef rl) const { factors_->solve(rv, rl); }
+
+void Evaluator::visit_blocks(const std::function<void(int, int, ConstMatrixRef)>& visit) const {
+  factors_->visit_blocks(visit);
+}
+
+void Evaluator::recall_rows(const std::vector<int>& left_out) {
+  if (left_out == facts_.redundant_rows) return;
+  if (left_out.empty()) {
+    facts_.redundant_rows.clear();
+    for (const RedundantRow& r : system_.redundant_) facts_.redundant_rows.push_back(r.row);
+  } else {
+    facts_.redundant_rows = left_out;
+  }
+  factors_->drop_rows(facts_.redundant_rows);
+}
+
+BodyState Evaluator::body_state(std::size_t place) {
+  const auto at = system_.body_places_[place];
+  BodyCache* cache = &caches_[at.batch]->at(at.index);
+  if (place == 0) return {nullptr, nullptr, cache};
+  const auto& slice = system_.layout().bodies()[at.slice];
+  return {work_.q.data() + slice.q, work_.v.data() + slice.v, cache};
+}
+
+BodyEnergy Evaluator::energy() {
+  BodyEnergy sum;
+  const auto& bodies = system_.graph().bodies();
+  for (std::size_t i = 1; i < bodies.size(); ++i) {
+    const BodyEnergy e = bodies[i].body->energy(body_state(i), work_.gravity);
+    sum.kinetic += e.kinetic, sum.elastic += e.elastic, sum.gravity += e.gravity;
+  }
+  sum.elastic += work_.force_energy.sum();
+  return sum;
+}
+
+}  // namespace lithe

@@ -1,0 +1,83 @@
+#include "engine/factor/block_products.h"
+
+#include "engine/factor/block_kernels.h"
+
+namespace lithe {
+
+void add_row_forces(const BlockStructure& blocks, const std::vector<double>& values, int constraint_rows,
+                    const double* lambda, const double* tension, double* force) {
+  for (const auto& G : blocks.jacobians) {
+    const auto& row = blocks.rows[G.rows];
+    if (row.first >= constraint_rows ? !tension : !lambda) continue;
+    const double* y = row.first < constraint_rows ? lambda + row.first : tension + row.first - constraint_rows;
+    double* to = force + G.velocity;
+    if (G.frame >= 0) {
+      kernels::add_transposed(to, values.data() + G.values, y, row.count, 6);
+      to += 6;
+    }
+    if (G.linear >= 0)
+      kernels::add_transposed(to, values.data() + G.linear_values, y, row.count, blocks.linears[G.linear].size);
+  }
+}
+
+void add_rates(const BlockStructure& blocks, const std::vector<double>& values, const double* v, VectorRef rates) {
+  for (const auto& G : blocks.jacobians) {
+    const auto& row = blocks.rows[G.rows];
+    if (row.first >= rates.size()) continue;  // compliant
+    double* to = rates.data() + row.first;
+    const double* from = v + G.velocity;
+    const auto add = [&](const double* block, int columns) {
+      for (int c = 0; c < columns; ++c)
+        for (int i = 0; i < row.count; ++i) to[i] += block[i + row.count * c] * from[c];
+      from += columns;
+    };
+    if (G.frame >= 0) add(values.data() + G.values, 6);
+    if (G.linear >= 0) add(values.data() + G.linear_values, blocks.linears[G.linear].size);
+  }
+}
+
+void visit_blocks(const BlockStructure& b, const std::vector<double>& all,
+                  const std::function<void(int, int, ConstMatrixRef)>& visit) {
+  const double* values = all.data();
+  using View = Eigen::Map<const MatrixX>;
+  // 1. S: bodies by themselves, then what couples frames.
+  for (const auto& f : b.frames) visit(f.v, f.v, View(values + f.values, 6, 6));
+  for (const auto& l : b.linears) {
+    if (l.frame >= 0) {
+      visit(b.frames[l.frame].v, l.v, View(values + l.frame_linear, 6, l.size));
+      visit(l.v, b.frames[l.frame].v, View(values + l.linear_frame, l.size, 6));
+    }
+    if (!l.pattern) {
+      for (int i = 0; i < l.size; ++i) visit(l.v + i, l.v + i, View(values + l.values + i, 1, 1));
+    } else {
+      for (int k = 0; k < l.pattern->rows.size(); ++k) {
+        const int r = l.pattern->rows[k], c = l.pattern->columns[k];
+        visit(l.v + r, l.v + c, View(values + l.values + k, 1, 1));
+        if (r != c) visit(l.v + c, l.v + r, View(values + l.values + k, 1, 1));
+      }
+    }
+  }
+  for (const auto& c : b.couplings) {
+    visit(b.frames[c.a].v, b.frames[c.b].v, View(values + c.ab, 6, 6));
+    visit(b.frames[c.b].v, b.frames[c.a].v, View(values + c.ba, 6, 6));
+  }
+  // 2. G and Gᵀ.
+  for (const auto& G : b.jacobians) {
+    const auto& row = b.rows[G.rows];
+    const auto both = [&](int v, const MatrixX& block) {
+      visit(b.velocity_count + row.first, v, block);
+      visit(v, b.velocity_count + row.first, block.transpose());
+    };
+    if (G.frame >= 0) both(G.velocity, View(values + G.values, row.count, 6));
+    if (G.linear >= 0) both(b.linears[G.linear].v, View(values + G.linear_values, row.count, b.linears[G.linear].size));
+  }
+  // 3. What tensions owe to multipliers, and -C.
+  for (const auto& c : b.row_couplings)
+    visit(b.velocity_count + b.rows[c.rows].first, b.velocity_count + b.rows[c.on].first,
+          View(values + c.values, b.rows[c.rows].count, b.rows[c.on].count));
+  for (const auto& row : b.rows)
+    for (int i = 0; row.compliant >= 0 && i < row.count; ++i)
+      visit(b.velocity_count + row.first + i, b.velocity_count + row.first + i, View(values + row.compliant + i, 1, 1));
+}
+
+}  // namespace lithe
