@@ -76,11 +76,14 @@ void Integrator::start(EquationsOfMotion& equations, State& state) {
   longest_ = std::numeric_limits<double>::infinity();
   usual_ = looked_at_ = 0;
   singular_pose_.reset();
-  prepare(equations, state);
+  VectorX begins;  // v̇, where the equations do not tell it
   if (!delegates() && equations.facts().has_loops) {
     singular_pose_ = std::make_unique<SingularPose>(equations);
-    if (singular_pose_->leave(state)) lose_factor();
+    if (singular_pose_->leave(state)) begins = state.v_dot;
+    equations.memory().recall_rows(state.left_out);
   }
+  prepare(equations, state);
+  if (begins.size() > 0) state.v_dot = begins;
   equations.memory().track_rows(state.left_out);
 }
 

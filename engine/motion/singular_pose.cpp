@@ -337,11 +337,13 @@ bool SingularPose::find_branch(const State& state, VectorX& v_dot) {
 }
 
 bool SingularPose::leave(State& state) {
-  constexpr double kAtRest = 1e-12, kAllowed = 1e-8, kEnough = 1e-11;  // m/s, rad/s; of the velocity reached
-  if (lambda_.size() == 0 || equations_.parts().rigid_contacts || state.v_dot.size() != d_.size()) return false;
-  if (!(state.v.cwiseAbs().maxCoeff() <= kAtRest) || !(largest(state.v_dot) > 0)) return false;
+  constexpr double kAtRest = 1e-12, kAllowed = 1e-7, kEnough = 1e-11;  // m/s, rad/s; of the velocity reached
+  if (lambda_.size() == 0 || equations_.parts().rigid_contacts || !(largest(state.v) <= kAtRest)) return false;
   left_out_ = state.left_out;  // as before anything was factorised in this pose, where rows are as good as others
   State from = state;
+  from.v_dot.resize(d_.size());
+  projector_.accelerations(state.time, state.q, state.v, from.v_dot, lambda_);
+  if (!(largest(from.v_dot) > 0)) return false;
   if (!find_branch(state, from.v_dot)) return false;
   // Where it leads, up to a fraction of a turn.
   double best = kAllowed, best_length = 0, off = 0;
