@@ -15,6 +15,15 @@ namespace {
 
 constexpr int kMostContactRows = 1200;  // whose couplings are solved for exactly
 
+/// The multipliers that joints which rub feel. Where rows repeat others, λ is known up to a part that makes no force,
+/// and a method's is what its left-out rows make it: of least norm it does not depend on that choice.
+const double* as_felt(ConstVectorRef lambda, const EquationsOfMotion::Facts& facts, const BlockStructure& blocks,
+                      const std::vector<double>& values, std::unique_ptr<LeastNorm>& least_norm) {
+  if (facts.redundant_rows.empty() || !lambda.allFinite()) return lambda.data();
+  if (!least_norm) least_norm = std::make_unique<LeastNorm>(blocks);
+  return least_norm->of(values, lambda).data();
+}
+
 }  // namespace
 
 /// Of factorize_complex().
@@ -161,7 +170,8 @@ int Assembler::find_angle(const JointCoordinate& x) const {
 
 void Assembler::react(ConstVectorRef lambda) {
   if (!system_.reacts_) return;
-  for (const auto& batch : system_.batches_.forces) batch->react(work_, system_.blocks_, lambda.data());
+  const double* felt = as_felt(lambda, facts_, system_.blocks_, work_.values, least_norm_);
+  for (const auto& batch : system_.batches_.forces) batch->react(work_, system_.blocks_, felt);
 }
 
 void Assembler::evaluate(double time, ConstVectorRef q, ConstVectorRef v, Level level) {
@@ -300,7 +310,9 @@ void Assembler::form(const TangentWeights& weights, ConstVectorRef v_dot, ConstV
     }
   }
   if (system_.reacts_)
-    for (const auto& batch : system_.batches_.forces) batch->write_reaction_tangent(work_, blocks, lambda.data());
+    for (const double* felt = as_felt(lambda, facts_, blocks, work_.values, least_norm_);
+         const auto& batch : system_.batches_.forces)
+      batch->write_reaction_tangent(work_, blocks, felt);
   for (int entry : held_.couplings) values[entry] = 0;
   for (int entry : held_.diagonals) values[entry] = weights.acceleration;
 }
