@@ -131,6 +131,7 @@ StepResult Automatic::advance(EquationsOfMotion& equations, State& state, double
     ++switches_;
     change(incumbent_, equations, state);
   }
+  if (!result.why.empty()) steps_ = -2 * kBlock;
   watch(equations, state);
   return result;
 }
@@ -150,6 +151,7 @@ bool Automatic::is_held_by_stability() {
 void Automatic::watch(EquationsOfMotion& equations, State& state) {
   const int own = place(method_);
   ++steps_;
+  if (steps_ < 0) return;  // on the way across a singular pose: no place to change methods
   step_[own] = current_step();
   const bool held = method_ == Method::explicit_runge_kutta && is_held_by_stability();
   if (steps_ % kBlock != 0) return;

@@ -5,6 +5,7 @@
 #include "engine/assembly/evaluated.h"
 #include "engine/assembly/forward_part.h"
 #include "engine/assembly/held_blocks.h"
+#include "engine/assembly/least_norm.h"
 #include "engine/assembly/tangent_factors.h"
 #include "engine/contact/rigid_contacts.h"
 #include "engine/factor/block_products.h"
@@ -133,9 +134,18 @@ void Evaluator::track(VectorX& quarter_turns) const {
   }
 }
 
+/// The multipliers that joints which rub feel. Where rows repeat others, λ is known up to a part that makes no force,
+/// and a method's is what its left-out rows make it: of least norm it does not depend on that choice.
+const double* Evaluator::as_felt(ConstVectorRef lambda) {
+  if (facts_.redundant_rows.empty() || !lambda.allFinite()) return lambda.data();
+  if (!least_norm_) least_norm_ = std::make_unique<LeastNorm>(system_.blocks_);
+  return least_norm_->of(work_.values, lambda).data();
+}
+
 void Evaluator::react(ConstVectorRef lambda) {
   if (!system_.reacts_) return;
-  for (const auto& batch : system_.batches_.forces) batch->react(work_, system_.blocks_, lambda.data());
+  const double* felt = as_felt(lambda);
+  for (const auto& batch : system_.batches_.forces) batch->react(work_, system_.blocks_, felt);
 }
 
 void Evaluator::evaluate(double time, ConstVectorRef q, ConstVectorRef v, Level level) {
@@ -201,8 +211,10 @@ void Evaluator::write_tangent(const TangentWeights& weights, ConstVectorRef v_do
       values[row.compliant + i] = stiffness == 0 ? -1e30 : -1 / stiffness;  // no stiffness: the row gives way
     }
   }
-  if (system_.reacts_)
-    for (const auto& batch : system_.batches_.forces) batch->write_reaction_tangent(work_, blocks, lambda.data());
+  if (system_.reacts_) {
+    const double* felt = as_felt(lambda);
+    for (const auto& batch : system_.batches_.forces) batch->write_reaction_tangent(work_, blocks, felt);
+  }
   held_->write_tangent(weights.acceleration);
 }
 

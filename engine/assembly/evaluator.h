@@ -11,6 +11,7 @@ namespace lithe {
 
 class ContactForces;
 class HeldBlocks;
+class LeastNorm;
 class TangentFactors;
 
 /// Evaluates one state of a system: walks the batches and writes the blocks of M, f, g, G and of the tangent in place.
@@ -63,6 +64,7 @@ class Evaluator final : public EquationsOfMotion, public StepMemory {
   void make_contacts();
   bool has_forces() const { return !system_.batches_.forces.empty() || contacts_; }
   void add_applied_forces();
+  const double* as_felt(ConstVectorRef lambda);
 
   const System& system_;
   Workspace work_;
@@ -73,6 +75,7 @@ class Evaluator final : public EquationsOfMotion, public StepMemory {
   std::unique_ptr<HeldBlocks> held_;
   std::unique_ptr<TangentFactors> factors_;
   std::unique_ptr<ForwardDynamics> forward_;  // null: the scene has none
+  std::unique_ptr<LeastNorm> least_norm_;     // once asked for
 };
 
 }  // namespace lithe

@@ -21,6 +21,12 @@ class LeastNorm {
 
   /// `values`: the blocks of G at the pose, in the structure's places.
   void apply(const std::vector<double>& values, VectorRef lambda);
+  /// The same of a copy, which is kept until the next call.
+  const VectorX& of(const std::vector<double>& values, ConstVectorRef lambda) {
+    copy_ = lambda;
+    apply(values, copy_);
+    return copy_;
+  }
 
  private:
   static BlockStructure with_compliance(const BlockStructure& structure);
@@ -29,7 +35,7 @@ class LeastNorm {
   BlockStructure structure_;
   BlockFactor factor_;
   std::vector<double> values_;
-  VectorX force_, x_;
+  VectorX force_, x_, copy_;
 };
 
 /// Once: the multipliers of least norm with the same Gᵀ λ at the state evaluated last. Does nothing without redundant

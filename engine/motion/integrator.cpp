@@ -76,7 +76,14 @@ void Integrator::start(EquationsOfMotion& equations, State& state) {
   longest_ = std::numeric_limits<double>::infinity();
   usual_ = looked_at_ = 0;
   singular_pose_.reset();
+  VectorX begins;  // v̇, where the equations do not tell it
+  if (!delegates() && equations.facts().has_loops) {
+    singular_pose_ = std::make_unique<SingularPose>(equations);
+    if (singular_pose_->leave(state)) begins = state.v_dot;
+    equations.memory().recall_rows(state.left_out);
+  }
   prepare(equations, state);
+  if (begins.size() > 0) state.v_dot = begins;
   equations.memory().track_rows(state.left_out);
 }
 
@@ -86,22 +93,30 @@ StepResult Integrator::step(EquationsOfMotion& equations, State& state, double t
   equations.memory().recall_rows(state.left_out);
   equations.memory().recall(state.contacts);
   quarter_turns_ = state.quarter_turns;
-  const double begin = state.time;
+  const double begin = state.time, until = std::min(t_stop, begin + longest_);
   const bool watches = !delegates() && equations.facts().has_loops;
-  if (watches) before_ = state;
-  StepResult result = advance(equations, state, std::min(t_stop, begin + longest_));
-  // What a step has reached that shrank near a singular pose is mostly noise: the way across begins before it.
-  if (watches && (!result.ok() || has_shrunk(state.time - begin, state.time == t_stop))) {
-    std::vector<int> left_out;
-    equations.memory().track_rows(left_out);
-    equations.memory().recall_rows(before_.left_out);
-    std::swap(state, before_);
-    if (const std::string passed = pass_singular_pose(equations, state, t_stop); !passed.empty()) {
-      result = {StepResult::Outcome::reached, passed};
-    } else {
-      std::swap(state, before_);
-      equations.memory().recall_rows(left_out);
-      if (result.ok()) equations.evaluate(state.time, state.q, state.v, Level::velocity);
+  constexpr double kCreeps = 1e-5;  // of usual steps: round-off moves what these reach
+  StepResult result;
+  if (watches && singular_pose_->covers(begin)) {
+    result.why = pass_singular_pose(equations, state, until);
+  } else {
+    if (watches) singular_pose_->remember(state);
+    result = advance(equations, state, until);
+    // What a step has reached that shrank near a singular pose is mostly noise: the way across begins before it.
+    if (watches && (!result.ok() || has_shrunk(state.time - begin, state.time == t_stop))) {
+      std::vector<int> left_out;
+      equations.memory().track_rows(left_out);
+      if (const std::string passed = pass_singular_pose(equations, state, until); !passed.empty()) {
+        result = {StepResult::Outcome::reached, passed};
+      } else {
+        equations.memory().recall_rows(left_out);
+        if (result.ok()) equations.evaluate(state.time, state.q, state.v, Level::velocity);
+        if (singular_pose_->is_blocked() && state.time - begin < kCreeps * usual_ && state.time < t_stop)
+          result = {StepResult::Outcome::failed,
+                    "constraints lose rank at t = " + std::to_string(singular_pose_->pose()) +
+                        " s, and no smooth way leads across that pose; steps have come down to " +
+                        step_text(state.time - begin)};
+      }
     }
   }
   if (!result.ok()) return result;
@@ -128,27 +143,23 @@ bool Integrator::has_shrunk(double length, bool cut) {
   return true;
 }
 
-/// A step through a singular pose, if one is near: what the log is to say of it. Empty: none was made.
-std::string Integrator::pass_singular_pose(EquationsOfMotion& equations, State& state, double t_stop) {
-  constexpr double kFarthest = 20, kShortest = 1.0 / 16, kTurn = 0.01;  // of the step; of the usual one; rad
-  if (!singular_pose_) singular_pose_ = std::make_unique<SingularPose>(equations);
-  double turning = 0;
-  for (const auto& b : equations.layout().bodies())
-    if (b.frame) turning = std::max(turning, state.v.segment<3>(b.v + 3).norm());
-  const double step = std::max({looked_at_, kShortest * usual_, turning > 0 ? kTurn / turning : 0});
-  if (!(step > 0)) return "";
-  const auto ahead = singular_pose_->find(state, step, kFarthest * step);
-  const double at = ahead ? state.time + *ahead : 0;
-  if (!ahead || !singular_pose_->pass(state, *ahead, step, t_stop)) {
+/// Begins or goes on along a way across singular poses, a piece of it; behind it the method begins anew. What the log is
+/// to say of it; empty: none was found.
+std::string Integrator::pass_singular_pose(EquationsOfMotion& equations, State& state, double until) {
+  constexpr double kShortest = 1.0 / 16;  // of the usual step
+  if (!singular_pose_->covers(state.time) &&
+      !singular_pose_->cross(state, std::max(looked_at_, kShortest * usual_))) {
     lose_factor();
     return "";
   }
+  singular_pose_->follow(state, singular_pose_->next_stop(state.time, until));
+  const std::string message = singular_pose_->take_message();
+  if (singular_pose_->covers(state.time)) return message;
   resumes_ = true;
   prepare(equations, state);
   resumes_ = false;
   usual_ = looked_at_ = 0;
-  return "passed a pose where constraints lose rank at t = " + std::to_string(at) +
-         " s, on the branch that the velocity tells";
+  return message;
 }
 
 bool Integrator::history(Archive& archive, EquationsOfMotion& equations, const State& state) {
@@ -157,6 +168,7 @@ bool Integrator::history(Archive& archive, EquationsOfMotion& equations, const S
   archive("longest", longest_);
   archive("usual", usual_);
   archive("looked_at", looked_at_);
+  if (singular_pose_) archive.group("singular pose", [&] { singular_pose_->history(archive); });
   return keep(archive, equations, state);
 }
 

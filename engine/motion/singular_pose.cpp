@@ -1,57 +1,36 @@
 #include "engine/motion/singular_pose.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <limits>
+
+#include "engine/archive/archive.h"
 
 namespace lithe {
 namespace {
 
-constexpr int kMost = 4;  // nodes
+constexpr int kRules = 5;
+constexpr double kInside = 0.01;  // of an error within the way, which does not last
+constexpr int kPieces = 8;  // that a way is gone along: between them the motion is a quintic to 1e-12 (dense output)
 
-/// Nodes of Gauss on (0, 1), with the weights of the stages and of the end; exact to order 2 n.
-struct Gauss {
-  int n;
-  std::array<double, kMost> c{}, b{};
-  std::array<std::array<double, kMost>, kMost> a{};
-
-  explicit Gauss(std::initializer_list<double> of_interval) : n(static_cast<int>(of_interval.size())) {
-    int i = 0;
-    for (double x : of_interval) c[i++] = (1 + x) / 2;
-    // Integrals of Lagrange's polynomials, by their coefficients.
-    for (int j = 0; j < n; ++j) {
-      std::array<double, kMost + 1> p{1};
-      for (int k = 0, degree = 0; k < n; ++k) {
-        if (k == j) continue;
-        for (int m = ++degree; m >= 0; --m) p[m] = ((m > 0 ? p[m - 1] : 0) - c[k] * p[m]) / (c[j] - c[k]);
-      }
-      const auto integral = [&](double x) {
-        double sum = 0;
-        for (int m = n - 1; m >= 0; --m) sum = (sum + p[m] / (m + 1)) * x;
-        return sum;
-      };
-      for (int k = 0; k < n; ++k) a[k][j] = integral(c[k]);
-      b[j] = integral(1);
-    }
-  }
-
-  double distance(double x) const {
-    double least = 1;
-    for (int i = 0; i < n; ++i) least = std::min(least, std::abs(c[i] - x));
-    return least;
-  }
-};
-
-/// Of most nodes, none of which is near to the fraction x of the step.
-const Gauss& choose(double x) {
-  constexpr double kAway = 0.1;
-  static const Gauss rules[] = {Gauss{-0.8611363115940526, -0.3399810435848563, 0.3399810435848563, 0.8611363115940526},
-                                Gauss{-0.7745966692414834, 0, 0.7745966692414834},
-                                Gauss{-0.5773502691896258, 0.5773502691896258}};
-  for (const Gauss& rule : rules)
-    if (rule.distance(x) > kAway) return rule;
-  return rules[2];
+/// Most nodes first.
+const GaussRule& rule(int i) {
+  static const GaussRule rules[kRules] = {GaussRule(10), GaussRule(9), GaussRule(8), GaussRule(7), GaussRule(6)};
+  return rules[i];
 }
+
+/// The two of most nodes, none of which is near to the fraction x of the step.
+std::array<int, 2> choose_rules(double x) {
+  constexpr double kAway = 0.04;
+  std::array<int, 2> out{kRules - 2, kRules - 1};
+  int found = 0;
+  for (int i = 0; i < kRules && found < 2; ++i)
+    if ((rule(i).nodes.array() - x).abs().minCoeff() > kAway) out[found++] = i;
+  if (found == 1 && out[0] == out[1]) out[1] = kRules - 2;
+  return out;
+}
+
+double largest(const VectorX& x) { return x.cwiseAbs().maxCoeff(); }
 
 /// Anything without a pattern; the same each time.
 double any(int i) { return 1.5 + std::sin(1 + 2.4 * i + 0.37 * std::sin(5.1 * i)); }
@@ -60,77 +39,58 @@ double any(int i) { return 1.5 + std::sin(1 + 2.4 * i + 0.37 * std::sin(5.1 * i)
 
 SingularPose::SingularPose(EquationsOfMotion& equations) : equations_(equations), projector_(equations) {
   const Layout& layout = equations.layout();
-  for (VectorX* x : {&d_, &v_, &watched_}) x->setZero(layout.v_count());
-  for (VectorX* x : {&rows_, &probe_}) x->setZero(layout.row_count());
+  for (VectorX* x : {&d_, &v_, &rate_}) x->setZero(layout.v_count());
+  for (VectorX* x : {&rows_, &probe_, &lambda_}) x->setZero(layout.row_count());
   q_.setZero(layout.q_count());
   for (int i = 0; i < probe_.size(); ++i) probe_[i] = any(i + 7) * (i % 3 ? 1 : -1);
 }
 
-/// 1/(c·x) with G x = b, b and c arbitrary, at the pose that lies `later` on the way: a smooth function of time with a
-/// simple zero where G loses a rank.
-double SingularPose::nearness(const State& state, double later) {
-  const Layout& layout = equations_.layout();
+/// 1/|x| with G x = b, b arbitrary: along a motion, zero where G loses a rank, and proportional to the time from there.
+double SingularPose::nearness(ConstVectorRef q, double time) {
   equations_.memory().recall_rows(left_out_);  // at the pose itself no choice can be told from another
-  d_ = later * state.v + 0.5 * later * later * state.v_dot;
-  layout.retract(state.q, d_, q_);
   v_.setZero();
-  equations_.evaluate(state.time + later, q_, v_, Level::velocity);
+  equations_.evaluate(time, q, v_, Level::velocity);
   rows_.setZero();
   equations_.factorize({0, 0, 1}, v_, rows_, nullptr);
   rows_ = probe_;
   equations_.solve(v_, rows_);
-  return 1 / watched_.dot(v_);
+  return 1 / v_.norm();
 }
 
-std::optional<double> SingularPose::find(const State& state, double step, double reach) {
-  constexpr int kSamples = 20;
-  if (rows_.size() == 0 || equations_.parts().rigid_contacts || state.v_dot.size() != d_.size()) return {};
+/// Samples along the way that its acceleration tells. Seconds from `from` to the pose, if there is one.
+std::optional<double> SingularPose::locate(const State& from, double window, double earliest, double latest) {
+  constexpr int kFiner = 16;
+  constexpr double kDip = 0.1;  // of the largest: the way leaves the constraints a little, and misses the pose
   equations_.memory().track_rows(left_out_);
-  // Where the way bends, or a pole lies near, secants from afar lead out: again from nearer, watching another sum, and
-  // from between changes of sign.
-  std::optional<double> found;
-  for (int seed : {0, 11}) {
-    for (int i = 0; i < watched_.size(); ++i) watched_[i] = any(i + seed) * (i % 2 ? 1 : -1);
-    for (double first : {step, step / 8, step / 64})
-      if (!found) found = search(state, step, 0, first, reach);
-  }
-  double before = -step, value = found ? 0 : nearness(state, before);
-  for (int i = 1; i <= kSamples && !found; ++i) {
-    const double next = (-1 + 5.0 * i / kSamples) * step, value_next = nearness(state, next);
-    if (value * value_next < 0) found = search(state, step, before, next, reach);
-    before = next, value = value_next;
-  }
+  double where = 0, least = std::numeric_limits<double>::infinity(), largest = 0;
+  const auto look = [&](double later) {
+    d_ = later * from.v + 0.5 * later * later * from.v_dot;
+    equations_.layout().retract(from.q, d_, q_);
+    const double near = nearness(q_, from.time + later);
+    largest = std::max(largest, near);
+    if (near < least && later >= earliest && later <= latest) least = near, where = later;
+    return near;
+  };
+  window_ = window;
+  for (int i = 0; i <= kSamples; ++i) near_[i] = look(window * i / kSamples);
+  const double middle = where, apart = window / kSamples;
+  for (int i = 1; i < kFiner; ++i) look(std::max(0.0, middle + apart * (2.0 * i / kFiner - 1)));
   equations_.memory().recall_rows(left_out_);
-  return found;
+  if (!(least < kDip * largest)) return {};
+  return where;
 }
 
-/// A zero by secants, from two times on.
-std::optional<double> SingularPose::search(const State& state, double step, double from, double to, double reach) {
-  constexpr int kSecants = 8;
-  constexpr double kSmall = 1e-3, kNear = 1e-3, kEven = 0.3;
-  const double now = nearness(state, from);
-  double before = from, ahead = to, value_before = now, value = nearness(state, to);
-  for (int k = 0; k < kSecants && std::abs(value) > kSmall * std::abs(now); ++k) {
-    const double next = ahead - value * (ahead - before) / (value - value_before);
-    if (!(next > -step) || !(next < reach)) return {};  // or not finite
-    const bool between = (next - before) * (next - ahead) < 0;
-    const double least = std::min(std::abs(value), std::abs(value_before));
-    before = ahead, value_before = value;
-    ahead = next;
-    // At the pose itself rows give way, and the sum means nothing: no use to go on from there.
-    if (std::abs(ahead - before) < kNear * step) break;
-    value = nearness(state, next);
-    if (between && !(std::abs(value) < least)) break;
-  }
-  if (!(ahead > -step) || !(ahead < reach)) return {};
-  // Neither a pole nor a near miss: the signs before and behind it differ, the sizes hardly, and nearer they are
-  // smaller. Not looked at too near: the way leaves the constraints a little, which splits the zero there.
-  const double length = 0.1 * step, behind = nearness(state, ahead + length), ago = nearness(state, ahead - length);
-  const double change = std::abs(behind - ago);
-  if (!(std::abs(behind + ago) < kEven * change)) return {};
-  const double inner = std::abs(nearness(state, ahead + length / 2) - nearness(state, ahead - length / 2));
-  if (!(inner < 0.75 * change)) return {};
-  return ahead;
+/// How near to a pose the nodes of a step come: the less, the worse.
+double SingularPose::clearance(double length, double pose) const {
+  const auto [best, other] = choose_rules(pose / length);
+  double least = std::numeric_limits<double>::infinity();
+  for (int r : {best, other})
+    for (double node : rule(r).nodes) {
+      const double at = std::min(node * length / window_ * kSamples, kSamples - 1e-9), part = at - std::floor(at);
+      const auto i = static_cast<std::size_t>(at);
+      least = std::min(least, (1 - part) * near_[i] + part * near_[i + 1]);
+    }
+  return least;
 }
 
 /// q onto the constraints, then v; false where that fails.
@@ -143,67 +103,286 @@ bool SingularPose::place(double time, VectorX& q, VectorX& v) {
   return q.allFinite() && v.allFinite();
 }
 
-bool SingularPose::pass(State& state, double ahead, double step, double t_stop) {
-  constexpr int kMostPasses = 30;
-  constexpr double kConverged = 1e-14, kSlow = 0.3;  // of the fastest velocity; rate
-  // Round-off of g across the branch, over δ³, which the end's projection takes away again.
-  constexpr double kNoise = 1e-6;
+/// Rates at the nodes of a step, from those given, each time from all. False where that does not converge.
+bool SingularPose::collocate(const State& from, double length, const GaussRule& gauss, MatrixX& d_rates,
+                             MatrixX& rates) {
+  constexpr int kMostPasses = 40;
+  constexpr double kConverged = 1e-15, kSlow = 0.5;  // of the fastest velocity; rate
+  constexpr double kNoise = 1e-7;                    // where corrections no longer shrink
   const Layout& layout = equations_.layout();
-  double h = 2 * std::max(ahead, step);
-  const bool stops = !(state.time + h < t_stop * (1 - 1e-12));
-  if (stops) h = t_stop - state.time;
-  if (!(h > ahead)) return false;  // it ends before
-  const double time = stops ? t_stop : state.time + h;
-  const Gauss& rule = choose(ahead / h);
-  // 1. Nodes by the present acceleration at first, then from each other.
-  const auto nv = layout.v_count();
-  MatrixX d_rates = MatrixX::Zero(nv, rule.n), rates(nv, rule.n), d_next(nv, rule.n);
-  VectorX lambda = state.lambda.size() == layout.row_count() ? state.lambda : VectorX::Zero(layout.row_count()).eval();
-  VectorX q(layout.q_count()), v(nv), d(nv), rate(nv);
-  for (int i = 0; i < rule.n; ++i) {
-    rates.col(i) = state.v_dot;
-    d_rates.col(i) = state.v + rule.c[i] * h * state.v_dot;
-  }
+  const double size = std::max({from.v.cwiseAbs().maxCoeff(), length * rates.cwiseAbs().maxCoeff(), 1e-12});
+  MatrixX next = rates, d_next = d_rates;
   double last = 0;
-  const double size = std::max(state.v.cwiseAbs().maxCoeff(), 1e-12);
   for (int k = 0;; ++k) {
     if (k == kMostPasses) return false;
-    MatrixX next(nv, rule.n);
-    for (int i = 0; i < rule.n; ++i) {
-      d.setZero();
-      v = state.v;
-      for (int j = 0; j < rule.n; ++j) d += h * rule.a[i][j] * d_rates.col(j), v += h * rule.a[i][j] * rates.col(j);
-      layout.retract(state.q, d, q);
-      const double at = state.time + rule.c[i] * h;
-      if (!place(at, q, v)) return false;
-      layout.difference(state.q, q, d);
-      layout.chart_rates(d, v, rate);
-      d_next.col(i) = rate;
-      projector_.accelerations(at, q, v, rate, lambda);
-      if (!rate.allFinite()) return false;
-      next.col(i) = rate;
+    for (int i = 0; i < gauss.count(); ++i) {
+      d_.noalias() = length * (d_rates * gauss.stages.row(i).transpose());
+      v_ = from.v + length * (rates * gauss.stages.row(i).transpose());
+      layout.retract(from.q, d_, q_);
+      const double at = from.time + gauss.nodes[i] * length;
+      if (!place(at, q_, v_)) return false;
+      layout.difference(from.q, q_, d_);
+      layout.chart_rates(d_, v_, rate_);
+      d_next.col(i) = rate_;
+      projector_.accelerations(at, q_, v_, rate_, lambda_);
+      if (!rate_.allFinite()) return false;
+      next.col(i) = rate_;
     }
-    const double change = std::max(h * (next - rates).cwiseAbs().maxCoeff(), (d_next - d_rates).cwiseAbs().maxCoeff());
+    const double change =
+        std::max(length * (next - rates).cwiseAbs().maxCoeff(), (d_next - d_rates).cwiseAbs().maxCoeff()) / size;
     rates = next, d_rates = d_next;
-    if (change <= kConverged * size) break;
-    if (k > 2 && change > kSlow * last) {
-      if (change > kNoise * size) return false;  // the step is too long for this way
-      break;
-    }
+    if (change <= kConverged) return true;
+    if (k > 2 && change > kSlow * last) return change <= kNoise;  // the step is too long for this way, or round-off
     last = change;
   }
-  // 2. The end; near to the pose the polynomial alone tells it.
-  d.setZero();
-  v = state.v;
-  for (int j = 0; j < rule.n; ++j) d += h * rule.b[j] * d_rates.col(j), v += h * rule.b[j] * rates.col(j);
-  layout.retract(state.q, d, q);
-  if (h - ahead > 0.05 * h && !place(time, q, v)) return false;
-  rate.resize(nv);
-  projector_.accelerations(time, q, v, rate, lambda);
-  if (!rate.allFinite()) return false;
-  state.time = time;
-  state.q = q, state.v = v, state.v_dot = rate, state.lambda = lambda;
+}
+
+/// Two rules, the second of which begins where the first one leads; `off`: how far their ends are apart, of the fastest
+/// velocity. The way is then that of the first.
+bool SingularPose::agree(const State& from, double length, double pose, double& off) {
+  const auto [best, other] = choose_rules(pose / length);
+  const GaussRule &gauss = rule(best), &check = rule(other);
+  const auto nv = equations_.layout().v_count();
+  MatrixX rates(nv, gauss.count()), d_rates(nv, gauss.count());
+  for (int i = 0; i < gauss.count(); ++i) {
+    rates.col(i) = from.v_dot;
+    d_rates.col(i) = from.v + gauss.nodes[i] * length * from.v_dot;
+  }
+  lambda_ = from.lambda.size() == lambda_.size() ? from.lambda : VectorX::Zero(lambda_.size()).eval();
+  if (!collocate(from, length, gauss, d_rates, rates)) return false;
+  MatrixX check_rates(nv, check.count()), check_d_rates(nv, check.count());
+  for (int i = 0; i < check.count(); ++i) {
+    const VectorX basis = gauss.basis(check.nodes[i]);
+    check_rates.col(i) = rates * basis;
+    check_d_rates.col(i) = d_rates * basis;
+  }
+  if (!collocate(from, length, check, check_d_rates, check_rates)) return false;
+  const double size = std::max({from.v.cwiseAbs().maxCoeff(), length * rates.cwiseAbs().maxCoeff(), 1e-12});
+  const auto apart = [&](const VectorX& a, const VectorX& b) {
+    const double of_v = length * (rates * a - check_rates * b).cwiseAbs().maxCoeff();
+    return std::max(of_v, (d_rates * a - check_d_rates * b).cwiseAbs().maxCoeff()) / size;
+  };
+  const double end = apart(gauss.weights, check.weights);
+  double inside = 0;
+  for (double x : {0.25, 0.5, 0.75}) inside = std::max(inside, apart(gauss.integrals(x), check.integrals(x)));
+  off = std::max(end, kInside * inside);
+  take(from, length, best, d_rates, rates);
   return true;
+}
+
+void SingularPose::take(const State& from, double length, int rule, const MatrixX& d_rates, const MatrixX& rates) {
+  rule_ = rule;
+  begin_ = from.time, end_ = from.time + length;
+  q_begin_ = from.q, v_begin_ = from.v;
+  d_rates_ = d_rates, rates_ = rates;
+}
+
+/// In which the body that turns fastest turns by an angle, at most; infinite where nothing turns.
+double SingularPose::time_to_turn(const State& state, double angle) const {
+  double rate = 0, growth = 0;
+  for (const auto& b : equations_.layout().bodies()) {
+    if (!b.frame) continue;
+    rate = std::max(rate, state.v.segment<3>(b.v + 3).squaredNorm());
+    if (state.v_dot.size() > 0) growth = std::max(growth, state.v_dot.segment<3>(b.v + 3).squaredNorm());
+  }
+  rate = std::sqrt(rate);
+  return 2 * angle / (rate + std::sqrt(rate * rate + 2 * angle * std::sqrt(growth)));
+}
+
+void SingularPose::remember(const State& state) {
+  constexpr double kApart = 0.05;  // rad
+  const State &last = kept_[last_], &before = kept_[(last_ + kKept - 1) % kKept];
+  if (last.q.size() > 0 && (before.q.size() == 0 || last.time - before.time >= time_to_turn(last, kApart))) {
+    last_ = (last_ + 1) % kKept;
+    if (last_ == anchor_) last_ = (last_ + 1) % kKept;
+  }
+  kept_[last_] = state;
+}
+
+/// The earliest kept state that is less than a fraction of a turn away.
+int SingularPose::begin_of_way(double now) const {
+  constexpr double kFarthest = 0.3;  // rad
+  int first = last_;
+  for (int i = 0; i < kKept; ++i) {
+    const State& state = kept_[i];
+    if (state.q.size() > 0 && now - state.time < time_to_turn(state, kFarthest) && state.time < kept_[first].time)
+      first = i;
+  }
+  return first;
+}
+
+bool SingularPose::cross(const State& now, double step) {
+  rule_ = -1;
+  blocked_ = false;
+  if (lambda_.size() == 0 || equations_.parts().rigid_contacts) return false;
+  if (now.time > keep_until_) anchor_ = -1;
+  // From afar first: what is nearer knows less.
+  const int first = begin_of_way(now.time);
+  int tried = -1;
+  for (int i : {anchor_, first, last_}) {
+    if (i < 0 || i == tried || kept_[i].v_dot.size() != d_.size()) continue;
+    tried = i;
+    const State& from = kept_[i];
+    equations_.memory().recall(from.quarter_turns);
+    equations_.memory().recall(from.contacts);
+    equations_.memory().recall_rows(from.left_out);
+    if (!cross_from(from, now.time, step)) continue;
+    anchor_ = i;
+    keep_until_ = 2 * end_ - begin_;
+    break;
+  }
+  equations_.memory().recall(now.quarter_turns);
+  equations_.memory().recall(now.contacts);
+  if (rule_ < 0) return false;
+  message_ = "passed a pose where constraints lose rank at t = " + std::to_string(pose_) +
+             " s, on the branch that the velocity tells";
+  return true;
+}
+
+bool SingularPose::cross_from(const State& from, double now, double step) {
+  constexpr double kTurn = 0.4;  // rad
+  constexpr int kHalvings = 4;
+  constexpr double kEnough = 1e-11, kAllowed = 1e-7;
+  constexpr double kLook = 0.01, kReach = 8, kBehind = 2;  // rad; steps
+  const double past = now - from.time, all = time_to_turn(from, kTurn), turn = std::isfinite(all) ? all : 0;
+  step = std::max(step, kLook / kTurn * turn);
+  const auto pose = locate(from, std::max({2.5 * past, past + kReach * step, 1.5 * turn}), past - kBehind * step,
+                           past + kReach * step);
+  if (!pose) return false;
+  pose_ = from.time + *pose;
+  // As long as a fraction of a turn, or shorter, whichever length nearby keeps nodes farthest from poses.
+  const double least = std::max(1.5 * *pose, 1.1 * past + step);
+  double best = kAllowed, best_length = 0;
+  for (int i = 0; i <= kHalvings; ++i) {
+    // First with the pose in the middle, where rules of most nodes are clear of it.
+    const double wished = std::max(least, i == 0 ? 2 * *pose : std::ldexp(turn, 1 - i));
+    constexpr double kFactors[] = {1, 1.1, 1.2, 1.33, 1.5};
+    double clear = 0, length = wished;
+    for (double factor : kFactors) clear = std::max(clear, clearance(factor * wished, *pose));
+    for (double factor : kFactors)
+      if (clearance(length = factor * wished, *pose) >= 0.5 * clear) break;
+    double off = 0;
+    const bool found = agree(from, length, *pose, off);
+    if (found && off < best) best = off, best_length = length;
+    if (best < kEnough || (i > 0 && wished == least)) break;
+  }
+  double off = 0;
+  if (best_length == 0 || (end_ - begin_ != best_length && !agree(from, best_length, *pose, off))) {
+    rule_ = -1;
+    blocked_ = true;
+    return false;
+  }
+  blocked_ = false;
+  return true;
+}
+
+double SingularPose::next_stop(double time, double at_most) const {
+  const double piece = (end_ - begin_) / kPieces;
+  const double next = time + piece < end_ - 0.1 * piece ? time + piece : end_;
+  return std::min(next, at_most);
+}
+
+void SingularPose::follow(State& state, double time) {
+  constexpr double kMoves = 1e-5;  // beside the size of coordinates: farther only where round-off decides
+  const Layout& layout = equations_.layout();
+  const double length = end_ - begin_, x = (time - begin_) / length;
+  const GaussRule& gauss = rule(rule_);
+  const VectorX integrals = x < 1 ? gauss.integrals(x) : gauss.weights;
+  d_.noalias() = length * (d_rates_ * integrals);
+  state.v = v_begin_ + length * (rates_ * integrals);
+  layout.retract(q_begin_, d_, state.q);
+  state.time = time;
+  q_ = state.q, v_ = state.v;
+  if (place(time, q_, v_)) {
+    layout.difference(state.q, q_, d_);
+    if (d_.cwiseAbs().maxCoeff() <= kMoves * (1 + state.q.cwiseAbs().maxCoeff())) state.q = q_, state.v = v_;
+  }
+  if (state.lambda.size() != lambda_.size()) state.lambda = lambda_;
+  state.v_dot.resize(layout.v_count());
+  projector_.accelerations(time, state.q, state.v, rate_, lambda_);
+  if (lambda_.allFinite()) state.lambda = lambda_;
+  state.v_dot = rates_ * gauss.basis(x);
+  if (x >= 1) rule_ = -1;
+}
+
+/// The acceleration t (t·f)/(t·M t) along the branch with the tangent t: where the constraints lead that are nearest to
+/// a small motion the way the forces pull, then nearer to the pose.
+bool SingularPose::find_branch(const State& state, VectorX& v_dot) {
+  constexpr double kFirst = 1e-2, kNearer = 1e-3, kNearest = 1e-4;  // rad, or m where nothing turns
+  constexpr double kFalls = 0.1;  // nearness, in a hundredth of the distance; at the pose itself rows give way
+  constexpr int kIterations = 30;
+  const Layout& layout = equations_.layout();
+  VectorX tangent = v_dot;
+  const auto move = [&](double reach) {
+    d_ = tangent * (reach / largest(tangent));
+    layout.retract(state.q, d_, q_);
+  };
+  move(kFirst);
+  const double afar = nearness(q_, state.time);
+  move(kNearest);
+  if (!(nearness(q_, state.time) < kFalls * afar)) return false;
+  for (double reach : {kFirst, kNearer}) {
+    move(reach);
+    if (!(projector_.position(state.time, q_, 0, kIterations).residual < 1e-12)) return false;
+    layout.difference(state.q, q_, tangent);
+    if (!(largest(tangent) > 0.1 * reach)) return false;  // no branch leads that way
+  }
+  tangent /= tangent.norm();
+  v_.setZero(), rows_.setZero();
+  equations_.evaluate(state.time, state.q, v_, Level::velocity);
+  equations_.residual(v_, rows_, d_);  // -f
+  equations_.residual(tangent, rows_, rate_);
+  v_dot = tangent * (-tangent.dot(d_) / tangent.dot(rate_ - d_));
+  return v_dot.allFinite() && largest(v_dot) > 0;
+}
+
+bool SingularPose::leave(State& state) {
+  constexpr double kAtRest = 1e-12, kAllowed = 1e-7, kEnough = 1e-11;  // m/s, rad/s; of the velocity reached
+  if (lambda_.size() == 0 || equations_.parts().rigid_contacts || !(largest(state.v) <= kAtRest)) return false;
+  left_out_ = state.left_out;  // as before anything was factorised in this pose, where rows are as good as others
+  State from = state;
+  from.v_dot.resize(d_.size());
+  projector_.accelerations(state.time, state.q, state.v, from.v_dot, lambda_);
+  if (!(largest(from.v_dot) > 0)) return false;
+  if (!find_branch(state, from.v_dot)) return false;
+  // Where it leads, up to a fraction of a turn.
+  double best = kAllowed, best_length = 0, off = 0;
+  for (double turn : {0.5, 0.25, 0.12, 0.06}) {  // rad
+    const double length = std::sqrt(2 * turn / largest(from.v_dot));
+    if (agree(from, length, 0, off) && off < best) best = off, best_length = length;
+    if (best < kEnough) break;
+  }
+  if (best_length == 0 || (end_ - begin_ != best_length && !agree(from, best_length, 0, off))) {
+    rule_ = -1;
+    return false;
+  }
+  state.v_dot = from.v_dot;
+  pose_ = state.time;
+  message_ = "begins at rest in a pose where constraints lose rank and several motions are possible: takes the one whose "
+             "acceleration is nearest to that of the forces alone, in the metric of the mass";
+  return true;
+}
+
+void SingularPose::history(Archive& archive) {
+  archive("last", last_);
+  archive("anchor", anchor_);
+  archive("keep_until", keep_until_);
+  last_ = std::clamp(last_, 0, kKept - 1), anchor_ = std::clamp(anchor_, -1, kKept - 1);
+  std::vector<int> kept;
+  for (int i = 0; i < kKept; ++i)
+    if (kept_[i].q.size() > 0) kept.push_back(i);
+  archive("kept", kept);
+  for (int i : kept)
+    if (i >= 0 && i < kKept) archive("state " + std::to_string(i), kept_[i]);
+  archive("rule", rule_);
+  if (rule_ < 0) return;
+  rule_ = std::min(rule_, kRules - 1);
+  archive("begin", begin_);
+  archive("end", end_);
+  archive("q_begin", q_begin_);
+  archive("v_begin", v_begin_);
+  archive("d_rates", d_rates_);
+  archive("rates", rates_);
 }
 
 }  // namespace lithe

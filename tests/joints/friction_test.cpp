@@ -238,5 +238,32 @@ TEST(JointFriction, PowerAddsUpToTheEnergyLost) {
   EXPECT_NEAR(work, scene.energy() - start, 1e-5);
 }
 
+/// A shaft turns in two equal bearings, loaded in the middle: its rows are dependent, and each bearing carries half. One
+/// of them rubs, with half the weight, whichever it is, and whatever rows a method leaves out: ω̇ = -μ r (m g / 2) / J.
+TEST(JointFriction, FeelsReactionsOfLeastNormWhereRowsRepeat) {
+  constexpr double kMass = 4, kInertia = 0.02, kRadius = 0.03, kMu = 0.25, kSpeed = 30, kEnd = 0.2;
+  const double slowed = kSpeed - kMu * kRadius * kMass * kGravity / 2 / kInertia * kEnd;
+  const Matrix3 along_x = rotation_about({0, 1, 0}, kPi / 2);
+  for (int rubs : {0, 1})
+    for (auto& [name, method] : every_method(1e-3)) {
+      SCOPED_TRACE(name + ", bearing " + std::to_string(rubs));
+      Scene scene({0, 0, -kGravity}, [&](SystemGraph& graph) {
+        auto& shaft = graph.add<RigidBody>(
+            "shaft", {.mass = kMass, .inertia = {kInertia, 0.3, 0.3}, .angular_velocity = {kSpeed, 0, 0}});
+        for (int i : {0, 1}) {
+          const Vector3 at(i == 0 ? -0.5 : 0.5, 0, 0);
+          auto& bearing = graph.add<RevoluteJoint>("bearing " + std::to_string(i),
+                                                   {graph.ground().marker(at, along_x), shaft.marker(at, along_x)});
+          if (i == rubs)
+            graph.add<JointFriction>("rub", {bearing.angle()},
+                                     {.joint = &bearing, .dynamic = kMu, .transition_speed = 1e-3, .radius = kRadius});
+        }
+      });
+      EXPECT_EQ(scene.system.redundant_rows().size(), 5u);
+      ASSERT_NO_FATAL_FAILURE(scene.run(*method, kEnd));
+      EXPECT_NEAR(scene.state.v[3], slowed, 1e-6 * kSpeed);  // without friction, or with all the weight: 5 % off
+    }
+}
+
 }  // namespace
 }  // namespace lithe::test::friction_test
