@@ -18,7 +18,8 @@ const std::map<std::string, std::set<std::string>> kArrows = {
     {"bodies", {"engine", "bodies"}},
     {"joints", {"engine", "joints"}},
     {"integrators", {"engine", "integrators"}},
-    {"examples", {"lithe", "engine", "bodies", "joints", "integrators"}},  // lithe/lithe.h: the generated umbrella
+    {"models", {"engine", "bodies", "joints", "models"}},
+    {"examples", {"lithe", "engine", "bodies", "joints", "integrators", "models"}},  // lithe/lithe.h: the generated umbrella
 };
 const std::set<std::string> kPluginIncludes = {"engine/plugin.h", "engine/plugin_abi.h"};
 // engine/ has rooms in the order of the pipeline: each knows itself and those before it. Two headers stand at the door,
@@ -26,7 +27,7 @@ const std::set<std::string> kPluginIncludes = {"engine/plugin.h", "engine/plugin
 const std::vector<std::string> kRooms = {"base",   "factor",   "cones",   "model",    "forward",  "archive",
                                          "output", "motion",   "contact", "assembly", "simplify", "observe",
                                          "run",    "analysis", "page",    "study",    "plugin"};
-const std::set<std::string> kLibraries = {"engine", "bodies", "joints", "integrators"};
+const std::set<std::string> kLibraries = {"engine", "bodies", "joints", "integrators", "models"};
 
 /// A third-party package: its headers, the files that may include them, and whether only one of those files may.
 struct Package {
@@ -64,6 +65,8 @@ const std::vector<Package>& packages() {
       {"gnuplot", std::regex(R"(spawn\.h)"), std::regex(R"(engine/output/chart\.cpp)"), "engine/output/chart.cpp"},
       {"zlib", std::regex(R"(z(lib|conf)\.h)"), std::regex(R"(engine/page/packed_text\.cpp)"),
        "engine/page/packed_text.cpp"},
+      {"pugixml", std::regex(R"(pugixml\.hpp)"), std::regex(R"(models/xml_file_internal\.h)"),
+       "models/xml_file_internal.h"},
       {"nlohmann_json", std::regex(R"(nlohmann/.*)"), std::regex(R"(.*\.cpp)"), "any .cpp"},
   };
   return all;

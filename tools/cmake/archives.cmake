@@ -13,5 +13,5 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 # `lithe run` compiles scenes against the shared library and Eigen alone; find_package(lithe) links the static ones.
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "g++ (>= 12), libeigen3-dev (>= 3.4)")
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS
-    "gnuplot-nox, libbullet-dev, libhdf5-dev, libspdlog-dev, libsuitesparse-dev, libsundials-dev, zlib1g-dev")
+    "gnuplot-nox, libbullet-dev, libhdf5-dev, libpugixml-dev, libspdlog-dev, libsuitesparse-dev, libsundials-dev, zlib1g-dev")
 include(CPack)

@@ -1,7 +1,7 @@
 # The package: `cmake --install <build> --prefix P`, then find_package(lithe CONFIG), target_link_libraries(app
 # lithe::lithe) and #include "lithe/lithe.h" elsewhere. tests/package/ is such a project.
 include(CMakePackageConfigHelpers)
-set(LITHE_LIBRARIES integrators joints bodies engine)  # users first: the order static libraries want
+set(LITHE_LIBRARIES models integrators joints bodies engine)  # users first: the order static libraries want
 
 # lithe/lithe.h includes every public header. It is generated, since no folder below examples/ may include all others.
 set(header_globs ${LITHE_LIBRARIES})

@@ -21,6 +21,8 @@ void add_prepare(CLI::App& app, int& exit_code);
 /// lithe body inspect PATH: a flexible body from a file, proved, with a sheet and pictures.
 void add_body(CLI::App& app, int& exit_code);
 
+/// lithe model inspect PATH, lithe model run PATH: a model of another program (models/).
+void add_model(CLI::App& app, int& exit_code);
 /// lithe view RUN...: one page of recorded runs (engine/page/).
 void add_view(CLI::App& app, int& exit_code);
 

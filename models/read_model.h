@@ -1,0 +1,21 @@
+#pragma once
+
+#include <filesystem>
+
+#include "models/model_description.h"
+
+namespace lithe {
+
+/// Reads a model file, whatever its format. Known: URDF. Throws FileError for a file that cannot be read, for a format
+/// that is not known, and like the reader of the format.
+ModelDescription read_model(const std::filesystem::path& path);
+
+/// Reads a URDF (Unified Robot Description Format, ROS): links, joints (revolute, continuous, prismatic, planar,
+/// floating, fixed), inertias, damping, mimic, primitive shapes. Limits, dry friction, transmissions, meshes, collision
+/// shapes and tags that URDF does not have do not act; the notes list them. Throws FileError, naming file and line, for
+/// XML that is not well-formed, numbers that are none or not finite, a link without a name, twice the same name, a
+/// joint of unknown type, a parent or child that is no link, an axis without direction, a negative mass, a link that is
+/// the child of two joints, links that form a cycle, several roots, and a mimic of nothing or of itself.
+ModelDescription read_urdf(const std::filesystem::path& path);
+
+}  // namespace lithe
