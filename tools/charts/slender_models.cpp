@@ -110,12 +110,11 @@ StudyScene exact_blade(int elements) {
                        {.deflection = Deflection::exact, .elements = elements});
 }
 
-StudyScene quadratic_blade(const FiniteElementModel& model, int count) {
-  return blade(std::to_string(count) + " modes, quadratic", [&model, count](SystemGraph& graph) -> std::vector<Sensor> {
+StudyScene solid_blade(const std::string& name, const FiniteElementModel& model, int count, Deflection deflection) {
+  return blade(name, [&model, count, deflection](SystemGraph& graph) -> std::vector<Sensor> {
     auto& hub = draw_hub(graph);
     const auto& root = model.node_set("x_min");
-    const auto basis = make_basis(model, TangentFrame{root}, count, {.deflection = Deflection::quadratic});
-    // The basis has its origin in the middle of the root.
+    const auto basis = make_basis(model, TangentFrame{root}, count, {.deflection = deflection});
     auto& body = graph.add<FlexibleBody>(
         "blade", {.basis = basis, .damping = {.stiffness_proportional = kDamping}});
     graph.add<FixedJoint>("root", {hub.marker(), body.frame()});
@@ -247,6 +246,21 @@ int main(int count, char** arguments) {
            .y = {least / result.duration, most / result.duration},
            .style = LineStyle::dashed}});
   }
+  if (which == "debug") {
+    std::vector<FiniteElementModel> models;
+    models.reserve(10);
+    std::vector<StudyScene> scenes;
+    for (const std::array<int, 3> n : {std::array<int, 3>{20, 1, 1}, {40, 1, 1}, {40, 1, 2}}) {
+      models.push_back(brick_mesh({.size = {kBlade, kChord, kDepth}, .divisions = n, .material = kAluminium, .name = "b"}));
+      models.back().nodes.colwise() -= Vector3(0, kChord / 2, kDepth / 2);
+      scenes.push_back(solid_blade("stiffened " + std::to_string(n[0]), models.back(), 12, Deflection::stiffened));
+      scenes.push_back(solid_blade("quadratic " + std::to_string(n[0]), models.back(), 12, Deflection::quadratic));
+      scenes.push_back(solid_blade("quadratic 6 " + std::to_string(n[0]), models.back(), 6, Deflection::quadratic));
+      scenes.push_back(solid_blade("quadratic 24 " + std::to_string(n[0]), models.back(), 24, Deflection::quadratic));
+    }
+    std::printf("%s", model_precision("d", scenes, finest_blade(), method(), {1e-3}, {.repeats = 1}).table().c_str());
+    return 0;
+  }
   if (which != "pendulum") {
     const FiniteElementModel model = [] {
       FiniteElementModel block = brick_mesh(
@@ -257,7 +271,7 @@ int main(int count, char** arguments) {
     draw(model_precision("a blade that spins up, in six models",
                          {slender_blade("rigid", {}), slender_blade("12 modes", modes(12, Deflection::linear)),
                           slender_blade("12 modes, stiffened", modes(12, Deflection::stiffened)),
-                          quadratic_blade(model, 12), exact_blade(5), exact_blade(20),
+                          solid_blade("12 modes, quadratic", model, 12, Deflection::quadratic), exact_blade(5), exact_blade(20),
                           brick_blade(registry, "results/charts", {32, 1, 1})},
                          finest_blade(), method(), settings, {.time_limit = 60}),
          folder + "/slender_blade");
