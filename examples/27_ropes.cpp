@@ -1,9 +1,10 @@
 // 27_ropes: a hoist. A motor drives a drum by a belt, and its rope lifts a load on a block of two parts.
 //
 // Shows: a rope from a drum over a pulley and under the block of a hook; a belt drive with friction on its wheels; the
-//        tensions of spans as sensors; creep.
+//        tensions of spans as sensors; creep; a page.
 // Expect: the hook rises by half of what the drum winds up, to 1 mm; the belt, tighter on one side by the torque over
-//         the wheel's radius, loses about 1 % of its way by creep, and then holds the load without slipping.
+//         the wheel's radius, loses about 1 % of its way by creep, and then holds the load without slipping;
+//         results/ropes/hoist.html.
 #include <cstdio>
 
 #include "lithe/lithe.h"
@@ -49,13 +50,18 @@ int main() {
   // 4. Hoist for six seconds, then hold.
   const System system = assemble(graph);
   State state = system.initial_state();
-  Recorder recorder{{height(hook.marker(), "hook"), coordinate(drum_pin.angle(), "drum"), tension(rope, 0, "rope"),
-                     tension(belt, 0, "belt_slack"), tension(belt, 1, "belt_tight")}};
+  const std::vector<Sensor> sensors{height(hook.marker(), "hook"), coordinate(drum_pin.angle(), "drum"),
+                                    tension(rope, 0, "rope"), tension(belt, 0, "belt_slack"),
+                                    tension(belt, 1, "belt_tight")};
+  Recorder recorder(sensors);
+  Run run(system, sensors, {.name = "hoist"});
   Automatic automatic{{.tolerance = {.relative = 1e-6, .absolute = 1e-6}}};
   Simulation simulation{system, automatic};
   simulation.observe(recorder, every(0.05));
+  simulation.observe(run, every(0.05));
   simulation.run(state, 10);
   recorder.write_csv("results/ropes/hoist.csv");
+  write_page({run}, "results/ropes/hoist.html", {.title = "A hoist: belt, drum, rope"});
 
   // 5. Check the answer. In the middle of the hoist tensions change little.
   const Table& table = recorder.table();

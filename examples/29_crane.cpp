@@ -29,8 +29,9 @@ int main() {
       "trolley", {.mass = 300, .inertia = {20, 20, 20}, .position = {near_tower, 0, height_of_boom - 0.2}});
   auto& runs = add_sliding_joint(graph, "runs", trolley.marker({0, 0, 0.2}), along(boom, 1, length));
   add_sliding_friction(graph, "rolling", runs, {.coefficient = 0.01, .creep_speed = 0.03});
-  graph.add<OrientationJoint>("wheels", {ground.marker(), trolley.marker()});
-  graph.add<CoordinateDrive>("drive", {displacement_between(ground.marker(), trolley.marker(), 0)},
+  const Marker tower = ground.marker({0, 0, height_of_boom - 0.2});
+  graph.add<OrientationJoint>("wheels", {tower, trolley.marker()});
+  graph.add<CoordinateDrive>("drive", {displacement_between(tower, trolley.marker(), 0)},
                              {.motion = smooth_step(near_tower, far, 1, 7)});
 
   // 3. The rope: tower, over the trolley's first pulley, under the hook's, over the second, to the tip of the boom.

@@ -11,5 +11,5 @@ source tools/stages.sh
 stage_shown "packages" tools/install_packages.sh
 stage "configure release" cmake --preset release
 build "build release" cmake --build --preset release --parallel "$jobs" --target lithe_command flexible_pendulum_models \
-  flexible_models
+  flexible_models slender_models
 exec tools/charts/draw.sh build/release/bin/lithe build/release/tools/charts "$@"

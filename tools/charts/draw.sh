@@ -9,13 +9,13 @@ shift 2
 studies=("$@")
 [[ ${#studies[@]} -gt 0 ]] ||
   studies=(heavy_top andrews_squeezer chain_16 flyball_governor flexible_pendulum flexible_slider_crank beam_spin_up
-    flexible_pendulum_models flexible_models)
+    flexible_pendulum_models flexible_models slender_models)
 
 pinned=()
 command -v taskset > /dev/null && pinned=(taskset -c 0)
 for study in "${studies[@]}"; do
   echo "== $study"
-  if [[ $study == flexible_*models ]]; then
+  if [[ $study == *_models ]]; then
     "${pinned[@]}" "$programs/$study" docs/charts
     continue
   fi
