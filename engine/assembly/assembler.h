@@ -67,6 +67,19 @@ class Assembler final : public EquationsOfMotion, public StepMemory, public Comp
   /// rows.
   void minimum_norm(VectorRef lambda);
 
+  // ---- what derivatives of a run take: tangents and their transposes, without contacts and without friction by
+  // reactions (SceneError) ----
+  /// The blocks of S = weighted derivative of the residual, as factorize() forms them, for add_tangent_product().
+  void form_tangent(const TangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
+                    const VectorX* increment);
+  /// out += S x or Sᵀ x, compliant rows eliminated, with the blocks formed last.
+  void add_tangent_product(const VectorX& x, VectorX& out, bool transposed) const;
+  /// Factorises [Sᵀ Gᵀ; G 0] instead of [S Gᵀ; G 0], for solve(). The blocks formed last are then those of Sᵀ.
+  void factorize_transposed(const TangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
+                            const VectorX* increment);
+  /// rates += G v.
+  void add_rates(const double* v, VectorRef rates) const;
+
   // ---- what forward dynamics takes from the evaluation ----
   /// Generalized forces besides gravity at a state: loads and compliant rows; null if the scene has none.
   const double* applied_forces(double time, ConstVectorRef q, ConstVectorRef v);
@@ -76,7 +89,6 @@ class Assembler final : public EquationsOfMotion, public StepMemory, public Comp
  private:
   friend class SystemBuilder;
   void add_row_forces(const double* lambda, const double* tension, double* r) const;  // Gᵀ (lambda, tension)
-  void add_rates(const double* v, VectorRef rates) const;                             // G v of the constraints
   void exchange_weak_rows();
   void form(const TangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda, const VectorX* increment);
   void release_from_joints();
