@@ -45,7 +45,7 @@ class RunGradient {
     for (const Quantity& q : quantities_) column_of_.push_back(columns_.add(q.column, drawing));
     run(options.memory);
     parameters_ = std::make_unique<ParameterDerivative>(scene, parameters, drawing, run_->probes(), columns_.places);
-    equations_ = std::make_unique<TangentEquations>(drawing.system(), *parameters_);
+    equations_ = std::make_unique<TangentEquations>(drawing.system(), parameters_.get());
     for (const Drawing::Place& place : columns_.places) sensors_.emplace_back(drawing, place, run_->probes());
     mode_ = options.mode;
     if (mode_ == Mode::automatic)

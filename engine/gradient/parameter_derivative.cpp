@@ -299,36 +299,4 @@ void ParameterDerivative::sensor(int column, const State& state, VectorX& out) {
   }
 }
 
-void ParameterDerivative::along_path(int k, const State& rest, ConstVectorRef turn, ConstVectorRef multipliers,
-                                     const VectorX& phi, double omega_squared, VectorX& force, VectorX& rows) {
-  const double h = parameters_[static_cast<std::size_t>(k)].step, small = kDirectionStep / largest_entry(phi);
-  const Eigen::Index velocities = phi.size();
-  VectorX sum = VectorX::Zero(velocities + rest.lambda.size()), r;
-  State state = rest, base = rest;
-  for (std::size_t i = 0; i < kOffsets.size(); ++i) {
-    Moved& drawing = *groups_[static_cast<std::size_t>(k)]->drawings[i];
-    const Layout& layout = drawing.equations.layout();
-    const double s = kOffsets[i].steps * h, weight = kOffsets[i].weight / h;
-    layout.retract(rest.q, s * turn, base.q);
-    base.lambda = rest.lambda + s * multipliers;
-    state = base;
-    for (const Offset& offset : kOffsets) {
-      layout.retract(base.q, offset.steps * small * phi, state.q);
-      drawing.residual(state, r);
-      sum += weight * offset.weight / small * r;
-    }
-    // Only M φ differs between these.
-    state.q = base.q;
-    state.v_dot = phi;
-    drawing.residual(state, r);
-    sum.head(velocities) -= weight * omega_squared / 2 * r.head(velocities);
-    state.v_dot = -phi;
-    drawing.residual(state, r);
-    sum.head(velocities) += weight * omega_squared / 2 * r.head(velocities);
-    state.v_dot.setZero();
-  }
-  force = sum.head(velocities);
-  rows = sum.tail(rest.lambda.size());
-}
-
 }  // namespace lithe

@@ -36,10 +36,6 @@ class ParameterDerivative {
   bool seen_by(int column) const { return seen_[static_cast<std::size_t>(column)]; }
   void sensor(int column, const State& state, VectorX& out);
 
-  /// At rest, along q ⊕ s δq, λ + s δλ, p_k + s: the derivatives of (K - ω²M) φ and of G φ by s. Parameters apart.
-  void along_path(int k, const State& rest, ConstVectorRef turn, ConstVectorRef multipliers, const VectorX& phi,
-                  double omega_squared, VectorX& force, VectorX& rows);
-
  private:
   struct Moved;
   struct Group;

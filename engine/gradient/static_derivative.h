@@ -19,21 +19,23 @@ class StaticDerivative {
   /// δq, a column a parameter.
   const MatrixX& turns() const { return turns_; }
 
-  /// Hz of the undamped oscillation of that number, and its derivatives. With (K - ω²M) φ + Gᵀν = 0, G φ = 0:
-  ///   d(ω²) φᵀMφ = φᵀ(dK - ω² dM) φ + 2 νᵀ dG φ
-  /// Throws SceneError for a number that there is not, for a frequency that another one shares, and for one of zero.
+  /// Hz of the undamped oscillation of that number, and its derivatives: differences of the frequencies at the
+  /// equilibria of drawings on both sides, with modes refined to round-off from that of the drawing. (Perturbation
+  /// formulas need dK along the path of equilibria, which stiff bodies drown in round-off.) Throws SceneError for a
+  /// number that there is not, for a frequency that another one shares, and for one of zero.
   double frequency(int number, VectorX& derivatives);
 
  private:
   void solve();
+  VectorX mode(int number, double& omega_squared);
 
   const ParametricScene& scene_;
+  const std::vector<DesignParameter> drawn_;
   const Drawing& nominal_;
   State state_;
   ParameterDerivative parameters_;
   TangentEquations equations_;
-  MatrixX turns_, multipliers_;
-  std::unique_ptr<Linearization> small_motions_;  // once asked for
+  MatrixX turns_;
 };
 
 }  // namespace lithe

@@ -18,7 +18,7 @@ int velocities_of(const Layout::BodySlice& b) { return (b.frame ? 6 : 0) + b.lin
 
 }  // namespace
 
-TangentEquations::TangentEquations(const System& system, ParameterDerivative& parameters)
+TangentEquations::TangentEquations(const System& system, ParameterDerivative* parameters)
     : equations_(system), parameters_(parameters) {}
 
 TangentEquations::~TangentEquations() = default;
@@ -70,10 +70,10 @@ void TangentEquations::along(const Direction& direction, VectorX& force, VectorX
   }
 }
 
-void TangentEquations::parameter_columns(MatrixX& force, MatrixX& rows) { parameters_.columns(state_, force, rows); }
+void TangentEquations::parameter_columns(MatrixX& force, MatrixX& rows) { parameters_->columns(state_, force, rows); }
 
 void TangentEquations::add_parameter_products(const VectorX& mu, const VectorX& nu, VectorX& out) {
-  parameters_.add_products(state_, mu, nu, out);
+  parameters_->add_products(state_, mu, nu, out);
 }
 
 void TangentEquations::factorize(const TangentWeights& weights, const VectorX& increment, bool transposed) {

@@ -15,7 +15,8 @@ namespace lithe {
 /// such differences along a random direction; else all columns are differenced, those together that no row shares.
 class TangentEquations final : public LinearEquations {
  public:
-  TangentEquations(const System& system, ParameterDerivative& parameters);
+  /// `parameters`: null, where only directions are asked for.
+  explicit TangentEquations(const System& system, ParameterDerivative* parameters = nullptr);
   ~TangentEquations() override;
 
   const Layout& layout() const override { return equations_.layout(); }
@@ -39,7 +40,7 @@ class TangentEquations final : public LinearEquations {
   void difference_columns();
 
   Assembler equations_;
-  ParameterDerivative& parameters_;
+  ParameterDerivative* parameters_;
   State state_;
   State near_;
   Tangents tangents_ = Tangents::of_elements;
