@@ -2,6 +2,7 @@
 
 #include "engine/motion/integrator.h"
 #include "engine/motion/projection.h"
+#include "engine/motion/step_derivative.h"
 
 namespace lithe {
 
@@ -12,7 +13,7 @@ namespace lithe {
 /// Two forms: index 3 solves g(q') = 0; stabilized index 2 (Gear, Gupta & Leimkuhler 1985) solves g(q') = 0 and
 /// G v' + ∂g/∂t = 0, at the price of a second back-substitution: multipliers without start transient, |G v| to
 /// round-off.
-class GeneralizedAlpha : public Integrator {
+class GeneralizedAlpha : public Integrator, public DifferentiableSteps {
  public:
   enum class Form { index3, stabilized_index2 };
   struct Parameters {
@@ -39,6 +40,8 @@ class GeneralizedAlpha : public Integrator {
   const IntegratorStatistics& statistics() const override { return statistics_; }
   bool approximates_accelerations() const override { return true; }  // as well as Newton has solved, times 1/h²
   double current_step() const { return h_; }
+  /// Of steps of one fixed length, index 3.
+  std::unique_ptr<StepDerivative> step_derivative() const override;
 
  protected:
   void prepare(EquationsOfMotion& equations, State& state) override;
@@ -51,6 +54,7 @@ class GeneralizedAlpha : public Integrator {
   double gamma() const { return gamma_; }
 
  private:
+  friend class GeneralizedAlphaDerivative;
   enum class Newton { converged, slow, failed };
   void begin(EquationsOfMotion& equations, State& state, double h);
   double first_step(const State& state) const;

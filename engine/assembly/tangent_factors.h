@@ -31,6 +31,17 @@ class TangentFactors final : public ComplexFactor {
                          const VectorX* increment) override;
   void solve_complex(ComplexVectorRef rv, ComplexVectorRef rl) const override;
 
+  // ---- what derivatives of a run take: tangents and their transposes, without contacts and without friction by
+  // reactions (SceneError) ----
+  /// The blocks of S, the weighted derivative of the residual, for add_tangent_product().
+  void form_tangent(const TangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
+                    const VectorX* increment);
+  /// out += S x or Sᵀ x, compliant rows eliminated, with the blocks formed last.
+  void add_tangent_product(const VectorX& x, VectorX& out, bool transposed) const;
+  /// Factorises [Sᵀ Gᵀ; G 0] instead of [S Gᵀ; G 0], for solve(). The blocks formed last are then those of Sᵀ.
+  void factorize_transposed(const TangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
+                            const VectorX* increment);
+
   /// Leaves these rows out from the next factorisation on.
   void drop_rows(const std::vector<int>& rows) { factor_.drop_rows(rows); }
   /// Factorises [M Gᵀ; G 0] of the state evaluated last and returns the rows whose pivot is less than `tolerance` times

@@ -11,6 +11,7 @@ namespace {
 
 std::mutex warning_mutex;
 std::string newest_warning;
+thread_local int quiet = 0;
 
 spdlog::logger& logger() {
   static const auto instance = [] {
@@ -25,9 +26,17 @@ spdlog::logger& logger() {
 
 }  // namespace
 
-void info(const std::string& message) { logger().info(message); }
-void debug(const std::string& message) { logger().debug(message); }
+Quiet::Quiet() { ++quiet; }
+Quiet::~Quiet() { --quiet; }
+
+void info(const std::string& message) {
+  if (quiet == 0) logger().info(message);
+}
+void debug(const std::string& message) {
+  if (quiet == 0) logger().debug(message);
+}
 void warn(const std::string& message) {
+  if (quiet > 0) return;
   {
     const std::lock_guard lock(warning_mutex);
     newest_warning = message;

@@ -133,9 +133,13 @@ thread_local bool within_point = false;
 }  // namespace
 
 double SweepPoint::operator[](const Located& parameter) const {
-  const auto found = std::find(parameters_.columns.begin(), parameters_.columns.end(), parameter.text);
-  if (found != parameters_.columns.end())
-    return parameters_.at(row_, static_cast<int>(found - parameters_.columns.begin()));
+  const std::size_t count = parameters_.columns.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t column = next_ + i < count ? next_ + i : next_ + i - count;
+    if (parameters_.columns[column] != parameter.text) continue;
+    next_ = column + 1 < count ? column + 1 : 0;
+    return parameters_.at(row_, static_cast<int>(column));
+  }
   std::string known;
   for (const std::string& name : parameters_.columns) known += (known.empty() ? "" : ", ") + name;
   throw SceneError("the sweep has no parameter '" + parameter.text + "'", to_string(parameter.where),

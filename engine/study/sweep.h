@@ -24,6 +24,7 @@ class SweepPoint {
  private:
   const Table& parameters_;
   int row_;
+  mutable std::size_t next_ = 0;  // column after the one asked for last: scenes mostly ask in order
 };
 
 /// What a point comes to: {{"period", 2.1}, {"largest_force", 13.5}}. NaN: there is no such number at this point.

@@ -1,0 +1,100 @@
+#include "engine/assembly/evaluator.h"
+#include "engine/assembly/tangent_factors.h"
+#include "engine/base/error.h"
+#include "engine/factor/block_products.h"
+
+namespace lithe {
+
+void TangentFactors::form_tangent(const TangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
+                                  const VectorX* increment) {
+  if (contacts_ || evaluator_.reacts())
+    throw SceneError("the tangent of a scene with contacts or friction by reactions has no transpose here",
+                     "TangentFactors::form_tangent", "leave these out, or take differences of whole runs");
+  evaluator_.write_tangent(weights, v_dot, lambda, increment);
+}
+
+void TangentFactors::factorize_transposed(const TangentWeights& weights, ConstVectorRef v_dot,
+                                          ConstVectorRef lambda, const VectorX* increment) {
+  form_tangent(weights, v_dot, lambda, increment);
+  // Rows and columns of the constraints are each other's transpose already, linear blocks are symmetric.
+  const auto& blocks = blocks_;
+  double* values = work_.values.data();
+  for (const auto& f : blocks.frames) Eigen::Map<Matrix6>(values + f.values).transposeInPlace();
+  for (const auto& l : blocks.linears) {
+    if (l.frame < 0) continue;
+    Eigen::Map<Matrix6X> upper(values + l.frame_linear, 6, l.size);
+    Eigen::Map<MatrixX> lower(values + l.linear_frame, l.size, 6);
+    for (int i = 0; i < l.size; ++i)
+      for (int k = 0; k < 6; ++k) std::swap(upper(k, i), lower(i, k));
+  }
+  for (const auto& c : blocks.couplings) {
+    Eigen::Map<Matrix6> ab(values + c.ab), ba(values + c.ba);
+    for (int i = 0; i < 6; ++i)
+      for (int k = 0; k < 6; ++k) std::swap(ab(k, i), ba(i, k));
+  }
+  factor_.factorize(work_.values);
+  if (!factor_.weak_rows().empty()) exchange_weak_rows();
+}
+
+void TangentFactors::add_tangent_product(const VectorX& x, VectorX& out, bool transposed) const {
+  const auto& blocks = blocks_;
+  const double* values = work_.values.data();
+  const auto add = [&](int to, int from, const Eigen::Map<const MatrixX>& block) {
+    out.segment(to, block.rows()).noalias() += block * x.segment(from, block.cols());
+  };
+  const auto add_transposed = [&](int to, int from, const Eigen::Map<const MatrixX>& block) {
+    out.segment(to, block.cols()).noalias() += block.transpose() * x.segment(from, block.rows());
+  };
+  /// Block (row, column) and its mirror image (column, row).
+  const auto add_pair = [&](int row, int column, int upper, int lower, int rows, int columns) {
+    const Eigen::Map<const MatrixX> U(values + upper, rows, columns), L(values + lower, columns, rows);
+    if (transposed)
+      add_transposed(column, row, U), add_transposed(row, column, L);
+    else
+      add(row, column, U), add(column, row, L);
+  };
+  for (const auto& f : blocks.frames) {
+    const Eigen::Map<const Matrix6> S(values + f.values);
+    if (transposed)
+      out.segment<6>(f.v).noalias() += S.transpose() * x.segment<6>(f.v);
+    else
+      out.segment<6>(f.v).noalias() += S * x.segment<6>(f.v);
+  }
+  for (const auto& l : blocks.linears) {
+    if (l.frame >= 0) add_pair(blocks.frames[l.frame].v, l.v, l.frame_linear, l.linear_frame, 6, l.size);
+    if (!l.pattern) {
+      for (int i = 0; i < l.size; ++i) out[l.v + i] += values[l.values + i] * x[l.v + i];
+    } else {
+      for (int k = 0; k < l.pattern->rows.size(); ++k) {
+        const int r = l.pattern->rows[k], c = l.pattern->columns[k];
+        out[l.v + r] += values[l.values + k] * x[l.v + c];
+        if (r != c) out[l.v + c] += values[l.values + k] * x[l.v + r];
+      }
+    }
+  }
+  for (const auto& c : blocks.couplings) add_pair(blocks.frames[c.a].v, blocks.frames[c.b].v, c.ab, c.ba, 6, 6);
+  // Compliant rows: Gcᵀ (1/C) Gc, -C on their diagonal.
+  if (work_.tension.size() == 0) return;
+  const int rows = static_cast<int>(work_.residual.size());
+  VectorX tension = VectorX::Zero(work_.tension.size());
+  for (const auto& G : blocks.jacobians) {
+    const auto& row = blocks.rows[G.rows];
+    if (row.first < rows) continue;
+    auto to = tension.segment(row.first - rows, row.count);
+    int from = G.velocity;
+    if (G.frame >= 0) {
+      to.noalias() += Eigen::Map<const MatrixX>(values + G.values, row.count, 6) * x.segment<6>(from);
+      from += 6;
+    }
+    if (G.linear >= 0) {
+      const int size = blocks.linears[G.linear].size;
+      to.noalias() += Eigen::Map<const MatrixX>(values + G.linear_values, row.count, size) * x.segment(from, size);
+    }
+  }
+  for (const auto& row : blocks.rows)
+    for (int i = 0; row.compliant >= 0 && i < row.count; ++i)
+      tension[row.first - rows + i] /= -values[row.compliant + i];
+  add_row_forces(blocks, work_.values, rows, nullptr, tension.data(), out.data());
+}
+
+}  // namespace lithe

@@ -1,0 +1,301 @@
+#include "engine/gradient/gradient.h"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <map>
+
+#include "engine/gradient/recorded_run.h"
+#include "engine/gradient/sample_weights.h"
+#include "engine/gradient/sensor_derivative.h"
+#include "engine/gradient/static_derivative.h"
+#include "engine/gradient/tangent_equations.h"
+#include "engine/study/study_run.h"
+
+namespace lithe {
+namespace {
+
+using Mode = GradientOptions::Mode;
+
+constexpr int kFewParameters = 8;  // forwards in any case: a step costs little more for each
+constexpr double kWholeRun = -1;   // as the end of an integral
+
+bool is_static(const Quantity& q) { return q.kind == Quantity::Kind::at_rest || q.kind == Quantity::Kind::frequency; }
+bool is_extremum(const Quantity& q) { return q.kind == Quantity::Kind::largest || q.kind == Quantity::Kind::smallest; }
+
+/// The columns that quantities ask for, each once.
+struct Columns {
+  std::vector<std::string> names;
+  std::vector<Drawing::Place> places;
+  int add(const Located& name, const Drawing& drawing) {
+    const auto found = std::find(names.begin(), names.end(), name.text);
+    if (found != names.end()) return static_cast<int>(found - names.begin());
+    places.push_back(drawing.find(name));
+    names.push_back(name.text);
+    return static_cast<int>(names.size()) - 1;
+  }
+};
+
+/// Derivatives of quantities of one run.
+class RunGradient {
+ public:
+  RunGradient(const ParametricScene& scene, const std::vector<DesignParameter>& parameters, const Drawing& drawing,
+              std::vector<Quantity> quantities, const GradientOptions& options)
+      : scene_(scene), drawing_(drawing), quantities_(std::move(quantities)) {
+    for (const Quantity& q : quantities_) column_of_.push_back(columns_.add(q.column, drawing));
+    run(options.memory);
+    parameters_ = std::make_unique<ParameterDerivative>(scene, parameters, drawing, run_->probes(), columns_.places);
+    equations_ = std::make_unique<TangentEquations>(drawing.system(), parameters_.get());
+    for (const Drawing::Place& place : columns_.places) sensors_.emplace_back(drawing, place, run_->probes());
+    mode_ = options.mode;
+    if (mode_ == Mode::automatic)
+      mode_ = parameters_->count() <= std::max<int>(kFewParameters, static_cast<int>(quantities_.size())) ||
+                      !has_transpose()
+                  ? Mode::tangent
+                  : Mode::adjoint;
+    if (mode_ == Mode::adjoint && !has_transpose())
+      throw SceneError("rows on velocities alone (rolling) and friction by reactions have no adjoint yet",
+                       "the gradient of scene '" + scene.name + "'", "take GradientOptions::Mode::tangent");
+  }
+
+  void find(VectorX& values, MatrixX& derivatives) {
+    values.setZero(static_cast<Eigen::Index>(quantities_.size()));
+    derivatives.setZero(values.size(), parameters_->count());
+    mode_ == Mode::tangent ? forwards(values, derivatives) : backwards(values, derivatives);
+  }
+  void report(Gradient& result) const {
+    result.mode = mode_;
+    result.steps = run_->steps();
+    result.run_seconds = run_->seconds();
+    result.tape_bytes = run_->bytes();
+    result.stretches = run_->stretch_count();
+    result.groups = parameters_->group_count();
+    result.differenced = equations_->tangents() == TangentEquations::Tangents::differenced;
+  }
+
+ private:
+  bool has_transpose() const {
+    const Evaluator equations(drawing_.system());
+    return equations.velocity_rows().empty() && !equations.reacts();
+  }
+
+  /// Extremes need their column at every step.
+  void run(std::size_t memory) {
+    std::map<int, std::vector<double>> samples;
+    for (std::size_t i = 0; i < quantities_.size(); ++i)
+      if (is_extremum(quantities_[i])) samples[column_of_[i]];
+    Snapshot now(drawing_.system());
+    run_ = std::make_unique<RecordedRun>(scene_, drawing_, memory, [&](const State& state) {
+      if (samples.empty()) return;
+      now.evaluate(state, Accelerations::solved);
+      for (auto& [column, values] : samples) {
+        const Drawing::Place& place = columns_.places[static_cast<std::size_t>(column)];
+        values.push_back(drawing_.sensor(place.sensor).value(now, place.column));
+      }
+    });
+    for (std::size_t i = 0; i < quantities_.size(); ++i) {
+      if (quantities_[i].to == kWholeRun) quantities_[i].to = run_->times().back();
+      const std::vector<double> none;
+      const auto found = samples.find(column_of_[i]);
+      for (const SampleWeight& w :
+           sample_weights(quantities_[i], run_->times(), found == samples.end() ? none : found->second))
+        weights_[w.step].push_back({static_cast<int>(i), w.weight});
+    }
+  }
+
+  /// What quantities read at a state: calls read(column, sums of weights by quantity).
+  template <class Read>
+  void at_step(long step, const State& state, VectorX& values, MatrixX& derivatives, const Read& read) {
+    const auto found = weights_.find(step);
+    if (found == weights_.end()) return;
+    VectorX turn(state.v.size()), velocity(state.v.size()), direct;
+    for (int column = 0; column < static_cast<int>(sensors_.size()); ++column) {
+      if (std::none_of(found->second.begin(), found->second.end(),
+                       [&](const Share& s) { return column_of_[s.quantity] == column; }))
+        continue;
+      const double value = sensors_[column].value(state);
+      turn.setZero(), velocity.setZero();
+      sensors_[column].add(state, 1, turn, velocity);
+      parameters_->sensor(column, state, direct);
+      for (const Share& s : found->second) {
+        if (column_of_[s.quantity] != column) continue;
+        values[s.quantity] += s.weight * value;
+        derivatives.row(s.quantity) += s.weight * direct;
+        read(s.quantity, s.weight, turn, velocity);
+      }
+    }
+  }
+
+  void forwards(VectorX& values, MatrixX& derivatives) {
+    Variation x = parameters_->start();
+    const auto read = [&](int quantity, double weight, const VectorX& turn, const VectorX& velocity) {
+      derivatives.row(quantity) += weight * (turn.transpose() * x.turn + velocity.transpose() * x.velocity);
+    };
+    for (int s = 0; s < run_->stretch_count(); ++s) {
+      const std::vector<State>& states = run_->stretch(s);
+      const long first = run_->first(s);
+      if (s == 0) at_step(0, states[0], values, derivatives, read);
+      for (std::size_t i = 1; i < states.size(); ++i) {
+        run_->derivative().tangent(*equations_, states[i - 1], states[i], x);
+        at_step(first + static_cast<long>(i), states[i], values, derivatives, read);
+      }
+    }
+  }
+
+  void backwards(VectorX& values, MatrixX& derivatives) {
+    const Eigen::Index velocities = drawing_.system().layout().v_count(), count = values.size();
+    Variation x{MatrixX::Zero(velocities, count), MatrixX::Zero(velocities, count), {}};
+    x.history.assign(parameters_->start().history.size(), MatrixX::Zero(velocities, count));
+    MatrixX within = MatrixX::Zero(parameters_->count(), count);
+    const auto read = [&](int quantity, double weight, const VectorX& turn, const VectorX& velocity) {
+      x.turn.col(quantity) += weight * turn;
+      x.velocity.col(quantity) += weight * velocity;
+    };
+    for (int s = run_->stretch_count() - 1; s >= 0; --s) {
+      const std::vector<State>& states = run_->stretch(s);
+      const long first = run_->first(s);
+      for (std::size_t i = states.size() - 1; i >= 1; --i) {
+        at_step(first + static_cast<long>(i), states[i], values, derivatives, read);
+        run_->derivative().adjoint(*equations_, states[i - 1], states[i], x, within);
+      }
+      if (s == 0) at_step(0, states[0], values, derivatives, read);
+    }
+    const Variation& start = parameters_->start();
+    derivatives += within.transpose() + x.turn.transpose() * start.turn + x.velocity.transpose() * start.velocity;
+    for (std::size_t i = 0; i < x.history.size(); ++i) derivatives += x.history[i].transpose() * start.history[i];
+  }
+
+  struct Share {
+    int quantity;
+    double weight;
+  };
+  const ParametricScene& scene_;
+  const Drawing& drawing_;
+  std::vector<Quantity> quantities_;
+  Columns columns_;
+  std::vector<int> column_of_;  // of each quantity
+  std::unique_ptr<RecordedRun> run_;
+  std::map<long, std::vector<Share>> weights_;  // by step
+  std::unique_ptr<ParameterDerivative> parameters_;
+  std::unique_ptr<TangentEquations> equations_;
+  std::deque<SensorDerivative> sensors_;
+  Mode mode_{};
+};
+
+/// Derivatives of quantities at rest.
+void static_gradient(const ParametricScene& scene, const std::vector<DesignParameter>& parameters,
+                     const Drawing& drawing, const std::vector<Quantity>& quantities, VectorX& values,
+                     MatrixX& derivatives) {
+  Columns columns;
+  std::vector<int> column_of;
+  for (const Quantity& q : quantities)
+    column_of.push_back(q.kind == Quantity::Kind::at_rest ? columns.add(q.column, drawing) : -1);
+  StaticDerivative rest(scene, parameters, drawing, columns.places);
+  values.setZero(static_cast<Eigen::Index>(quantities.size()));
+  derivatives.setZero(values.size(), rest.parameters().count());
+  for (std::size_t i = 0; i < quantities.size(); ++i) {
+    VectorX of_parameters;
+    if (quantities[i].kind == Quantity::Kind::frequency) {
+      values[i] = rest.frequency(quantities[i].number, of_parameters);
+    } else {
+      SensorDerivative sensor(drawing, columns.places[static_cast<std::size_t>(column_of[i])], {rest.state()});
+      values[i] = sensor.value(rest.state());
+      VectorX turn = VectorX::Zero(rest.turns().rows()), velocity = turn;
+      sensor.add(rest.state(), 1, turn, velocity);
+      rest.parameters().sensor(column_of[i], rest.state(), of_parameters);
+      of_parameters += rest.turns().transpose() * turn;
+    }
+    derivatives.row(static_cast<Eigen::Index>(i)) = of_parameters;
+  }
+}
+
+}  // namespace
+
+std::string Quantity::name() const {
+  switch (kind) {
+    case Kind::at_time:
+      return column.text + " at " + short_number(to) + " s";
+    case Kind::integral:
+      return "integral of " + column.text;
+    case Kind::largest:
+      return "largest " + column.text;
+    case Kind::smallest:
+      return "smallest " + column.text;
+    case Kind::at_rest:
+      return column.text + " at rest";
+    case Kind::frequency:
+      return "frequency " + std::to_string(number);
+  }
+  return "";
+}
+
+Quantity value_at(Located column, double time) { return {Quantity::Kind::at_time, std::move(column), time, time}; }
+Quantity integral(Located column) { return {Quantity::Kind::integral, std::move(column), 0, kWholeRun}; }
+Quantity integral(Located column, double from, double to) {
+  return {Quantity::Kind::integral, std::move(column), from, to};
+}
+Quantity largest(Located column) { return {Quantity::Kind::largest, std::move(column)}; }
+Quantity smallest(Located column) { return {Quantity::Kind::smallest, std::move(column)}; }
+Quantity at_rest(Located column) { return {Quantity::Kind::at_rest, std::move(column)}; }
+Quantity frequency(int number) { return {Quantity::Kind::frequency, "", 0, 0, number}; }
+
+double Gradient::operator()(const Located& quantity, const Located& parameter) const {
+  const auto place = [](const std::vector<std::string>& names, const Located& name) {
+    const auto found = std::find(names.begin(), names.end(), name.text);
+    if (found != names.end()) return static_cast<Eigen::Index>(found - names.begin());
+    std::string known;
+    for (const std::string& each : names) known += (known.empty() ? "" : ", ") + each;
+    throw SceneError("the gradient has no '" + name.text + "'", to_string(name.where), "known are " + known);
+  };
+  return derivatives(place(quantities, quantity), place(parameters, parameter));
+}
+
+Table Gradient::table() const {
+  Table table{.columns = {"quantity", "value"}};
+  for (const std::string& name : parameters) table.columns.push_back("by " + name);
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
+    std::vector<double> row{static_cast<double>(i), values[i]};
+    for (Eigen::Index k = 0; k < derivatives.cols(); ++k) row.push_back(derivatives(i, k));
+    table.add_row(row);
+  }
+  return table;
+}
+
+Gradient gradient(const ParametricScene& scene, const std::vector<Quantity>& quantities,
+                  std::vector<DesignParameter> parameters, const GradientOptions& options) {
+  if (quantities.empty())
+    throw SceneError("nothing is to be differentiated", "gradient", "give quantities, such as value_at(\"tip_z\", 1)");
+  parameters = checked(std::move(parameters));
+  const double begun = thread_seconds();
+  Gradient result;
+  for (const Quantity& q : quantities) result.quantities.push_back(q.name());
+  for (const DesignParameter& p : parameters) result.parameters.push_back(p.name);
+  result.values.setZero(static_cast<Eigen::Index>(quantities.size()));
+  result.derivatives.setZero(result.values.size(), static_cast<Eigen::Index>(parameters.size()));
+  const Drawing drawing(scene, parameters);
+  for (const bool at_rest : {false, true}) {
+    std::vector<Quantity> these;
+    std::vector<Eigen::Index> places;
+    for (std::size_t i = 0; i < quantities.size(); ++i)
+      if (is_static(quantities[i]) == at_rest)
+        these.push_back(quantities[i]), places.push_back(static_cast<Eigen::Index>(i));
+    if (these.empty()) continue;
+    VectorX values;
+    MatrixX derivatives;
+    if (at_rest) {
+      static_gradient(scene, parameters, drawing, these, values, derivatives);
+    } else {
+      RunGradient run(scene, parameters, drawing, these, options);
+      run.find(values, derivatives);
+      run.report(result);
+    }
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      result.values[places[i]] = values[static_cast<Eigen::Index>(i)];
+      result.derivatives.row(places[i]) = derivatives.row(static_cast<Eigen::Index>(i));
+    }
+  }
+  result.seconds = thread_seconds() - begun;
+  return result;
+}
+
+}  // namespace lithe

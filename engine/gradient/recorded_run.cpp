@@ -1,0 +1,141 @@
+#include "engine/gradient/recorded_run.h"
+
+#include <algorithm>
+
+#include "engine/base/error.h"
+#include "engine/observe/observer_schedules.h"
+#include "engine/study/study_run.h"
+
+namespace lithe {
+
+namespace {
+
+std::size_t bytes_of(const State& s) {
+  return sizeof(State) +
+         sizeof(double) * static_cast<std::size_t>(s.q.size() + s.v.size() + s.v_dot.size() + s.lambda.size() +
+                                                   s.quarter_turns.size()) +
+         sizeof(int) * s.left_out.size();
+}
+
+[[noreturn]] void refuse(const ParametricScene& scene, const std::string& what, const std::string& fix) {
+  throw SceneError(what, "the gradient of scene '" + scene.name + "'", fix);
+}
+
+}  // namespace
+
+RecordedRun::RecordedRun(const ParametricScene& scene, const Drawing& drawing, std::size_t memory, const Look& look)
+    : scene_(scene), drawing_(drawing), equations_(drawing.system()), memory_(memory) {
+  if (!(scene.duration > 0)) refuse(scene, "its duration is not positive", "give one in seconds");
+  if (!scene.integrator) refuse(scene, "it has no integrator", "give ParametricScene::integrator");
+  integrator_ = scene.integrator();
+  if (const auto* steps = dynamic_cast<const DifferentiableSteps*>(integrator_.get()))
+    derivative_ = steps->step_derivative();
+  if (!derivative_)
+    refuse(scene, "the steps of " + integrator_->name() + " with these settings cannot be differentiated yet",
+           "take GeneralizedAlpha{{.step = ...}} (index 3, one fixed step)");
+  if (!drawing.system().contacts().empty())
+    refuse(scene, "its contacts cannot be differentiated yet",
+           "leave them out, or take differences of runs with sweep()");
+
+  State state = drawing.system().initial_state(), before;
+  const double begun = thread_seconds();
+  double aside = 0;  // s, spent on the tape and on looking
+  integrator_->start(equations_, state);
+  state_bytes_ = bytes_of(state);
+  const auto record = [&] {
+    const double now = thread_seconds();
+    times_.push_back(state.time);
+    keep(state, steps());
+    look(state);
+    aside += thread_seconds() - now;
+  };
+  record();
+  while (scene.duration - state.time > time_round_off(scene.duration)) {
+    before = state;
+    advance(*integrator_, equations_, state);
+    if (const std::string why = derivative_->refuse(before, state); !why.empty())
+      refuse(scene, "the step to t = " + std::to_string(state.time) + " s cannot be differentiated: " + why,
+             "choose a step that divides the duration and that Newton can take");
+    record();
+  }
+  seconds_ = thread_seconds() - begun - aside;
+  if (!all_) states_.clear();
+  // Probes: the tape's own states, or checkpoints.
+  for (const double share : {0.0, 0.37, 1.0}) {
+    if (all_)
+      probes_.push_back(states_[static_cast<std::size_t>(share * static_cast<double>(states_.size() - 1))]);
+    else
+      probes_.push_back(
+          checkpoints_[static_cast<std::size_t>(share * static_cast<double>(checkpoints_.size() - 1))].state);
+  }
+}
+
+RecordedRun::~RecordedRun() = default;
+
+void RecordedRun::advance(Integrator& integrator, Evaluator& equations, State& state) const {
+  const double before = state.time;
+  const StepResult result = integrator.step(equations, state, scene_.duration, Multipliers::later);
+  if (!result.ok() || !(state.time > before) || !state.q.allFinite() || !state.v.allFinite())
+    throw SimulationError("the step from t = " + std::to_string(before) +
+                              " s failed: " + (result.ok() ? "it left values that are not finite" : result.why),
+                          "scene '" + scene_.name + "', " + integrator.name(), "run it with Simulation to see more");
+}
+
+/// A state of the first pass.
+void RecordedRun::keep(const State& state, long step) {
+  if (step % stride_ == 0) {
+    Checkpoint& mark = checkpoints_.emplace_back();
+    mark.state = state;
+    State copy = state;
+    integrator_->history(mark.history, equations_, copy);
+    mark.history.rewind();
+    // Half of the memory is for checkpoints, half for the stretch between two.
+    if (checkpoint_bytes_ == 0) checkpoint_bytes_ = state_bytes_ + mark.history.bytes().size();
+    if (checkpoints_.size() > 1 && checkpoints_.size() * checkpoint_bytes_ > memory_ / 2) thin();
+  }
+  if (!all_) return;
+  states_.push_back(state);
+  bytes_ = states_.size() * state_bytes_;
+  if (bytes_ > memory_) {
+    all_ = false;
+    states_ = {};
+  }
+}
+
+/// Every second checkpoint goes.
+void RecordedRun::thin() {
+  std::vector<Checkpoint> kept;
+  for (std::size_t i = 0; i < checkpoints_.size(); i += 2) kept.push_back(std::move(checkpoints_[i]));
+  checkpoints_ = std::move(kept);
+  stride_ *= 2;
+}
+
+int RecordedRun::stretch_count() const { return all_ ? 1 : static_cast<int>((steps() + stride_ - 1) / stride_); }
+
+long RecordedRun::first(int stretch) const { return all_ ? 0 : stretch * stride_; }
+
+const std::vector<State>& RecordedRun::stretch(int number) {
+  if (all_ || number == present_) return states_;
+  present_ = number;
+  Checkpoint& mark = checkpoints_[static_cast<std::size_t>(number)];
+  State state = mark.state;
+  const auto integrator = scene_.integrator();
+  Evaluator equations(drawing_.system());
+  State start = state;
+  integrator->start(equations, start);
+  equations.recall(state.quarter_turns);
+  integrator->history(mark.history, equations, state);
+  states_.assign(1, state);
+  const long last = std::min(steps(), (number + 1) * stride_);
+  for (long step = number * stride_; step < last; ++step) {
+    advance(*integrator, equations, state);
+    if (state.time != times_[static_cast<std::size_t>(step) + 1])
+      throw SimulationError("the run from a checkpoint at t = " + std::to_string(mark.state.time) + " s left its steps",
+                            "RecordedRun", "give more memory, so that all states are kept");
+    states_.push_back(state);
+  }
+  bytes_ = std::max(bytes_, states_.size() * state_bytes_ + checkpoints_.size() * checkpoint_bytes_);
+  return states_;
+}
+
+}  // namespace lithe

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "engine/archive/archive.h"
+#include "engine/assembly/evaluator.h"
+#include "engine/gradient/parametric_scene.h"
+#include "engine/motion/step_derivative.h"
+
+namespace lithe {
+
+/// The states of one run between its steps, to be gone through forwards or backwards. As many as memory allows are
+/// kept; else checkpoints at equal numbers of steps, from which stretches are run again: with the same bits, since a
+/// checkpoint holds the integrator's history. The run itself is that of Simulation, step by step.
+class RecordedRun {
+ public:
+  using Look = std::function<void(const State&)>;
+  /// Runs; `look` is told of the first state and of each step's end. Throws SceneError where the method or a step
+  /// cannot be differentiated, SimulationError where the run fails.
+  RecordedRun(const ParametricScene& scene, const Drawing& drawing, std::size_t memory, const Look& look);
+  ~RecordedRun();
+
+  const std::vector<double>& times() const { return times_; }
+  long steps() const { return static_cast<long>(times_.size()) - 1; }
+  StepDerivative& derivative() { return *derivative_; }
+  std::size_t bytes() const { return bytes_; }  // of the tape, at most
+  double seconds() const { return seconds_; }   // CPU of the run alone
+  int checkpoints() const { return static_cast<int>(checkpoints_.size()); }
+  const std::vector<State>& probes() const { return probes_; }  // a few states from begin to end
+
+  /// The stretches in order: states first() … first() + size - 1; neighbours share one state.
+  int stretch_count() const;
+  long first(int stretch) const;
+  const std::vector<State>& stretch(int number);
+
+ private:
+  struct Checkpoint {
+    State state;
+    Archive history;
+  };
+  void keep(const State& state, long step);
+  void thin();
+  void advance(Integrator& integrator, Evaluator& equations, State& state) const;
+
+  const ParametricScene& scene_;
+  const Drawing& drawing_;
+  Evaluator equations_;
+  std::unique_ptr<Integrator> integrator_;
+  std::unique_ptr<StepDerivative> derivative_;
+  std::size_t memory_, state_bytes_ = 0, checkpoint_bytes_ = 0, bytes_ = 0;
+  double seconds_ = 0;
+  long stride_ = 32;
+  bool all_ = true;            // states_ are all of the run
+  std::vector<State> states_;  // of the run, or of the stretch that was run again last
+  int present_ = -1;
+  std::vector<double> times_;
+  std::vector<Checkpoint> checkpoints_;  // of every stride_-th step
+  std::vector<State> probes_;
+};
+
+}  // namespace lithe

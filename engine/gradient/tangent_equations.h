@@ -1,0 +1,57 @@
+#pragma once
+
+#include <Eigen/SparseCore>
+#include <memory>
+#include <vector>
+
+#include "engine/assembly/evaluator.h"
+#include "engine/gradient/parameter_derivative.h"
+#include "engine/motion/step_derivative.h"
+
+namespace lithe {
+
+/// LinearEquations of a system. Directions are differenced (fourth order, exact to some 1e-12: what elements leave out
+/// of their tangents for Newton is in it). Transposed products take the elements' own tangents where these agree with
+/// such differences along a random direction; else all columns are differenced, those together that no row shares.
+class TangentEquations final : public LinearEquations {
+ public:
+  /// `parameters`: null, where only directions are asked for.
+  explicit TangentEquations(const System& system, ParameterDerivative* parameters = nullptr);
+  ~TangentEquations() override;
+
+  const Layout& layout() const override { return equations_.layout(); }
+  const std::vector<int>& velocity_rows() const override { return equations_.velocity_rows(); }
+  void at(const State& state) override;
+  void along(const Direction& direction, VectorX& force, VectorX& rows) override;
+  void parameter_columns(MatrixX& force, MatrixX& rows) override;
+  void factorize(const TangentWeights& weights, const VectorX& increment, bool transposed) override;
+  void solve(VectorX& force, VectorX& rows) override;
+  void pull(const VectorX& mu, const VectorX& nu, Pulled& out) override;
+  void add_parameter_products(const VectorX& mu, const VectorX& nu, VectorX& out) override;
+
+  /// How transposed products have been found so far.
+  enum class Tangents { of_elements, differenced };
+  Tangents tangents() const { return tangents_; }
+
+ private:
+  void evaluate(double offset, const Direction& direction, VectorX& force, VectorX& rows);
+  void check_tangents();
+  void find_colours();
+  void difference_columns();
+
+  Evaluator equations_;
+  ParameterDerivative* parameters_;
+  State state_;
+  State near_;
+  Tangents tangents_ = Tangents::of_elements;
+  bool ready_ = false;      // the tangents of the present state are checked or differenced
+  bool evaluated_ = false;  // the evaluator stands at the state
+  unsigned seed_ = 1;
+  // Differenced tangents.
+  std::vector<std::vector<int>> colours_;    // slices, differenced together
+  std::vector<std::vector<int>> influence_;  // of each slice: the slices whose rows it moves
+  Eigen::SparseMatrix<double> K_, D_;
+  VectorX force_, force_before_, rows_;
+};
+
+}  // namespace lithe

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <vector>
+
+#include "engine/base/math.h"
+#include "engine/model/layout.h"
+
+namespace lithe {
+
+/// How small motions are carried through a step q' = q ⊕ d, in the axes of velocities (ṗ world, turn in body axes, η):
+///   δq' = E δq + T δd,   E: exp(-ψ~) of each rotation, T: Jr(ψ); one elsewhere
+class ChartMaps {
+ public:
+  void at(const Layout& layout, const VectorX& d);
+
+  /// In place, for columns of length v_count.
+  void carry(MatrixX& columns) const { apply(&Frame::carry, false, columns); }              // E
+  void carry_transposed(MatrixX& columns) const { apply(&Frame::carry, true, columns); }    // Eᵀ
+  void turn(MatrixX& columns) const { apply(&Frame::turn, false, columns); }                // T
+  void turn_transposed(MatrixX& columns) const { apply(&Frame::turn, true, columns); }      // Tᵀ
+  void change(MatrixX& columns) const { apply(&Frame::change, false, columns); }            // T⁻¹
+  void change_transposed(MatrixX& columns) const { apply(&Frame::change, true, columns); }  // T⁻ᵀ
+
+ private:
+  struct Frame {
+    int rotation;  // its first velocity
+    Matrix3 carry, turn, change;
+  };
+  void apply(Matrix3 Frame::*map, bool transposed, MatrixX& columns) const;
+  std::vector<Frame> frames_;
+};
+
+}  // namespace lithe

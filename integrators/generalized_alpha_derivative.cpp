@@ -1,0 +1,175 @@
+#include "engine/base/error.h"
+#include "engine/motion/chart_maps.h"
+#include "integrators/generalized_alpha.h"
+
+namespace lithe {
+
+namespace {
+
+constexpr int kMostRefinements = 12;
+constexpr double kSolved = 1e-14;  // last correction, of the motion in the step
+constexpr double kGood = 1e-9;     // the same, where round-off stops it
+
+/// Corrections of a linear solution, until they are round-off. Returns false where they do not shrink far enough.
+template <class Correct>
+bool refine(const Correct& correct) {
+  double last = 0;
+  for (int k = 0; k < kMostRefinements; ++k) {
+    const auto [change, size] = correct();
+    if (!std::isfinite(change)) return false;
+    if (k > 0 && change <= kSolved * size) return true;
+    if (k > 1 && change > 0.5 * last) return change <= kGood * size;
+    last = change;
+  }
+  return false;
+}
+
+[[noreturn]] void give_up(const State& to) {
+  throw SimulationError("the derivative of the step to t = " + std::to_string(to.time) + " s was not found to 1e-9",
+                        "generalized-alpha, derivative of a step",
+                        "look for what is not smooth there: friction at rest, a stop that closes, a clearance");
+}
+
+}  // namespace
+
+/// δq' = E δq + T δd, and with c = 1/(1 - am)
+///   δa' = c ((1 - af) δv̇' + af δv̇ - am δa)
+///   δd = h δv + h² ((½ - β) δa + β δa'),   δv' = δv + h ((1 - γ) δa + γ δa')
+///   K δq' + D δv' + M δv̇' + Gᵀ δλ' + ∂r/∂p δp = 0,   G δq' + ∂g/∂p δp = 0
+/// λ is not carried on. In adjoint mode the same equations transposed.
+class GeneralizedAlphaDerivative final : public StepDerivative {
+ public:
+  explicit GeneralizedAlphaDerivative(const GeneralizedAlpha& method) : method_(method) {}
+
+  MatrixX history(const State& state) const override {
+    MatrixX vectors(state.v.size(), 2);
+    vectors << state.v_dot, method_.a_;
+    return vectors;
+  }
+
+  std::string refuse(const State& from, const State& to) const override {
+    const double wished = method_.parameters_.step, h = to.time - from.time;
+    if (std::abs(h - wished) <= 1e-9 * wished) return "";
+    return "a step of " + step_text(h) + " instead of " + step_text(wished) +
+           ": cut by the end of the run, by an angle's turn or by Newton";
+  }
+
+  void tangent(LinearEquations& equations, const State& from, const State& to, Variation& x) override {
+    set_step(equations.layout(), from, to);
+    MatrixX &v_dot = x.history[0], &a = x.history[1];
+    // What is known before the step's equations are solved.
+    const MatrixX ahead = c_ * (af_ * v_dot - am_ * a);
+    MatrixX carried = h_ * x.velocity + h_ * h_ * ((0.5 - beta_) * a + beta_ * ahead);
+    maps_.turn(carried);
+    maps_.carry(x.turn);
+    x.turn += carried;
+    x.velocity += h_ * ((1 - gamma_) * a + gamma_ * ahead);
+    a = ahead;
+
+    equations.at(to);
+    equations.parameter_columns(force_columns_, row_columns_);
+    equations.factorize({1, g1_, b1_}, d_, false);
+    for (Eigen::Index k = 0; k < x.turn.cols(); ++k) {
+      MatrixX y = VectorX::Zero(to.v.size()), turned;
+      LinearEquations::Direction direction{{}, {}, {}, VectorX::Zero(row_columns_.rows())};
+      const bool solved = refine([&] {
+        turned = y;
+        maps_.turn(turned);
+        direction.turn = x.turn.col(k) + turned;
+        direction.velocity = x.velocity.col(k) + g1_ * y;
+        direction.acceleration = b1_ * y;
+        equations.along(direction, force_, rows_);
+        force_ += force_columns_.col(k);
+        rows_ += row_columns_.col(k);
+        for (int row : equations.velocity_rows()) rows_[row] /= g1_;
+        equations.solve(force_, rows_);
+        direction.multipliers -= rows_;
+        MatrixX correction = force_;
+        maps_.change(correction);
+        y -= correction;
+        return std::pair(correction.lpNorm<Eigen::Infinity>(),
+                         direction.turn.lpNorm<Eigen::Infinity>() + h_ * direction.velocity.lpNorm<Eigen::Infinity>());
+      });
+      if (!solved) give_up(to);
+      turned = y;
+      maps_.turn(turned);
+      x.turn.col(k) += turned;
+      x.velocity.col(k) += g1_ * y;
+      v_dot.col(k) = b1_ * y;
+      a.col(k) += c_ * (1 - af_) * b1_ * y;
+    }
+  }
+
+  void adjoint(LinearEquations& equations, const State& from, const State& to, Variation& x,
+               MatrixX& gradient) override {
+    set_step(equations.layout(), from, to);
+    equations.at(to);
+    equations.factorize({1, g1_, b1_}, d_, true);
+    MatrixX &v_dot = x.history[0], &a = x.history[1];
+    for (Eigen::Index k = 0; k < x.turn.cols(); ++k) {
+      // What is wanted of the turn that solves the step: T⁻ᵀ (Tᵀ δq + γ/(hβ) δv + b₁ (δv̇ + c (1 - af) δa)).
+      MatrixX wanted = g1_ * x.velocity.col(k) + b1_ * (v_dot.col(k) + c_ * (1 - af_) * a.col(k));
+      maps_.change_transposed(wanted);
+      wanted += x.turn.col(k);
+      VectorX mu = VectorX::Zero(to.v.size()), nu = VectorX::Zero(equations.layout().row_count());
+      LinearEquations::Pulled pulled;
+      bool first = true;
+      const bool solved = refine([&] {
+        force_ = wanted.col(0);
+        rows_.setZero(nu.size());
+        if (!first) {
+          equations.pull(mu, nu, pulled);
+          MatrixX moved = g1_ * pulled.velocity + b1_ * pulled.acceleration;
+          maps_.change_transposed(moved);
+          force_ -= pulled.turn + moved.col(0);
+          rows_ = -pulled.rows;
+        }
+        first = false;
+        equations.solve(force_, rows_);
+        mu += force_;
+        nu += rows_;
+        return std::pair(force_.lpNorm<Eigen::Infinity>(), mu.lpNorm<Eigen::Infinity>());
+      });
+      if (!solved) give_up(to);
+      products_.setZero(gradient.rows());
+      equations.add_parameter_products(mu, nu, products_);
+      gradient.col(k) -= products_;
+      // Those of the last but one μ, which differs by round-off.
+      x.turn.col(k) -= pulled.turn;
+      x.velocity.col(k) -= pulled.velocity;
+    }
+    // The known part of the step, transposed.
+    MatrixX moved = x.turn;
+    maps_.turn_transposed(moved);
+    maps_.carry_transposed(x.turn);
+    const MatrixX ahead = c_ * (h_ * h_ * beta_ * moved + h_ * gamma_ * x.velocity + a);
+    v_dot = af_ * ahead;
+    a = h_ * h_ * (0.5 - beta_) * moved + h_ * (1 - gamma_) * x.velocity - am_ * ahead;
+    x.velocity += h_ * moved;
+  }
+
+ private:
+  void set_step(const Layout& layout, const State& from, const State& to) {
+    h_ = to.time - from.time;
+    am_ = method_.am_, af_ = method_.af_, beta_ = method_.beta_, gamma_ = method_.gamma_;
+    c_ = 1 / (1 - am_);
+    b1_ = (1 - am_) / (h_ * h_ * beta_ * (1 - af_));
+    g1_ = gamma_ / (h_ * beta_);
+    d_.resize(to.v.size());
+    layout.difference(from.q, to.q, d_);
+    maps_.at(layout, d_);
+  }
+
+  const GeneralizedAlpha& method_;
+  double h_ = 0, am_ = 0, af_ = 0, beta_ = 0, gamma_ = 0, c_ = 1, b1_ = 0, g1_ = 0;
+  VectorX d_, force_, rows_, products_;
+  MatrixX force_columns_, row_columns_;
+  ChartMaps maps_;
+};
+
+std::unique_ptr<StepDerivative> GeneralizedAlpha::step_derivative() const {
+  if (parameters_.form != Form::index3 || !(parameters_.step > 0)) return nullptr;
+  return std::make_unique<GeneralizedAlphaDerivative>(*this);
+}
+
+}  // namespace lithe

@@ -1,0 +1,71 @@
+#include "tests/gradient/gradient_support.h"
+
+#include <array>
+
+#include "engine/base/log.h"
+
+namespace lithe::test {
+namespace {
+
+/// The quantities' values alone.
+VectorX values(const ParametricScene& scene, const std::vector<Quantity>& quantities,
+               std::vector<DesignParameter> parameters) {
+  const log::Quiet quiet;  // of rows that repeat others, once a run
+  // One parameter that nothing depends on: the run's values without a gradient worth its time.
+  ParametricScene fixed = scene;
+  fixed.draw = [&](SystemGraph& graph, const SweepPoint&) {
+    Table table;
+    for (const DesignParameter& p : parameters) table.columns.push_back(p.name), table.values.push_back(p.value);
+    return scene.draw(graph, SweepPoint(table, 0));
+  };
+  return gradient(fixed, quantities, {{"nothing", 1}}, {.mode = GradientOptions::Mode::tangent}).values;
+}
+
+/// Romberg's extrapolation of central differences with steps h, h/2, h/4, h/8: error h⁸.
+VectorX difference(const ParametricScene& scene, const std::vector<Quantity>& quantities,
+                   const std::vector<DesignParameter>& parameters, std::size_t k) {
+  const double h = 8e-3 * (parameters[k].value == 0 ? 1 : std::abs(parameters[k].value));
+  std::array<VectorX, 4> table;
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const double step = h / static_cast<double>(1 << i);
+    std::vector<DesignParameter> up = parameters, down = parameters;
+    up[k].value += step, down[k].value -= step;
+    table[i] = (values(scene, quantities, up) - values(scene, quantities, down)) / (2 * step);
+  }
+  for (std::size_t order = 1; order < table.size(); ++order)
+    for (std::size_t i = table.size() - 1; i >= order; --i)
+      table[i] += (table[i] - table[i - 1]) / (std::pow(4.0, static_cast<double>(order)) - 1);
+  return table.back();
+}
+
+}  // namespace
+
+void expect_gradient(const ParametricScene& scene, const std::vector<Quantity>& quantities,
+                     const std::vector<DesignParameter>& parameters, double tolerance, bool has_adjoint) {
+  MatrixX expected(static_cast<Eigen::Index>(quantities.size()), static_cast<Eigen::Index>(parameters.size()));
+  VectorX scales(expected.cols());
+  for (std::size_t k = 0; k < parameters.size(); ++k) {
+    expected.col(static_cast<Eigen::Index>(k)) = difference(scene, quantities, parameters, k);
+    scales[static_cast<Eigen::Index>(k)] = parameters[k].value == 0 ? 1 : std::abs(parameters[k].value);
+  }
+  for (const auto mode : {GradientOptions::Mode::tangent, GradientOptions::Mode::adjoint}) {
+    if (mode == GradientOptions::Mode::adjoint && !has_adjoint) continue;
+    const Gradient found = gradient(scene, quantities, parameters, {.mode = mode});
+    for (Eigen::Index i = 0; i < expected.rows(); ++i) {
+      const double size = (expected.row(i).transpose().cwiseProduct(scales)).lpNorm<Eigen::Infinity>();
+      for (Eigen::Index k = 0; k < expected.cols(); ++k)
+        EXPECT_NEAR(found.derivatives(i, k) * scales[k], expected(i, k) * scales[k], tolerance * size)
+            << scene.name << ", " << found.quantities[i] << " by " << found.parameters[k]
+            << (mode == GradientOptions::Mode::tangent ? ", tangent" : ", adjoint")
+            << (found.differenced ? ", columns differenced" : "") << "; largest " << size;
+      if (std::getenv("LITHE_SHOW_ERRORS"))
+        std::printf(
+            "%s: %s %s: largest error %.1e\n", scene.name.c_str(), found.quantities[i].c_str(),
+            mode == GradientOptions::Mode::tangent ? "tangent" : (found.differenced ? "adjoint-d" : "adjoint"),
+            ((found.derivatives.row(i) - expected.row(i)).transpose().cwiseProduct(scales)).lpNorm<Eigen::Infinity>() /
+                size);
+    }
+  }
+}
+
+}  // namespace lithe::test

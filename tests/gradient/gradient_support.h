@@ -1,0 +1,25 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "engine/gradient/gradient.h"
+#include "engine/run/simulation.h"
+#include "integrators/generalized_alpha.h"
+
+namespace lithe::test {
+
+/// Generalized-alpha that solves its steps to round-off, so that differences of runs are as good as they can be.
+inline MakeIntegrator exact_alpha(double step) {
+  return [step] {
+    return std::make_unique<GeneralizedAlpha>(GeneralizedAlpha::Parameters{.step = step, .newton_tolerance = 1e-13});
+  };
+}
+
+/// The gradient of a scene against differences of its runs, extrapolated (Richardson), relative to the largest
+/// derivative of the quantity in units of the parameters' values; in tangent and in adjoint mode.
+void expect_gradient(const ParametricScene& scene, const std::vector<Quantity>& quantities,
+                     const std::vector<DesignParameter>& parameters, double tolerance = 1e-8, bool has_adjoint = true);
+
+}  // namespace lithe::test
