@@ -383,6 +383,7 @@ void SingularPose::history(Archive& archive) {
   archive("v_begin", v_begin_);
   archive("d_rates", d_rates_);
   archive("rates", rates_);
+  archive("lambda", lambda_);  // where searches for reactions begin
 }
 
 }  // namespace lithe

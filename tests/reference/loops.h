@@ -26,6 +26,22 @@ inline void draw_four_bars(SystemGraph& graph, int windows) {
   }
 }
 
+/// The same links at rest, exactly flat along x: the rows lose rank by the number of windows, and several motions begin.
+inline void draw_flat_four_bars(SystemGraph& graph, int windows) {
+  const auto at = [](double x) { return Vector3(x, 0, 0); };
+  std::vector<Part> uprights, couplers;
+  for (int i = 0; i <= windows; ++i)
+    uprights.push_back(rod(graph, "upright " + std::to_string(i), at(i), at(i + 1), 1, 0));
+  for (int i = 0; i < windows; ++i)
+    couplers.push_back(rod(graph, "coupler " + std::to_string(i), at(i + 1), at(i + 2), 1, 0));
+  for (int i = 0; i <= windows; ++i) {
+    const std::string number = std::to_string(i);
+    graph.add<RevoluteJoint>("pin " + number, {graph.ground().marker(at(i)), uprights[i].at(at(i))});
+    if (i < windows) graph.add<RevoluteJoint>("right " + number, {uprights[i].at(at(i + 1)), couplers[i].at(at(i + 1))});
+    if (i > 0) graph.add<RevoluteJoint>("left " + number, {uprights[i].at(at(i + 1)), couplers[i - 1].at(at(i + 1))});
+  }
+}
+
 /// R04: rods P1P2 ... P5P6 (bodies 0 .. 4), hinges 1 .. 6; the first and the last on ground. P3 is the second rod's far
 /// end, 0.5 m along x from its centre.
 inline void draw_bricard(SystemGraph& graph) {
