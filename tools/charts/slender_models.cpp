@@ -45,8 +45,7 @@ StudyScene beam_pendulum(int elements) {
                                         .sections = {{0, BeamSection::rectangle(kWidth, kHeight, kRubber)}},
                                         .elements = elements});
     const Point below(0, 0, -kHeight / 2);  // of the axis, in section axes, which are those of the world
-    graph.add<RevoluteJoint>("hinge",
-                             {graph.ground().marker({0, 0.005, 0}, kAlongY), rod.marker(0, below, kAlongY)});
+    graph.add<RevoluteJoint>("hinge", {graph.ground().marker({0, 0.005, 0}, kAlongY), rod.marker(0, below, kAlongY)});
     return {position(rod.marker(kRod, below), "tip")};
   });
 }
@@ -89,10 +88,9 @@ StudyScene slender_blade(const std::string& name, const Fidelity& fidelity) {
   return blade(name, [fidelity](SystemGraph& graph) -> std::vector<Sensor> {
     auto& hub = draw_hub(graph);
     auto& body = graph.add<SlenderBody>(
-        "blade",
-        {.beam = {.axis = BeamAxis::straight({0, 0, 0}, {kBlade, 0, 0}, {0, 1, 0}),
-                  .sections = {{0, BeamSection::rectangle(kChord, kDepth, kAluminium).damped(kDamping)}},
-                  .elements = 20}});
+        "blade", {.beam = {.axis = BeamAxis::straight({0, 0, 0}, {kBlade, 0, 0}, {0, 1, 0}),
+                           .sections = {{0, BeamSection::rectangle(kChord, kDepth, kAluminium).damped(kDamping)}},
+                           .elements = 20}});
     graph.add<FixedJoint>("root", {hub.marker(), body.marker(0)});
     const Marker tip = body.marker(kBlade);
     body.set_fidelity(fidelity);
@@ -115,8 +113,7 @@ StudyScene solid_blade(const std::string& name, const FiniteElementModel& model,
     auto& hub = draw_hub(graph);
     const auto& root = model.node_set("x_min");
     const auto basis = make_basis(model, TangentFrame{root}, count, {.deflection = deflection});
-    auto& body = graph.add<FlexibleBody>(
-        "blade", {.basis = basis, .damping = {.stiffness_proportional = kDamping}});
+    auto& body = graph.add<FlexibleBody>("blade", {.basis = basis, .damping = {.stiffness_proportional = kDamping}});
     graph.add<FixedJoint>("root", {hub.marker(), body.frame()});
     return {position(body.average(model.node_set("x_max")), "tip")};
   });
@@ -160,8 +157,8 @@ StudyScene brick_blade(const Registry& registry, const std::string& folder, cons
   write_deck(deck, n);
   return blade(std::to_string(n[0] * n[1] * n[2]) + " bricks", [&registry, deck, n](SystemGraph& graph) {
     auto& hub = draw_hub(graph);
-    auto& body = graph.add(registry.body("inertial_body"), "blade",
-                           {{"mesh_file", deck}, {"stiffness_damping", kDamping}});
+    auto& body =
+        graph.add(registry.body("inertial_body"), "blade", {{"mesh_file", deck}, {"stiffness_damping", kDamping}});
     const int count = (n[1] + 1) * (n[2] + 1);
     std::vector<int> root, tip;
     for (int i = 1; i <= count; ++i) root.push_back(i), tip.push_back(n[0] * count + i);
@@ -235,7 +232,7 @@ int main(int count, char** arguments) {
     }
     std::printf("CalculiX with 20-node bricks is %.3e m from CalculiX with 8-node bricks\n", off);
     std::printf("%s\n", model_precision("the beam against CalculiX with 20-node bricks", {beam_pendulum(16)}, better,
-                                       method(), {1e-4}, {})
+                                        method(), {1e-4}, {})
                             .table()
                             .c_str());
     double least = 1e300, most = 0;
@@ -251,7 +248,8 @@ int main(int count, char** arguments) {
     models.reserve(10);
     std::vector<StudyScene> scenes;
     for (const std::array<int, 3> n : {std::array<int, 3>{20, 1, 1}, {40, 1, 1}, {40, 1, 2}}) {
-      models.push_back(brick_mesh({.size = {kBlade, kChord, kDepth}, .divisions = n, .material = kAluminium, .name = "b"}));
+      models.push_back(
+          brick_mesh({.size = {kBlade, kChord, kDepth}, .divisions = n, .material = kAluminium, .name = "b"}));
       models.back().nodes.colwise() -= Vector3(0, kChord / 2, kDepth / 2);
       scenes.push_back(solid_blade("stiffened " + std::to_string(n[0]), models.back(), 12, Deflection::stiffened));
       scenes.push_back(solid_blade("quadratic " + std::to_string(n[0]), models.back(), 12, Deflection::quadratic));
@@ -271,8 +269,8 @@ int main(int count, char** arguments) {
     draw(model_precision("a blade that spins up, in six models",
                          {slender_blade("rigid", {}), slender_blade("12 modes", modes(12, Deflection::linear)),
                           slender_blade("12 modes, stiffened", modes(12, Deflection::stiffened)),
-                          solid_blade("12 modes, quadratic", model, 12, Deflection::quadratic), exact_blade(5), exact_blade(20),
-                          brick_blade(registry, "results/charts", {32, 1, 1})},
+                          solid_blade("12 modes, quadratic", model, 12, Deflection::quadratic), exact_blade(10),
+                          exact_blade(40), brick_blade(registry, "results/charts", {32, 1, 1})},
                          finest_blade(), method(), settings, {.time_limit = 60}),
          folder + "/slender_blade");
   }
