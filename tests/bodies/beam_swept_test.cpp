@@ -28,19 +28,19 @@ struct SweptBlade {
   };
   Parts draw(SystemGraph& graph, double speed) const {
     const Vector3 bend(hub + straight, 0, 0), tip = bend + swept * Vector3(std::cos(sweep), -std::sin(sweep), 0),
-                  spin(0, 0, speed);
+                                              spin(0, 0, speed);
     const auto part = [&](const char* name, const Vector3& from, const Vector3& to, int count) {
       // Axis 2 lies in the plane of rotation.
-      return &graph.add<Beam>(name,
-                              {.axis = BeamAxis::straight(from, to, Vector3(0, 0, 1).cross(Vector3(to - from))),
-                               .sections = {{0, section}},
-                               .elements = count,
-                               .velocity = spin.cross(from),
-                               .angular_velocity = spin});
+      return &graph.add<Beam>(name, {.axis = BeamAxis::straight(from, to, Vector3(0, 0, 1).cross(Vector3(to - from))),
+                                     .sections = {{0, section}},
+                                     .elements = count,
+                                     .velocity = spin.cross(from),
+                                     .angular_velocity = spin});
     };
     const Parts parts{part("inner", {hub, 0, 0}, bend, elements), part("outer", bend, tip, elements / 5)};
-    graph.add<FixedJoint>("bend", {parts.inner->marker(straight),
-                                   parts.outer->marker(0, {}, parts.outer->axes(0).transpose() * parts.inner->axes(0))});
+    graph.add<FixedJoint>("bend",
+                          {parts.inner->marker(straight),
+                           parts.outer->marker(0, {}, parts.outer->axes(0).transpose() * parts.inner->axes(0))});
     return parts;
   }
 
@@ -56,10 +56,9 @@ struct SweptBlade {
       for (int i = 0; i <= count; ++i) {
         const double inside = i == 0 ? l / 4 : i == count ? -l / 4 : 0;
         const double m = section.mass_per_length() * (inside == 0 ? l : l / 2);
-        graph.add<UserForce>("pull " + std::to_string(number++), {beam->marker(beam->arc(i), {inside, 0, 0})},
-                             {[=](double, const MarkerView& at) {
-                               return force(m * speed * speed * Vector3(at.p[0], at.p[1], 0));
-                             }});
+        graph.add<UserForce>(
+            "pull " + std::to_string(number++), {beam->marker(beam->arc(i), {inside, 0, 0})},
+            {[=](double, const MarkerView& at) { return force(m * speed * speed * Vector3(at.p[0], at.p[1], 0)); }});
       }
     }
     const System system = assemble(graph);
@@ -94,8 +93,8 @@ struct SweptBlade {
   }
 };
 
-/// Hodges, Shang and Cesnik's blade, four sweeps, three speeds, to 10 %. The first flap frequency at rest, 1.4 to 1.8 Hz
-/// for blades that should differ little, was measured to some tenths of a hertz.
+/// Hodges, Shang and Cesnik's blade, four sweeps, three speeds, to 10 %. The first flap frequency at rest, 1.4 to 1.8
+/// Hz for blades that should differ little, was measured to some tenths of a hertz.
 TEST(BeamSwept, HasTheMeasuredFrequencies) {
   const auto file = nlohmann::json::parse(std::ifstream(LITHE_TEST_DATA "/beams/D07_swept_tip_rotating_beam.json"));
   const auto &geometry = file["geometry"], &s = file["section"], &measured = file["measured_Hz"],
@@ -105,8 +104,8 @@ TEST(BeamSwept, HasTheMeasuredFrequencies) {
   const double A = width * thickness, G = E / (2 * (1 + nu)), I2 = width * std::pow(thickness, 3) / 12,
                I3 = thickness * std::pow(width, 3) / 12, ky = 1.2000001839588001, kz = 14.625127919304001,
                kt = 65.85255016982444;
-  const BeamSection section = BeamSection::diagonal(
-      {E * A, G * A / ky, G * A / kz, G * (I2 + I3) / kt, E * I2, E * I3}, rho * A, {rho * (I2 + I3), rho * I2, rho * I3});
+  const BeamSection section = BeamSection::diagonal({E * A, G * A / ky, G * A / kz, G * (I2 + I3) / kt, E * I2, E * I3},
+                                                    rho * A, {rho * (I2 + I3), rho * I2, rho * I3});
   const double rpm[] = {0, 500, 750};
   for (std::size_t sweep = 0; sweep < 4; ++sweep)
     for (std::size_t row = 0; row < 3; ++row) {

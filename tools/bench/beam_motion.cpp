@@ -3,7 +3,8 @@
 //   --problem falling_rod  a rubber rod of 1 m falls from a pin, level at first, for 1.8 s
 //             spin_up      a hub turns a beam of 10 m up to 6 rad/s in 15 s (Simo & Vu-Quoc 1986)
 //   --n 16  elements   --mass lumped|consistent   --method automatic|radau|rk8|...   --tol 1e-4   --repeat 5
-//   --reference FILE  columns t, ... x_mid, ... x_tip ... (spin_up: tools/bench/data/beam_spin_up.csv); the error is the
+//   --reference FILE  columns t, ... x_mid, ... x_tip ... (spin_up: tools/bench/data/beam_spin_up.csv); the error is
+//   the
 //                     largest distance of middle and tip at its instants, every 0.05 s or 0.5 s, m
 //   --write FILE      these points instead of a JSON line, extrapolated from --n and twice as many elements
 #include <stdexcept>

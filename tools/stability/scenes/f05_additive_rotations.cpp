@@ -90,7 +90,9 @@ const Registered scene{
        },
        Role::also},
       {"beam, relative motion in SE(3), 2 elements",
-       [] { return finding(exact(2), "strains are of the relative motion of the ends, in which a common turn cancels"); },
+       [] {
+         return finding(exact(2), "strains are of the relative motion of the ends, in which a common turn cancels");
+       },
        Role::ours}}}};
 
 }  // namespace

@@ -33,8 +33,8 @@ double tip(int elements, int points) {
         for (int p = 0; p < points; ++p) {
           const double xi = p ? gauss : -gauss, weight = h / points, a = (1 - xi) / 2, b = (1 + xi) / 2;
           const auto A = u.segment<3>(3 * e), B = u.segment<3>(3 * e + 3);
-          const double dx = (B[0] - A[0]) / h, dy = (B[1] - A[1]) / h, angle = a * A[2] + b * B[2],
-                       c = std::cos(angle), s = std::sin(angle);
+          const double dx = (B[0] - A[0]) / h, dy = (B[1] - A[1]) / h, angle = a * A[2] + b * B[2], c = std::cos(angle),
+                       s = std::sin(angle);
           const Vector3 strain(c * dx + s * dy - 1, -s * dx + c * dy, (B[2] - A[2]) / h);
           // Derivatives of the strains by (x', y', θ), and what those are by the nodes; curvature apart.
           Eigen::Matrix<double, 3, 6> D = Eigen::Matrix<double, 3, 6>::Zero(), strains = D;
@@ -81,8 +81,8 @@ template <class Tip>
 Finding over_meshes(Tip&& tip, const std::string& why) {
   std::vector<Figure> figures;
   for (const int elements : {16, 64, 4})
-    figures.push_back({"deflection over the elastica's, " + std::to_string(elements) + " elements",
-                       tip(elements) / kExact});
+    figures.push_back(
+        {"deflection over the elastica's, " + std::to_string(elements) + " elements", tip(elements) / kExact});
   return {judged(figures[0].value - 1, kLimit), figures, why};
 }
 

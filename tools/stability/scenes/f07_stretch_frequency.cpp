@@ -1,5 +1,5 @@
-// F07: a thin beam under explicit methods: waves of stretch and shear from node to node set the step, however slowly the
-// beam bends.
+// F07: a thin beam under explicit methods: waves of stretch and shear from node to node set the step, however slowly
+// the beam bends.
 #include "bodies/beam/beam.h"
 #include "joints/spherical_joint.h"
 #include "tools/stability/bench.h"
@@ -13,7 +13,7 @@ namespace {
 // A strip of spring steel on a pin, 1 m, 20 x 1 mm, level at first.
 constexpr double kLength = 1, kWidth = 0.02, kThickness = 1e-3;
 const Material kSteel{2.1e11, 0.3, 7850};
-const double kSwing = kSteel.density * kWidth * kThickness * kLength * 9.81 * kLength / 2;  // J, down to hanging
+const double kSwing = kSteel.density * kWidth * kThickness * kLength * 9.81 * kLength / 2;     // J, down to hanging
 const double kBending = 15.4182 * std::sqrt(kSteel.young / kSteel.density / 12) * kThickness;  // rad/s, pinned-free
 
 class Strip : public Bench {
@@ -68,7 +68,8 @@ Finding beyond() {
   figures.push_back({"steps in a period of bending, 8 elements", 2 * M_PI / kBending / steps[0]});
   figures.push_back({"in the same, 16 elements", 2 * M_PI / kBending / steps[1]});
   return {lives(8, 1.1 * steps[0]) ? Outcome::converged : Outcome::unstable, figures,
-          "a wave of stretch or shear must not cross an element within a step; implicit methods step over it", steps[1]};
+          "a wave of stretch or shear must not cross an element within a step; implicit methods step over it",
+          steps[1]};
 }
 Finding judge(Integrator& method) {
   Strip scene(8);
@@ -80,10 +81,9 @@ Finding judge(Integrator& method) {
           course.why};
 }
 
-const Registered scene{with_candidates({"F07",
-                                        "explicit methods and the stretch of a beam",
-                                        {{"RK4 beyond its limit", beyond, Role::also}}},
-                                       {automatic(1e-4), radau(1e-4), alpha(2e-4), runge_kutta8(1e-4)}, judge)};
+const Registered scene{with_candidates(
+    {"F07", "explicit methods and the stretch of a beam", {{"RK4 beyond its limit", beyond, Role::also}}},
+    {automatic(1e-4), radau(1e-4), alpha(2e-4), runge_kutta8(1e-4)}, judge)};
 
 }  // namespace
 }  // namespace lithe::lab

@@ -99,20 +99,19 @@ const Registered scene{with_candidates(
      "a follower load",
      {{"determinant of the stiffness",
        [] {
-         return finding(
-             lowest_share(PointForce::Axes::marker,
-                          [](const Linearization& l) {
-                            const VectorX scale = l.K.diagonal().cwiseAbs().cwiseSqrt().cwiseInverse();
-                            return MatrixX(scale.asDiagonal() * l.K * scale.asDiagonal()).determinant();
-                          }),
-             "there is no neighbouring equilibrium at any load: the loss of stability is dynamic");
+         return finding(lowest_share(PointForce::Axes::marker,
+                                     [](const Linearization& l) {
+                                       const VectorX scale = l.K.diagonal().cwiseAbs().cwiseSqrt().cwiseInverse();
+                                       return MatrixX(scale.asDiagonal() * l.K * scale.asDiagonal()).determinant();
+                                     }),
+                        "there is no neighbouring equilibrium at any load: the loss of stability is dynamic");
        },
        Role::also},
       {"smallest eigenvalue of the symmetric part of the stiffness",
        [] {
-         return finding(lowest_share(PointForce::Axes::marker,
-                                     [](const Linearization& l) { return l.lowest_stiffness(); }),
-                        "a sufficient condition, far from necessary");
+         return finding(
+             lowest_share(PointForce::Axes::marker, [](const Linearization& l) { return l.lowest_stiffness(); }),
+             "a sufficient condition, far from necessary");
        },
        Role::also},
       {"the load taken for dead",
@@ -122,9 +121,9 @@ const Registered scene{with_candidates(
              "Euler's load π²/4 is that of another column");
        },
        Role::also},
-      {"eigenvalues of linearize()",
-       [] { return finding(flutter_share(), "two frequencies meet"); }, Role::ours},
-      in_time("linearly implicit Euler, h = 0.08, in time", "its damping exceeds the growth: it calls the column stable",
+      {"eigenvalues of linearize()", [] { return finding(flutter_share(), "two frequencies meet"); }, Role::ours},
+      in_time("linearly implicit Euler, h = 0.08, in time",
+              "its damping exceeds the growth: it calls the column stable",
               [] { return std::make_unique<LinearlyImplicit>(LinearlyImplicit::Parameters{.step = 0.08}); })}},
     {automatic(1e-6), radau(1e-8), alpha(2e-3)}, grows)};
 

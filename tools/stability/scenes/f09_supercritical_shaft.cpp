@@ -100,19 +100,18 @@ Finding damper_at_rest() {
   return finding;
 }
 
-const Registered scene{with_candidates(
-    {"F09",
-     "a shaft beyond its critical speed",
-     {{"damping in axes at rest", damper_at_rest, Role::also},
-      {"linearly implicit Euler, 20 steps a turn of the whirl",
-       [] {
-         LinearlyImplicit method({.step = 2 * M_PI / kCritical / 20});
-         Finding finding = whirl(method);
-         finding.why = "it damps more than the shaft feeds";
-         return finding;
-       },
-       Role::also}}},
-    {automatic(1e-7), radau(1e-7), alpha(2e-4, 0.9)}, whirl)};
+const Registered scene{with_candidates({"F09",
+                                        "a shaft beyond its critical speed",
+                                        {{"damping in axes at rest", damper_at_rest, Role::also},
+                                         {"linearly implicit Euler, 20 steps a turn of the whirl",
+                                          [] {
+                                            LinearlyImplicit method({.step = 2 * M_PI / kCritical / 20});
+                                            Finding finding = whirl(method);
+                                            finding.why = "it damps more than the shaft feeds";
+                                            return finding;
+                                          },
+                                          Role::also}}},
+                                       {automatic(1e-7), radau(1e-7), alpha(2e-4, 0.9)}, whirl)};
 
 }  // namespace
 }  // namespace lithe::lab

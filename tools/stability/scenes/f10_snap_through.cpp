@@ -38,8 +38,8 @@ class Frame : private LoadedMarker, private Bench {
                                                 .sections = {{0, section}},
                                                 .elements = 20,
                                                 .stations = {kPlace}});
-          graph.add<FixedJoint>("corner", {column.marker(kSide),
-                                           beam.marker(0, {}, beam.axes(0).transpose() * column.axes(0))});
+          graph.add<FixedJoint>("corner",
+                                {column.marker(kSide), beam.marker(0, {}, beam.axes(0).transpose() * column.axes(0))});
           graph.add<RevoluteJoint>("foot", {graph.ground().marker({0, 0, 0}, column.axes(0)), column.marker(0)});
           graph.add<RevoluteJoint>("wall", {graph.ground().marker({kSide, kSide, 0}), beam.marker(kSide)});
           loaded = beam.marker(kPlace);
@@ -49,8 +49,7 @@ class Frame : private LoadedMarker, private Bench {
                                    return force({0, -kMost * share, 0});
                                  }});
           else
-            graph.add<CoordinateDrive>("press", {displacement_between(ground, loaded, 1)},
-                                       {.motion = ramp(0, -kDown)});
+            graph.add<CoordinateDrive>("press", {displacement_between(ground, loaded, 1)}, {.motion = ramp(0, -kDown)});
         }) {}
 
   /// Where the loaded point is.
@@ -118,10 +117,10 @@ Finding by_arc_length() {
 const Registered scene{
     {"F10",
      "snap-through",
-     {{"load steps",
-       [] { return by_steps(Frame::Led::by_load, "beyond the limit the next equilibrium is elsewhere"); }, Role::also},
-      {"displacement steps",
-       [] { return by_steps(Frame::Led::by_displacement, "the loaded point itself turns back"); }, Role::also},
+     {{"load steps", [] { return by_steps(Frame::Led::by_load, "beyond the limit the next equilibrium is elsewhere"); },
+       Role::also},
+      {"displacement steps", [] { return by_steps(Frame::Led::by_displacement, "the loaded point itself turns back"); },
+       Role::also},
       {"arc length (follow_equilibria)", by_arc_length, Role::ours}}}};
 
 }  // namespace

@@ -24,9 +24,8 @@ struct Wheels {
   RevoluteJoint *driver, *driven;
   Wheels(SystemGraph& graph, double speed) {
     const auto wheel = [&](const std::string& name, double x, double spin) {
-      auto& body = graph.add<RigidBody>(name, {.inertia = {kInertia, kInertia, kInertia},
-                                               .position = {x, 0, 0},
-                                               .angular_velocity = {0, 0, spin}});
+      auto& body = graph.add<RigidBody>(
+          name, {.inertia = {kInertia, kInertia, kInertia}, .position = {x, 0, 0}, .angular_velocity = {0, 0, spin}});
       return &graph.add<RevoluteJoint>(name + " pin", {graph.ground().marker({x, 0, 0}), body.marker()});
     };
     driver = wheel("driver", 0, speed), driven = wheel("driven", kAxles, speed * kR1 / kR2);
@@ -131,11 +130,12 @@ Finding smoothed(double v_d) {
           "smoothed over the speed, friction holds nothing at rest"};
 }
 
-const Registered scene{with_candidates({"F11",
-                                        "a belt that slips",
-                                        {{"fixed ratio of the wheels", fixed_ratio, Role::also},
-                                         {"friction smoothed by tanh(v/0.01)", [] { return smoothed(0.01); }, Role::also}}},
-                                       {automatic(1e-7), radau(1e-7), alpha(2e-4)}, braked)};
+const Registered scene{
+    with_candidates({"F11",
+                     "a belt that slips",
+                     {{"fixed ratio of the wheels", fixed_ratio, Role::also},
+                      {"friction smoothed by tanh(v/0.01)", [] { return smoothed(0.01); }, Role::also}}},
+                    {automatic(1e-7), radau(1e-7), alpha(2e-4)}, braked)};
 
 }  // namespace
 }  // namespace lithe::lab
