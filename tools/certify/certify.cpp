@@ -1,5 +1,6 @@
-// certify RESULTS TUNED.json [SCENE...]: solve() held against what is known. For every scene and target, what it
-// states, what is so, and what it costs beside the best run by hand (tuned.cpp). Writes RESULTS/summary.json,
+// certify RESULTS [--seen] [--once] [SCENE...]: solve() held against what is known. For every scene and target, what it
+// states, what is so, and what it costs beside the best run by hand (tuned.cpp found it, here it is run again). --seen:
+// only the half that factors are set on; --once: no repeats. Writes RESULTS/summary.json,
 // certify_table.md and the charts certify and certify_cost. Returns 0 if what is promised is kept, 1 if not, 2 if it
 // could not be told.
 #include <algorithm>
@@ -7,6 +8,7 @@
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "engine/base/error.h"
 #include "engine/study/model_error.h"
@@ -14,6 +16,7 @@
 #include "tools/bench/measure.h"
 #include "tools/certify/report.h"
 #include "tools/certify/scenes.h"
+#include "tools/certify/setting.h"
 
 using namespace lithe;
 using namespace lithe::certify;
@@ -30,28 +33,38 @@ nlohmann::json read_json(const std::string& path) {
   return json;
 }
 
-/// "8 modes, stiffened; generalized-alpha, step 0.00125 s"
-std::string setting_text(const nlohmann::json& run) {
-  const std::string deflection = run.at("model"), integrator = run.at("integrator");
-  const nlohmann::json& modes = run.at("modes");
-  const std::string count = modes.is_string() ? modes.get<std::string>() : std::to_string(modes.get<int>());
-  const bool fixed = run.contains("step");
-  char value[32];
-  std::snprintf(value, sizeof value, fixed ? "step %.3g s" : "tolerance %.3g",
-                run.at(fixed ? "step" : "tolerance").get<double>());
-  const std::string model = count + (count == "1" ? " mode, " : " modes, ") + deflection;
-  return (deflection == "rigid" ? deflection : model) + "; " + integrator + ", " + value;
-}
+/// What by_hand.json knows to be the cheapest, run here and now: costs are compared on one machine in one state.
+class ByHand {
+ public:
+  ByHand(const Scene& scene, const nlohmann::json& found, double target) : scene_(scene) {
+    char key[16];
+    std::snprintf(key, sizeof key, "%g", target);
+    const auto at = nlohmann::json::json_pointer("/" + scene.name + "/" + key);
+    if (!found.contains(at) || !found[at].contains("modes")) return;
+    best_ = read_setting(found[at]);
+    tuned_.model = text(*best_);
+    if (found[at].contains("by_tolerance")) by_tolerance_ = read_setting(found[at]["by_tolerance"]);
+  }
+  void run(const Table& reference) {
+    if (best_) measure(*best_, reference, tuned_.cost);
+    if (!by_tolerance_) return;
+    if (*by_tolerance_ == *best_)
+      tuned_.by_tolerance = tuned_.cost;
+    else
+      measure(*by_tolerance_, reference, tuned_.by_tolerance);
+  }
+  const HandTuned& tuned() const { return tuned_; }
 
-HandTuned tuned_run(const nlohmann::json& tuned, const std::string& scene, double target) {
-  char key[16];
-  std::snprintf(key, sizeof key, "%g", target);
-  const auto at = nlohmann::json::json_pointer("/" + scene + "/targets/" + key);
-  if (!tuned.contains(at) || !tuned[at].contains("cpu")) return {};
-  const nlohmann::json& best = tuned[at];
-  return {setting_text(best), best.at("cpu"),
-          best.contains("by_tolerance") ? best["by_tolerance"].at("cpu").get<double>() : kUnknown};
-}
+ private:
+  void measure(const Setting& setting, const Table& reference, double& cost) {
+    cost = std::fmin(cost, run_setting(scene_, parts_, setting, reference).cpu);  // fmin: unknown at first
+  }
+
+  const Scene& scene_;
+  ElasticParts parts_{ElasticParts::Kind::modes};
+  std::optional<Setting> best_, by_tolerance_;
+  HandTuned tuned_;
+};
 
 struct Answer {
   Solution solution;
@@ -79,15 +92,18 @@ void require_comparable(const Table& samples, const Table& reference) {
                         "run the scene by itself: diagnose() tells why it fails");
 }
 
-std::vector<CertifiedCase> cases_of(const Scene& scene, ElasticParts& parts, double target, const HandTuned& tuned,
-                                    double reference_error) {
+std::vector<CertifiedCase> cases_of(const Scene& scene, ElasticParts& parts, double target, ByHand by_hand,
+                                    double reference_error, int repeats) {
   SystemGraph graph{{.gravity = scene.gravity}};
   const std::vector<Sensor> watched = scene.draw(graph, parts);
-  CertifiedRun run{.scene = scene.name, .target = target / 100, .tuned = tuned};
+  CertifiedRun run{.scene = scene.name, .seen = scene.seen, .is_long = scene.is_long, .target = target / 100};
+  const Table reference = reference_of(scene);
   std::vector<CertifiedCase> cases(watched.size());
   try {
+    by_hand.run(reference);
     Answer best = solve_once(scene, parts, target);
-    for (int repeat = 1; repeat < kRepeats; ++repeat) {
+    for (int repeat = 1; repeat < repeats; ++repeat) {
+      by_hand.run(reference);
       Answer again = solve_once(scene, parts, target);
       if (again.cost < best.cost) best = std::move(again);
     }
@@ -95,7 +111,6 @@ std::vector<CertifiedCase> cases_of(const Scene& scene, ElasticParts& parts, dou
     run.model = sheet.chosen >= 0 ? sheet.trials[sheet.chosen].model : "";
     run.integrator = sheet.integrator, run.tolerance = sheet.tolerance;
     run.cost = best.cost, run.answer_cost = sheet.answer_cost;
-    const Table reference = reference_of(scene);
     require_comparable(best.solution.samples, reference);
     const std::vector<double> errors = deviations(watched, best.solution.samples, reference);
     const std::vector<double> changes = sample_changes(watched, reference);
@@ -110,6 +125,7 @@ std::vector<CertifiedCase> cases_of(const Scene& scene, ElasticParts& parts, dou
   } catch (const Error& error) {  // no answer: its cases are not covered
     run.failure = error.what();
   }
+  run.tuned = by_hand.tuned();
   for (std::size_t i = 0; i < watched.size(); ++i) {
     cases[i].run = run, cases[i].quantity = watched[i].name(), cases[i].reference_error = reference_error;
     const CertifiedCase& c = cases[i];
@@ -125,16 +141,27 @@ std::vector<CertifiedCase> cases_of(const Scene& scene, ElasticParts& parts, dou
 }  // namespace
 
 int main(int count, char** arguments) try {
-  if (count < 3) {
-    std::fprintf(stderr, "usage: certify RESULTS TUNED.json [SCENE...]\n");
+  if (count < 2) {
+    std::fprintf(stderr, "usage: certify RESULTS [--seen] [--once] [SCENE...]\n");
     return 2;
   }
   const std::string results = arguments[1];
-  const nlohmann::json tuned = read_json(arguments[2]);
+  const nlohmann::json by_hand = read_json(LITHE_SOURCE_DIR "/tools/certify/references/by_hand.json");
   const nlohmann::json references = read_json(LITHE_SOURCE_DIR "/tools/certify/references/references.json");
   std::vector<Scene> chosen;
-  for (int i = 3; i < count; ++i) chosen.push_back(find_scene(arguments[i]));
+  bool seen_alone = false;
+  int repeats = kRepeats;
+  for (int i = 2; i < count; ++i) {
+    const std::string word = arguments[i];
+    if (word == "--seen")
+      seen_alone = true;
+    else if (word == "--once")
+      repeats = 1;
+    else
+      chosen.push_back(find_scene(word));
+  }
   if (chosen.empty()) chosen = scenes();
+  if (seen_alone) std::erase_if(chosen, [](const Scene& scene) { return !scene.seen; });
 
   std::vector<CertifiedCase> cases;
   for (const Scene& scene : chosen) {
@@ -142,14 +169,14 @@ int main(int count, char** arguments) try {
     const double reference_error =
         references.contains(scene.name) ? references[scene.name].at("error").get<double>() : 0;
     for (const double target : kTargets)
-      for (CertifiedCase& c : cases_of(scene, parts, target, tuned_run(tuned, scene.name, target), reference_error))
+      for (CertifiedCase& c : cases_of(scene, parts, target, ByHand(scene, by_hand, target), reference_error, repeats))
         cases.push_back(std::move(c));
   }
   write_charts(cases, results);
   write_table(cases, results + "/certify_table.md");
   write_json(cases, results + "/summary.json");  // last: where it is, all is
   std::printf("\n%s", text(cases).c_str());
-  return summarize(cases).keeps_promise() ? 0 : 1;
+  return summarize(seen_alone ? cases : of_half(cases, false)).keeps_promise() ? 0 : 1;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "%s\n", error.what());
   return 2;

@@ -2,6 +2,8 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
+
 #include "bodies/flexible/elements/solid_element.h"
 #include "engine/assembly/batch_of.h"
 #include "joints/fixed_joint.h"
@@ -129,6 +131,22 @@ ElasticPart ElasticParts::add(SystemGraph& graph, const std::string& name, Elast
                                               .velocity = p.velocity,
                                               .angular_velocity = p.angular_velocity});
   return {&body, nullptr, std::move(p)};
+}
+
+SlenderBody& ElasticParts::add_beam(SystemGraph& graph, const std::string& name, SlenderBody::Parameters p) {
+  auto& body = graph.add<SlenderBody>(name, std::move(p));
+  if (kind_ == Kind::bricks || deflection == Deflection::exact) {
+    body.set_fidelity({.deflection = Deflection::exact, .elements = elements});
+    return body;
+  }
+  if (deflection == Deflection::quadratic && mode_count == FlexibleBody::kAll) return body;  // as drawn
+  Fidelity fidelity{.deflection = std::min(deflection, body.finest_deflection())};
+  const int candidates = static_cast<int>(body.candidate_stiffness().size());
+  for (int k = 0; k < (mode_count == FlexibleBody::kAll ? candidates : std::min(mode_count, candidates)); ++k)
+    fidelity.modes.push_back(k);
+  if (fidelity.modes.empty()) fidelity.deflection = Deflection::linear;
+  body.set_fidelity(fidelity);
+  return body;
 }
 
 Places on(Ground& ground) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "bodies/beam/slender_body.h"
 #include "bodies/flexible/finite_element_model.h"
 #include "bodies/flexible/flexible_body.h"
 #include "bodies/rigid_body.h"
@@ -77,12 +78,15 @@ class ElasticParts {
   };
   explicit ElasticParts(Kind kind) : kind_(kind) {}
 
-  // Of modes: the first so many of the candidates of every part, and how they deflect.
+  // Of modes: the first so many of the candidates of every part, and how they deflect; beams may be exact.
   int mode_count = FlexibleBody::kAll;
   Deflection deflection = Deflection::quadratic;
   int more_eigenmodes = 0;  // candidates beside those asked for: for references
+  int elements = 0;         // of beams; 0: as drawn
 
   ElasticPart add(SystemGraph& graph, const std::string& name, ElasticPartParameters parameters);
+  /// A beam: of modes or exact; of bricks it is exact, with `elements`.
+  SlenderBody& add_beam(SystemGraph& graph, const std::string& name, SlenderBody::Parameters parameters);
 
  private:
   struct Bases {

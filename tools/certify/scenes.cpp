@@ -17,6 +17,11 @@ std::vector<Scene> scenes() {
   add_robots(all);
   add_flights(all);
   add_structures(all);
+  add_beams(all);
+  add_contacts(all);
+  add_long_runs(all);
+  add_large_and_weak(all);
+  for (std::size_t i = 0; i < all.size(); ++i) all[i].seen = i % 2 == 0;
   return all;
 }
 
@@ -45,6 +50,14 @@ Sampled run(const Scene& scene, ElasticParts& parts, Integrator& integrator) {
   simulation.run(state, scene.duration);
   const double cpu = bench::cpu_seconds() - start;
   return {recorder.table(), watched, static_cast<int>(state.v.size()), cpu};
+}
+
+Sampled run_for_reference(const Scene& scene, Integrator& integrator, bool finer) {
+  constexpr int kMoreModes = 30;  // of a linear reference, beside the candidates
+  ElasticParts parts(scene.linear_reference ? ElasticParts::Kind::modes : ElasticParts::Kind::bricks);
+  parts.more_eigenmodes = finer ? 2 * kMoreModes : kMoreModes;
+  parts.elements = finer ? scene.beam_elements : scene.beam_elements / 2;
+  return run(scene, parts, integrator);
 }
 
 std::vector<double> deviations(const std::vector<Sensor>& watched, const Table& table, const Table& reference) {

@@ -25,15 +25,22 @@ struct Scene {
   /// made by reference.cpp.
   std::function<Table()> known{};
   bool linear_reference = false;  // of a body that no bricks make: of many more modes instead
+  int beam_elements = 0;          // its elastic parts are beams: of the finer of two references; 0: it has none
+  bool is_long = false;           // about a hundred swings: what choosing costs beside the run is counted
+  bool seen = true;               // of the half that factors of caution are set on, else of that they are judged on
 };
 
-/// All of them, in order.
+/// All of them, in order; by turns of the half that is seen and of the other.
 std::vector<Scene> scenes();
 /// Throws SceneError listing the known ones.
 Scene find_scene(const std::string& name);
 
 /// What is known of the scene: `known`, or references/NAME.csv. Throws FileError for a reference not made yet.
 Table reference_of(const Scene& scene);
+
+struct Sampled;
+/// As scenes are run for their references: nonlinear finite elements, exact beams, or many more modes. `finer`: of two.
+Sampled run_for_reference(const Scene& scene, Integrator& integrator, bool finer);
 
 /// Samples of a run: columns t and those of the sensors.
 struct Sampled {
@@ -55,6 +62,10 @@ void add_mechanisms(std::vector<Scene>& scenes);
 void add_robots(std::vector<Scene>& scenes);
 void add_flights(std::vector<Scene>& scenes);
 void add_structures(std::vector<Scene>& scenes);
+void add_beams(std::vector<Scene>& scenes);
+void add_contacts(std::vector<Scene>& scenes);
+void add_long_runs(std::vector<Scene>& scenes);
+void add_large_and_weak(std::vector<Scene>& scenes);
 
 // ---- what several of them need ----
 

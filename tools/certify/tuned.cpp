@@ -1,6 +1,7 @@
-// tuned OUT.json [SCENE...]: what a patient user would choose. For every scene and target, the cheapest of all models
+// tuned FILE.json [SCENE...]: what a patient user would choose. For every scene and target, the cheapest of all models
 // (rigid; the first n modes; linear, stiffened, quadratic) and integrator settings whose true error meets the target in
-// every watched quantity. Reduction is done before and counts on no side.
+// every watched quantity; beams also exact, of several numbers of elements. Reduction is done before and counts on no
+// side. Scenes that are in the file already are left out, unless they are named.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -9,9 +10,8 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "integrators/automatic.h"
-#include "integrators/generalized_alpha.h"
-#include "tools/certify/scenes.h"
+#include "engine/base/error.h"
+#include "tools/certify/setting.h"
 
 using namespace lithe;
 using namespace lithe::certify;
@@ -19,30 +19,9 @@ using namespace lithe::certify;
 namespace {
 
 constexpr double kTargets[] = {0.1, 0.01, 0.001};
-constexpr double kTight = 1e-6;  // tolerance at which models are compared
+constexpr double kTight = 1e-5;  // tolerance at which models are compared
 constexpr double kTooDear = 60;  // s of CPU for one run: nobody would choose it
 constexpr int kModeCounts[] = {1, 2, 3, 5, 8, 12, FlexibleBody::kAll};
-const char* const kDeflections[] = {"linear", "stiffened", "quadratic"};
-
-struct Model {
-  Deflection deflection = Deflection::linear;
-  int modes = 0;
-  auto operator<=>(const Model&) const = default;
-};
-
-/// Automatic at a tolerance, or generalized-alpha at a fixed step (s).
-struct Setting {
-  Model model;
-  bool fixed_step = false;
-  double value = 0;
-  auto operator<=>(const Setting&) const = default;
-};
-
-struct Outcome {
-  double error = std::numeric_limits<double>::infinity();  // of the worst watched quantity, part of its change
-  double cpu = std::numeric_limits<double>::infinity();    // s
-  std::vector<double> errors{};                            // of each
-};
 
 /// One scene; runs are made once and remembered.
 class Bench {
@@ -64,25 +43,7 @@ class Bench {
   }
 
  private:
-  Outcome run_once(const Setting& setting) {
-    parts_.mode_count = setting.model.modes;
-    parts_.deflection = setting.model.deflection;
-    Outcome outcome;
-    try {
-      std::unique_ptr<Integrator> integrator;
-      if (setting.fixed_step)
-        integrator = std::make_unique<GeneralizedAlpha>(GeneralizedAlpha::Parameters{.step = setting.value});
-      else
-        integrator =
-            std::make_unique<Automatic>(Automatic::Parameters{.tolerance = {setting.value, 0.01 * setting.value}});
-      const Sampled sampled = run(scene_, parts_, *integrator);
-      outcome.cpu = sampled.cpu;
-      outcome.errors = deviations(sampled.watched, sampled.table, reference_);
-      outcome.error = *std::max_element(outcome.errors.begin(), outcome.errors.end());
-    } catch (const Error&) {  // a model that breaks down, a step too long: not what one would choose
-    }
-    return outcome;
-  }
+  Outcome run_once(const Setting& setting) { return run_setting(scene_, parts_, setting, reference_); }
 
   Scene scene_;
   Table reference_;
@@ -92,9 +53,16 @@ class Bench {
 
 std::vector<Model> models_of(const Scene& scene) {
   std::vector<Model> models = {{}};
+  if (scene.beam_elements > 0) {
+    for (int elements : {4, 8, 16, 32, 64}) models.push_back({Deflection::exact, 0, elements});
+    for (Deflection deflection : {Deflection::linear, Deflection::stiffened})
+      for (int modes : {1, 2, 3, 5, 8, 12}) models.push_back({deflection, modes});
+    return models;
+  }
   for (Deflection deflection : {Deflection::linear, Deflection::stiffened, Deflection::quadratic})
     for (int modes : kModeCounts)
-      if (deflection == Deflection::linear || !scene.linear_reference) models.push_back({deflection, modes});
+      if ((deflection == Deflection::linear || !scene.linear_reference) && (!scene.is_long || modes != 2))
+        models.push_back({deflection, modes});
   return models;
 }
 
@@ -118,17 +86,10 @@ void try_settings(Bench& bench, const Model& model, double target, std::vector<S
   }
 }
 
-nlohmann::json described(const Setting& setting, const Outcome& outcome) {
-  nlohmann::json j;
-  j["model"] = setting.model.modes == 0 ? "rigid" : kDeflections[static_cast<int>(setting.model.deflection)];
-  if (setting.model.modes == FlexibleBody::kAll)
-    j["modes"] = "all";
-  else
-    j["modes"] = setting.model.modes;
-  j["integrator"] = setting.fixed_step ? "generalized-alpha" : "automatic";
-  j[setting.fixed_step ? "step" : "tolerance"] = setting.value;
-  j["error"] = outcome.error;
-  j["cpu"] = outcome.cpu;
+/// With its error and what it cost when it was found.
+nlohmann::json measured(const Setting& setting, const Outcome& outcome) {
+  nlohmann::json j = described(setting);
+  j["error"] = outcome.error, j["cpu"] = outcome.cpu;
   return j;
 }
 
@@ -139,11 +100,7 @@ nlohmann::json tuned(const Scene& scene) {
   std::vector<Model> models;
   for (const Model& model : models_of(scene)) {
     const Setting tight{model, false, kTight};
-    const Outcome& outcome = bench.outcome(tight);
-    nlohmann::json row = described(tight, outcome);
-    row["errors"] = outcome.errors;
-    result["models"].push_back(row);
-    if (outcome.cpu < kTooDear) models.push_back(model);
+    if (bench.outcome(tight).cpu < kTooDear) models.push_back(model);
   }
   const auto tight = [&](const Model& model) -> const Outcome& { return bench.outcome({model, false, kTight}); };
   std::sort(models.begin(), models.end(), [&](auto& a, auto& b) { return tight(a).cpu < tight(b).cpu; });
@@ -165,9 +122,9 @@ nlohmann::json tuned(const Scene& scene) {
     }
     char percent[16];
     std::snprintf(percent, sizeof percent, "%g", 100 * target);
-    nlohmann::json& cell = result["targets"][percent];
-    if (cheapest) cell = described(*cheapest, bench.outcome(*cheapest));
-    if (by_tolerance) cell["by_tolerance"] = described(*by_tolerance, bench.outcome(*by_tolerance));
+    nlohmann::json& cell = result[percent];
+    if (cheapest) cell = measured(*cheapest, bench.outcome(*cheapest));
+    if (by_tolerance) cell["by_tolerance"] = measured(*by_tolerance, bench.outcome(*by_tolerance));
     std::printf("%-28s %5s %%  %s\n", scene.name.c_str(), percent, cell.dump().c_str());
     std::fflush(stdout);
   }
@@ -178,13 +135,15 @@ nlohmann::json tuned(const Scene& scene) {
 
 int main(int count, char** arguments) try {
   if (count < 2) {
-    std::printf("usage: tuned OUT.json [SCENE...]\n");
+    std::printf("usage: tuned FILE.json [SCENE...]: scenes that are named, else those that are not in the file\n");
     return 2;
   }
   std::vector<Scene> chosen;
   for (int i = 2; i < count; ++i) chosen.push_back(find_scene(arguments[i]));
-  nlohmann::json all;
+  nlohmann::json all = nlohmann::json::object();
+  if (std::ifstream known(arguments[1]); known) all = nlohmann::json::parse(known);
   for (const Scene& scene : count > 2 ? chosen : scenes()) {
+    if (count == 2 && all.contains(scene.name)) continue;
     all[scene.name] = tuned(scene);
     std::ofstream(arguments[1]) << all.dump(1) << '\n';  // after each: the whole takes minutes
   }
