@@ -32,7 +32,7 @@ ParametricScene double_pendulum() {
                                         {.stiffness = p["knee"], .damping = 0.05, .free_value = 0.0});
             return std::vector<Sensor>{coordinate(pin.angle(), "pin"), coordinate(knee.angle(), "knee")};
           },
-      .integrator = [] { return std::make_unique<GeneralizedAlpha>(GeneralizedAlpha::Parameters{.step = 1e-2}); }};
+      .integrator = [] { return std::make_unique<GeneralizedAlpha>(GeneralizedAlpha::Parameters{.step = 2.5e-2}); }};
 }
 
 const std::vector<DesignParameter> kTrue{
@@ -40,16 +40,16 @@ const std::vector<DesignParameter> kTrue{
 
 Table measured(double deviation, unsigned seed) {
   std::vector<Quantity> quantities;
-  for (int i = 1; i <= 40; ++i)
-    for (const char* column : {"pin", "knee"}) quantities.push_back(value_at(column, 0.025 * i));
+  for (int i = 1; i <= 20; ++i)
+    for (const char* column : {"pin", "knee"}) quantities.push_back(value_at(column, 0.05 * i));
   static const VectorX exact = gradient(double_pendulum(), quantities, kTrue).values;
   std::mt19937 random(seed);
   std::normal_distribution<double> noise(0, 1);
   Table table{.columns = {"t", "pin", "knee"}};
-  for (int i = 1; i <= 40; ++i) {
+  for (int i = 1; i <= 20; ++i) {
     const double pin = exact[2 * i - 2] + deviation * noise(random),
                  knee = exact[2 * i - 1] + deviation * noise(random);
-    table.add_row({0.025 * i, pin, knee});
+    table.add_row({0.05 * i, pin, knee});
   }
   return table;
 }
@@ -70,24 +70,24 @@ TEST(Fit, FindsFiveParametersOfAnExactTable) {
   EXPECT_THROW(found("knees"), SceneError);
 }
 
-/// The intervals of 95 % hold the true value in 95 % of draws: of 40 draws of five parameters, 200 in all, 190 are
-/// expected and 170 are five standard deviations away (parameters of one draw depend on each other).
+/// The intervals of 95 % hold the true value in 95 % of draws, one deviation in 68 %: of 12 draws of five parameters,
+/// 60 in all, 57 and 41 are expected.
 TEST(Fit, StatesItsConfidence) {
-  int inside = 0, within_two = 0;
-  const int draws = 40;
+  int inside = 0, within_one = 0;
+  const int draws = 12;
   for (unsigned draw = 0; draw < draws; ++draw) {
     const Fit found = fit(double_pendulum(), measured(2e-3, 100 + draw), start());
     EXPECT_NEAR(found.deviation, 2e-3, 8e-4);
     for (std::size_t k = 0; k < kTrue.size(); ++k) {
       const auto i = static_cast<Eigen::Index>(k);
       inside += found.lower[i] <= kTrue[k].value && kTrue[k].value <= found.upper[i];
-      within_two += std::abs(found.values[i] - kTrue[k].value) <= found.deviations[i];
+      within_one += std::abs(found.values[i] - kTrue[k].value) <= found.deviations[i];
     }
   }
-  std::printf("%d of %d inside 95 %%, %d within one deviation (68 %%)\n", inside, 5 * draws, within_two);
-  EXPECT_GE(inside, 175);
-  EXPECT_GE(within_two, 100);
-  EXPECT_LE(within_two, 170);
+  std::printf("%d of %d inside 95 %%, %d within one deviation (68 %%)\n", inside, 5 * draws, within_one);
+  EXPECT_GE(inside, 50);
+  EXPECT_GE(within_one, 28);
+  EXPECT_LE(within_one, 54);
 }
 
 TEST(Fit, RefusesByName) {
