@@ -7,8 +7,9 @@ namespace lithe {
 namespace {
 
 constexpr int kMostRefinements = 12;
-constexpr double kSolved = 1e-14;  // last correction, of the motion in the step
-constexpr double kGood = 1e-9;     // the same, where round-off stops it
+constexpr double kSolved = 1e-14;   // last correction, of the motion in the step
+constexpr double kSameStep = 1e-7;  // times add up to this; what a change so small does is beyond round-off
+constexpr double kGood = 1e-9;      // the same, where round-off stops it
 
 /// Corrections of a linear solution, until they are round-off. Returns false where they do not shrink far enough.
 template <class Correct>
@@ -49,7 +50,7 @@ class GeneralizedAlphaDerivative final : public StepDerivative {
 
   std::string refuse(const State& from, const State& to) const override {
     const double wished = method_.parameters_.step, h = to.time - from.time;
-    if (std::abs(h - wished) <= 1e-9 * wished) return "";
+    if (std::abs(h - wished) <= kSameStep * wished) return "";
     return "a step of " + step_text(h) + " instead of " + step_text(wished) +
            ": cut by the end of the run, by an angle's turn or by Newton";
   }

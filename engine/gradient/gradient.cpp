@@ -265,7 +265,7 @@ Gradient gradient(const ParametricScene& scene, const std::vector<Quantity>& qua
                   std::vector<DesignParameter> parameters, const GradientOptions& options) {
   if (quantities.empty())
     throw SceneError("nothing is to be differentiated", "gradient", "give quantities, such as value_at(\"tip_z\", 1)");
-  parameters = checked(std::move(parameters));
+  parameters = checked_parameters(std::move(parameters));
   const double begun = thread_seconds();
   Gradient result;
   for (const Quantity& q : quantities) result.quantities.push_back(q.name());

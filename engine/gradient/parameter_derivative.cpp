@@ -16,6 +16,7 @@ constexpr int kFew = 24;             // parameters that have drawings of their o
 constexpr double kLinear = 1e-11;    // two differences agree as well as this: the step does not matter
 constexpr double kSmooth = 1e-2;     // they disagree by more: the scene jumps with the parameter
 constexpr double kRoundOff = 1e-12;  // of what is differenced
+constexpr double kStrange = 1e-9;    // of a group's largest change, in rows that no member changes
 
 constexpr std::array<double, 2> kLinearWeights{0.5, -0.5};  // of the first two, where f is linear in p
 
@@ -240,8 +241,9 @@ void ParameterDerivative::difference(const State& state, const Take& take) {
       if (i == 0) difference_.setZero(part_.size());
       difference_ += group->weight(i) * part_;
     }
+    const double much = kStrange * largest_entry(difference_);
     for (std::size_t row = 0; row < group->claimed.size(); ++row)
-      if (!group->claimed[row] && difference_[static_cast<Eigen::Index>(row)] != 0)
+      if (!group->claimed[row] && std::abs(difference_[static_cast<Eigen::Index>(row)]) > much)
         throw SimulationError("at t = " + std::to_string(state.time) + " s one of " +
                                   std::to_string(group->members.size()) + " parameters, '" +
                                   parameters_[static_cast<std::size_t>(group->members.front())].name +

@@ -13,7 +13,7 @@ constexpr double kStep = 1e-3;  // of a parameter's size: differences of fourth 
 
 }  // namespace
 
-std::vector<DesignParameter> checked(std::vector<DesignParameter> parameters) {
+std::vector<DesignParameter> checked_parameters(std::vector<DesignParameter> parameters) {
   const auto refuse = [](const std::string& what, const std::string& fix) {
     throw SceneError(what, "parameters", fix);
   };
@@ -33,7 +33,7 @@ std::vector<DesignParameter> checked(std::vector<DesignParameter> parameters) {
   return parameters;
 }
 
-std::vector<DesignParameter> moved(std::vector<DesignParameter> parameters, int k, double steps) {
+std::vector<DesignParameter> moved_parameter(std::vector<DesignParameter> parameters, int k, double steps) {
   DesignParameter& p = parameters[static_cast<std::size_t>(k)];
   p.value += steps * p.step;
   return parameters;

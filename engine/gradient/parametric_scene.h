@@ -55,8 +55,8 @@ class Drawing {
 };
 
 /// The same parameters with offsets in steps: the k-th by `steps` times its own.
-std::vector<DesignParameter> moved(std::vector<DesignParameter> parameters, int k, double steps);
+std::vector<DesignParameter> moved_parameter(std::vector<DesignParameter> parameters, int k, double steps);
 /// Fills in the steps. Throws SceneError for no parameter, one without name, twice named, or values not finite.
-std::vector<DesignParameter> checked(std::vector<DesignParameter> parameters);
+std::vector<DesignParameter> checked_parameters(std::vector<DesignParameter> parameters);
 
 }  // namespace lithe

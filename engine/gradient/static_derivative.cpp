@@ -158,7 +158,7 @@ double StaticDerivative::frequency(int number, VectorX& derivatives) {
     const log::Quiet quiet;
     const double h = drawn_[static_cast<std::size_t>(k)].step;
     for (const Offset& offset : kOffsets) {
-      const Drawing drawing(scene_, moved(drawn_, k, offset.steps));
+      const Drawing drawing(scene_, moved_parameter(drawn_, k, offset.steps));
       State start = state_;
       start.q.resize(state_.q.size());
       drawing.system().layout().retract(state_.q, offset.steps * h * turns_.col(k), start.q);

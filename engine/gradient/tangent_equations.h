@@ -47,6 +47,7 @@ class TangentEquations final : public LinearEquations {
   bool ready_ = false;      // the tangents of the present state are checked or differenced
   bool evaluated_ = false;  // the evaluator stands at the state
   unsigned seed_ = 1;
+  long looks_ = 0;  // at the elements' tangents
   // Differenced tangents.
   std::vector<std::vector<int>> colours_;    // slices, differenced together
   std::vector<std::vector<int>> influence_;  // of each slice: the slices whose rows it moves

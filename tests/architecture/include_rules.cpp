@@ -44,8 +44,8 @@ const std::vector<Package>& packages() {
   const std::string shared = R"(integrators/sundials_internal\.h)";
   const std::string statics = R"(engine/analysis/static_equations\.cpp)";
   static const std::vector<Package> all = {
-      {"Boost.Math", std::regex(R"(boost/math/.*)"), std::regex(R"(engine/run/event_finder\.cpp)"),
-       "engine/run/event_finder.cpp"},
+      {"Boost.Math", std::regex(R"(boost/math/.*)"), std::regex(R"(engine/(run/event_finder|gradient/fit)\.cpp)"),
+       "engine/run/event_finder.cpp, engine/gradient/fit.cpp"},
       {"Boost", std::regex(R"(boost/(?!math/).*)"), std::regex(R"(engine/factor/graph_topology\w*\.cpp)"),
        "engine/factor/graph_topology*.cpp", true},
       {"spdlog, fmt", std::regex(R"((spdlog|fmt)/.*)"), std::regex(R"(engine/base/log\.cpp)"), "engine/base/log.cpp"},
@@ -59,6 +59,9 @@ const std::vector<Package>& packages() {
       {"Spectra", std::regex(R"(Spectra/.*)"), std::regex(R"(bodies/flexible/.*\.cpp)"), "bodies/flexible/*.cpp"},
       {"CHOLMOD", std::regex(R"((suitesparse/)?(cholmod|SuiteSparse)\w*\.h|Eigen/CholmodSupport)"),
        std::regex(R"(bodies/flexible/.*\.cpp)"), "bodies/flexible/*.cpp"},
+      {"Ceres", std::regex(R"(ceres/.*)"), std::regex(R"(engine/gradient/fit\.cpp)"), "engine/gradient/fit.cpp"},
+      {"NLopt", std::regex(R"(nlopt\.h(pp)?)"), std::regex(R"(engine/gradient/minimize\.cpp)"),
+       "engine/gradient/minimize.cpp"},
       {"MPI", std::regex(R"(mpi\.h)"), std::regex(R"(engine/study/sweep_mpi\.cpp)"), "engine/study/sweep_mpi.cpp"},
       {"HDF5", std::regex(R"(hdf5\.h)"), std::regex(R"(engine/output/hdf5_(\w+\.cpp|internal\.h))"),
        "engine/output/hdf5_*.cpp, hdf5_internal.h"},
