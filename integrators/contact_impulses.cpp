@@ -17,7 +17,7 @@ namespace {
 constexpr int kMaxImpacts = 10000;  // of one step, one after another
 constexpr double kEnd = 1e-6;       // of a step: impacts nearer to its ends are at them
 constexpr int kMaxBounces = 1000;   // of one point within a step
-constexpr double kCounts = 3e-4;    // speed of an impact, of the fastest near it: 1e-7 of its energy
+constexpr double kCounts = 3e-4;    // speed of an impact, of that before it: 1e-7 of its energy
 constexpr int kFewImpacts = 3;      // pairs that meet within a step, of bodies that others hold: more are of a pile
 
 /// Time at which a gap closes that starts at g with rate u and acceleration a; h if it does not.
@@ -310,18 +310,7 @@ bool ContactImpulses::join_impacts(RigidContacts& contacts, double h) {
     Impact& fastest = fastest_[island_of(i)];
     if (impacts_[i] && impacts_[i]->speed > fastest.speed) fastest = *impacts_[i];
   }
-  // 2. How bodies move on after an impact of few depends on what else they meet and what holds them: the step is to end
-  // with it.
-  const auto cut_at = [&](int i, double time) {
-    if (meeting_[island_of(i)] > kFewImpacts || !(time > kEnd * h && time < (1 - kEnd) * h)) return;
-    time *= 1 + kEnd / 2;  // just behind it
-    cut_ = cut_ > 0 ? std::min(cut_, time) : time;
-  };
-  for (int i = 0; i < n; ++i) {
-    if (!pushes(i) || !impacts_[i] || meeting_[island_of(i)] < 2 || !(points[i].law.restitution > 0)) continue;
-    if (impacts_[i]->speed > kCounts * fastest_[island_of(i)].speed) cut_at(i, impacts_[i]->time);
-  }
-  // 3. Their aims, from their motion at its time.
+  // 2. Their aims, from their motion at its time.
   bool any = false;
   for (int i = 0; i < n; ++i) {
     if (!joins(i) || meeting_[island_of(i)] < 2 || !(fastest_[island_of(i)].speed > 0)) continue;
@@ -330,9 +319,12 @@ bool ContactImpulses::join_impacts(RigidContacts& contacts, double h) {
     const double before = point.before[0] - growth_[point.first];
     const double after = -point.law.restitution * (before + a * time);
     const double met = gaps_[i] + time * (before + 0.5 * a * time), gap = met + rest * (after + 0.5 * a * rest);
-    if (gap < 0 && met >= 0) {  // closes again, by an impact of its own
+    if (gap < 0 && met >= 0 && meeting_[island_of(i)] <= kFewImpacts) {
+      // It closes again, by an impact of its own: the step is to end there.
       const double again = closing_time(met, after, a, rest), back = -(after + a * again);
-      if (back > std::max(point.law.rest_speed, kCounts * fastest_[island_of(i)].speed)) cut_at(i, time + again);
+      const double least = std::max(point.law.rest_speed, kCounts * fastest_[island_of(i)].speed);
+      if (back > least && time + again > kEnd * h && time + again < (1 - kEnd) * h)
+        cut_ = cut_ > 0 ? std::min(cut_, time + again) : time + again;
     }
     problem.free[point.first] = u_[point.first] - (after + a * rest);
     weights_[i] = rest;
