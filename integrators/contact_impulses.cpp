@@ -15,6 +15,9 @@ namespace lithe {
 namespace {
 
 constexpr int kMaxImpacts = 10000;  // of one step, one after another
+constexpr double kEnd = 1e-6;       // of a step: impacts nearer to its ends are at them
+constexpr int kMaxBounces = 1000;   // of one point within a step
+constexpr double kCounts = 3e-4;    // speed of an impact, of that before it: 1e-7 of its energy
 constexpr int kFewImpacts = 3;      // pairs that meet within a step, of bodies that others hold: more are of a pile
 
 /// Time at which a gap closes that starts at g with rate u and acceleration a; h if it does not.
@@ -31,11 +34,6 @@ double closing_time(double g, double u, double a, double h) {
   return a < 0 ? std::min(h, (u + std::sqrt(root)) / -a) : h;
 }
 
-int root(std::vector<int>& parents, int i) {
-  while (parents[i] != i) i = parents[i] = parents[parents[i]];
-  return i;
-}
-
 /// Normal velocity by a unit of the contact's own normal impulse, 1/kg.
 double diagonal(const ConeProblem& problem, const ConeProblem::Contact& c) {
   double sum = 0;
@@ -46,6 +44,11 @@ double diagonal(const ConeProblem& problem, const ConeProblem::Contact& c) {
 }
 
 }  // namespace
+
+int ContactImpulses::root(std::vector<int>& parents, int i) {
+  while (parents[i] != i) i = parents[i] = parents[parents[i]];
+  return i;
+}
 
 ContactImpulses::ContactImpulses(Parameters parameters, std::unique_ptr<ConeSolver> solver)
     : parameters_(parameters),
@@ -61,25 +64,32 @@ ContactImpulses::Closing ContactImpulses::closing(const RigidContacts::Point& po
   return {time, -(before + a * time), a};
 }
 
-/// An impact at τ leaves with e times its speed; what comes to rest, or would come back within the step, stays.
+/// An impact at τ leaves with e times its speed, and again where it comes back within the step; what comes to rest
+/// stays.
 ContactImpulses::Aim ContactImpulses::aim(const RigidContacts::Point& point, const Closing& closing,
                                           double free_velocity, double gap, double free_gap, double h) const {
   if (free_gap > 0) return {free_velocity - 2 * free_gap / h, h / 2};  // others may push it there
   if (closing.speed > point.law.rest_speed && point.law.restitution > 0) {
-    const double after = point.law.restitution * closing.speed, rest = h - closing.time;
-    const double away = after + 0.5 * closing.acceleration * rest;  // mean speed; rest may be zero
-    if (away > 0) return {after + closing.acceleration * rest, rest, away * rest};
+    double after = point.law.restitution * closing.speed, rest = h - closing.time;
+    for (int bounces = 0; bounces < kMaxBounces; ++bounces) {
+      const double away = after + 0.5 * closing.acceleration * rest;  // mean speed; rest may be zero
+      if (away > 0) return {after + closing.acceleration * rest, h - closing.time, away * rest};
+      if (after <= point.law.rest_speed) break;
+      rest -= 2 * after / -closing.acceleration;
+      after *= point.law.restitution;
+    }
   }
   if (closing.speed <= point.law.rest_speed || !(free_velocity < 0)) return {0, h / 2};
   return {0, std::clamp((free_gap - std::min(gap, 0.0)) / free_velocity, 0.0, h)};
 }
 
-bool ContactImpulses::apply(EquationsOfMotion& equations, const VectorX& v, double h, const ContactMemory& last,
-                            VectorX& v_end, VectorX& d) {
+bool ContactImpulses::apply(EquationsOfMotion& equations, const State& start, double h, VectorX& v_end, VectorX& d) {
   RigidContacts& contacts = *equations.parts().rigid_contacts;
-  contacts.find(v, h);
+  const ContactMemory& last = start.contacts;
+  contacts.find(start.v, h);
   acted_ = !contacts.empty();
   iterations_ = 0;
+  cut_ = 0;
   impacts_.clear();
   if (!acted_) {
     tell_of_partings(contacts, h, last);
@@ -88,8 +98,9 @@ bool ContactImpulses::apply(EquationsOfMotion& equations, const VectorX& v, doub
   ConeProblem& problem = contacts.form();
   const int n = static_cast<int>(contacts.points().size());
   u_.resize(problem.rows);
-  total_.setZero(problem.rows);
-  dv_.resize(v.size());
+  for (VectorX* x : {&total_, &placed_, &late_}) x->setZero(problem.rows);
+  dv_.resize(start.v.size());
+  v_free_ = v_end, d_free_ = d;
 
   // 1. Gaps at both ends of the step without contact; they were found in its middle.
   gaps_.resize(n), free_gaps_.resize(n), weights_.resize(n), least_gaps_.resize(n);
@@ -141,14 +152,18 @@ bool ContactImpulses::apply(EquationsOfMotion& equations, const VectorX& v, doub
   r_ = last_;
   solve(problem, r_);
   if (join_impacts(contacts, h)) solve(problem, r_);
+  if (cut_ > 0) return true;
   while (friction_.revise(contacts, r_)) solve(problem, r_);
   total_ += r_;
-  tell_of_meetings(contacts, h, last);
-  tell_of_partings(contacts, h, last);
   dv_.setZero();
   contacts.add_response(r_, nullptr, dv_);
   v_end += dv_;
+  place_slips(contacts, h, v_end, d);
+  as_solved_ = problem.contacts;
   displace(contacts, d);
+  keep_energy(equations, start, h, v_end, d);
+  tell_of_meetings(contacts, h, last);
+  tell_of_partings(contacts, h, last);
   return true;
 }
 
@@ -240,6 +255,10 @@ void ContactImpulses::hold(RigidContacts& contacts, double h, VectorX& v_end, Ve
   dv_.setZero();
   contacts.add_response(impulse_, &weights_, dv_);
   d += dv_;
+  for (const int i : some_points_) {
+    const RigidContacts::Point& point = contacts.points()[i];
+    placed_.segment(point.first, point.rows) += weights_[i] * impulse_.segment(point.first, point.rows);
+  }
 }
 
 /// Down to the tolerance, relative to the largest impulse that would stop a contact by itself.
@@ -299,7 +318,14 @@ bool ContactImpulses::join_impacts(RigidContacts& contacts, double h) {
     const double time = fastest_[island_of(i)].time, rest = h - time, a = closings_[i].acceleration;
     const double before = point.before[0] - growth_[point.first];
     const double after = -point.law.restitution * (before + a * time);
-    const double gap = gaps_[i] + time * (before + 0.5 * a * time) + rest * (after + 0.5 * a * rest);
+    const double met = gaps_[i] + time * (before + 0.5 * a * time), gap = met + rest * (after + 0.5 * a * rest);
+    if (gap < 0 && met >= 0 && meeting_[island_of(i)] <= kFewImpacts) {
+      // It closes again, by an impact of its own: the step is to end there.
+      const double again = closing_time(met, after, a, rest), back = -(after + a * again);
+      const double least = std::max(point.law.rest_speed, kCounts * fastest_[island_of(i)].speed);
+      if (back > least && time + again > kEnd * h && time + again < (1 - kEnd) * h)
+        cut_ = cut_ > 0 ? std::min(cut_, time + again) : time + again;
+    }
     problem.free[point.first] = u_[point.first] - (after + a * rest);
     weights_[i] = rest;
     least_gaps_[i] = std::max(0.0, gap);
@@ -368,6 +394,7 @@ void ContactImpulses::collide(RigidContacts& contacts, double h, VectorX& v_end,
     contacts.add_response(impulse, nullptr, dv_);
     v_end += dv_;
     d += (h - time) * dv_;
+    placed_ += (h - time) * impulse;
     contacts.velocity(dv_, u_);
     now += u_;
   }
@@ -393,6 +420,8 @@ void ContactImpulses::displace(RigidContacts& contacts, VectorX& d) {
   dv_.setZero();
   contacts.add_response(impulse_, &times_, dv_);
   d += dv_;
+  for (int i = 0; i < n; ++i)
+    placed_.segment(points[i].first, points[i].rows) += times_[i] * impulse_.segment(points[i].first, points[i].rows);
   contacts.velocity(d, moved_);
   problem.free.setZero();
   double stiffest = 0;
@@ -408,6 +437,7 @@ void ContactImpulses::displace(RigidContacts& contacts, VectorX& d) {
   dv_.setZero();
   contacts.add_response(impulse_, nullptr, dv_);
   d += dv_;
+  placed_ += impulse_;
 }
 
 void ContactImpulses::leave_out_rigid(EquationsOfMotion& equations, const ContactMemory& last) {

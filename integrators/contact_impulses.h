@@ -29,7 +29,9 @@ enum class Impacts {
 /// at the step's end. Contacts that hold a body which hits another within the step act up to that time. A ball in free
 /// flight bounces at the time of its impact, to round-off; bodies at rest, and bodies hit by others, neither
 /// sink nor float. A gap that an impact of others closes takes part in that impact like surfaces in touch, u' >= -e u:
-/// elastic bodies keep their energy however near they are. Impacts, touches and separations are reported by pair
+/// elastic bodies keep their energy however near they are. Where the step does not resolve how bodies respond, so that
+/// this would add energy, impulses act by a law of the mean velocity instead, which can only take it (keep_energy).
+/// Impacts, touches and separations are reported by pair
 /// (RigidContacts::happenings).
 class ContactImpulses {
  public:
@@ -42,10 +44,12 @@ class ContactImpulses {
 
   /// Leaves rigid contacts out of the equations until the next recall; what compliant laws remember stays.
   void leave_out_rigid(EquationsOfMotion& equations, const ContactMemory& last);
-  /// With the equations evaluated in the middle of the step, q ⊕ h/2 v, and factorised with its weights. `v_end` and
-  /// `d` come without contact and leave with it. False where no point was near.
-  bool apply(EquationsOfMotion& equations, const VectorX& v, double h, const ContactMemory& last, VectorX& v_end,
-             VectorX& d);
+  /// With the equations evaluated in the middle of the step, q ⊕ h/2 v, and factorised with its weights. `start` is the
+  /// state as the step begins. `v_end` and `d` come without contact and leave with it. False where no point was near.
+  bool apply(EquationsOfMotion& equations, const State& start, double h, VectorX& v_end, VectorX& d);
+  /// Zero, or a time before the step's end at which a gap that an impact of several pairs has left closes again, by an
+  /// impact of its own: apply() has not finished, the step is to be taken anew up to there. Of few pairs that meet.
+  double cut() const { return cut_; }
   /// What the step did, for State::contacts: nothing where apply() found none. `v` is its last velocity.
   void remember(EquationsOfMotion& equations, const VectorX& v, double h, ContactMemory& memory) const;
   /// Iterations of the solver in the last step: sweeps, factorisations.
@@ -71,6 +75,7 @@ class ContactImpulses {
     double time = 0, speed = 0;
     double share = 1;  // of the step's impulse; the rest holds the bodies afterwards
   };
+  static int root(std::vector<int>& parents, int i);
   Closing closing(const RigidContacts::Point& point, double gap, double velocity, double h) const;
   Aim aim(const RigidContacts::Point& point, const Closing& closing, double free_velocity, double gap, double free_gap,
           double h) const;
@@ -79,6 +84,10 @@ class ContactImpulses {
   void collide(RigidContacts& contacts, double h, VectorX& v_end, VectorX& d);
   bool join_impacts(RigidContacts& contacts, double h);
   void displace(RigidContacts& contacts, VectorX& d);
+  void place_slips(RigidContacts& contacts, double h, const VectorX& v_end, VectorX& d);
+  void keep_energy(EquationsOfMotion& equations, const State& start, double h, VectorX& v_end, VectorX& d);
+  void mean_velocity(EquationsOfMotion& equations, const State& start, double h, VectorX& z);
+  void resist(RigidContacts& contacts, double h, VectorX& v_end, VectorX& d);
   static void tell_of_impact(RigidContacts& contacts, const RigidContacts::Point& point, double time, double speed,
                              double impulse);
   void tell_of_meetings(RigidContacts& contacts, double h, const ContactMemory& last) const;
@@ -88,6 +97,7 @@ class ContactImpulses {
   std::unique_ptr<ConeSolver> solver_, single_, position_;
   StaticFriction friction_;
   bool acted_ = false;
+  double cut_ = 0;  // s
   int iterations_ = 0;
   long unconverged_ = 0;
   std::vector<Closing> closings_;
@@ -100,9 +110,15 @@ class ContactImpulses {
   std::vector<char> holding_;         // by pair
   std::vector<double> first_impact_;  // by group
   VectorX last_, growth_;             // RigidContacts::recall
-  VectorX times_;                     // of what acts across, by point
+  VectorX times_;                     // of what acts across or late, by point
   VectorX u_, r_, total_, weights_, dv_, moved_, gaps_, free_gaps_, least_gaps_, now_, impulse_;
   ConeProblem alone_;
+  // What the step's impulses r are in the end: y = Y (placed + late) is what they have moved.
+  VectorX v_free_, d_free_, placed_, late_;
+  // Of keep_energy(), by row, by group, by velocity, by point.
+  VectorX start_velocity_, free_velocity_, work_, scale_, q_, rv_, forces_, at_rest_, no_multipliers_;
+  std::vector<char> tied_, elastic_, pushed_, mean_;
+  std::vector<ConeProblem::Contact> as_solved_;
   ContactMemory compliant_;
 };
 

@@ -65,7 +65,8 @@ StepResult MoreauJean::advance(EquationsOfMotion& equations, State& state, doubl
 
   // 2. With contact, then with closed joints.
   if (rigid) {
-    impulses_.apply(equations, state.v, h, state.contacts, v_, d_);
+    impulses_.apply(equations, state, h, v_, d_);
+    if (impulses_.cut() > 0) return advance(equations, state, state.time + impulses_.cut());
     statistics_.newton_iterations += impulses_.iterations();
   }
   layout.retract(state.q, d_, q_);

@@ -48,7 +48,15 @@ StepResult NonsmoothGeneralizedAlpha::advance(EquationsOfMotion& equations, Stat
   layout.retract(start_.q, h / 2 * start_.v, q_);
   equations.evaluate(start_.time + h / 2, q_, start_.v, Level::velocity);
   equations.factorize({h * h / 4, h / 2, 1}, state.v_dot, state.lambda, nullptr);
-  if (!impulses_.apply(equations, start_.v, h, start_.contacts, v_, d_)) {
+  const bool near = impulses_.apply(equations, start_, h, v_, d_);
+  if (impulses_.cut() > 0) {
+    state = start_;
+    restart(equations, state);
+    smooth_v_dot_ = state.v_dot, smooth_lambda_ = state.lambda;
+    jumped_ = true;
+    return advance(equations, state, start_.time + impulses_.cut());
+  }
+  if (!near) {
     impulses_.remember(equations, v_, h, state.contacts);
     return result;
   }

@@ -8,6 +8,7 @@ namespace lithe {
 namespace {
 
 constexpr double kRoundOff = 1e-9;  // of a coefficient
+constexpr double kOnCone = 1e-7;    // of a coefficient, above the tolerance of impulses
 
 Eigen::Vector2d across(const VectorX& x, int row) { return x.segment<2>(row + 1); }
 
@@ -18,7 +19,7 @@ void StaticFriction::begin(RigidContacts& contacts, const ContactMemory& memory,
   const auto& points = contacts.points();
   const auto n = static_cast<Eigen::Index>(points.size());
   h_ = h, at_rest_ = at_rest;
-  start_.setZero(n), end_.setZero(n);
+  for (VectorX* x : {&start_, &end_, &held_time_, &released_}) x->setZero(n);
   any_ = std::any_of(points.begin(), points.end(),
                      [](const RigidContacts::Point& p) { return p.law.static_friction > p.law.friction; });
   if (!any_) return;
@@ -66,9 +67,9 @@ StaticFriction::Load StaticFriction::load(const RigidContacts& contacts, const V
 bool StaticFriction::settle(RigidContacts& contacts, int first, int end, Phase phase, double ratio, double last_ratio) {
   const RigidContact& law = contacts.points()[first].law;
   const double rise = ratio - last_ratio;
-  double friction = law.friction;
+  double friction = law.friction, share = 0;
   if (rise > 0) {  // false for NaN
-    const double share = std::clamp(0.5 + (law.static_friction - ratio) / rise, 0.0, 1.0);
+    share = std::clamp(0.5 + (law.static_friction - ratio) / rise, 0.0, 1.0);
     const double held = ratio + rise * (share - 1) / 2;  // mean up to then
     friction = share * held + (1 - share) * law.friction;
   }
@@ -76,6 +77,8 @@ bool StaticFriction::settle(RigidContacts& contacts, int first, int end, Phase p
   for (int i = first; i < end; ++i) {
     if (phases_[i] != phase) continue;
     phases_[i] = Phase::settled;
+    held_time_[i] = share * h_;
+    released_[i] = friction > 0 ? 1 - ratio / friction : 0;
     double& now = contacts.problem().contacts[i].friction;
     changed = changed || now != friction;
     now = friction;
@@ -111,12 +114,16 @@ bool StaticFriction::revise(RigidContacts& contacts, const VectorX& r) {
     const Load held = load(contacts, r, first, end, Phase::sticks);
     const double ratio = held.normal > 0 ? held.across.norm() / held.normal : 0;
     const bool holds = held.slip * h_ <= at_rest_;
-    if (holds && ratio + (ratio - held.last_ratio) / 2 > law.static_friction * (1 + kRoundOff))
-      changed |= settle(contacts, first, end, Phase::sticks, ratio, held.last_ratio);
+    // A load that grows slowly leaves the cone by a slip below what counts as rest: the cone hides how large it is.
+    bool leaves = false;
+    if (holds && ratio + (ratio - held.last_ratio) / 2 > law.static_friction * (1 + kRoundOff)) {
+      leaves = ratio > law.static_friction * (1 - kOnCone);
+      if (!leaves) changed |= settle(contacts, first, end, Phase::sticks, ratio, held.last_ratio);
+    }
     for (int i = first; i < end; ++i) {
       const int row = points[i].first;
       if (!(r[row] > 0)) continue;
-      if (phases_[i] == Phase::sticks && end_[i] * h_ > at_rest_) {
+      if (phases_[i] == Phase::sticks && (leaves || end_[i] * h_ > at_rest_)) {
         held_slip_[i] = end_[i];
         phases_[i] = Phase::breaks;
         problem.contacts[i].friction = law.friction;

@@ -26,6 +26,14 @@ class StaticFriction {
   /// How fast each point slides, m/s; zero where no contact has two coefficients.
   const VectorX& slip_at_start() const { return start_; }
   const VectorX& slip_at_end() const { return end_; }
+  /// A point's slip at the end, where other impulses have taken the place of those looked at last.
+  void leave(int point, double slip) {
+    if (any_) end_[point] = slip;
+  }
+  /// What broke away within the step: how long it was held, s (0: it did not break away), and by which share of itself
+  /// its impulse across differs from what would have held it to the end (negative: it is smaller).
+  const VectorX& held_time() const { return held_time_; }
+  const VectorX& released() const { return released_; }
 
  private:
   enum class Phase { equal, slides, sticks, breaks, settled };
@@ -42,6 +50,7 @@ class StaticFriction {
   std::vector<char> rested_;       // through the last step
   VectorX earlier_, start_, end_;  // slip at the start of the last step, of this one, at its end
   VectorX held_slip_;              // with the static cone
+  VectorX held_time_, released_;
   VectorX last_, growth_, u_;
 };
 

@@ -62,6 +62,8 @@ void RigidContacts::group_bodies() {
     component_[b] = c;
     Component& of = components_[c];
     of.bodies.push_back(b);
+    of.deforms = of.deforms || (bodies[b].frame ? 6 : 0) + bodies[b].linear > 6 ||
+                 (b > 0 && bodies[b].body == bodies[b - 1].body);  // a frame each
     for (int i = 0; i < (bodies[b].frame ? 6 : 0) + bodies[b].linear; ++i) {
       place_[bodies[b].v + i] = static_cast<int>(of.velocities.size());
       of.velocities.push_back(bodies[b].v + i);
@@ -235,6 +237,12 @@ void RigidContacts::add_response(ConstVectorRef r, const VectorX* weights, Vecto
       }
     }
   }
+}
+
+double RigidContacts::dot(int group, ConstVectorRef a, ConstVectorRef b) const {
+  double sum = 0;
+  for (int velocity : components_[used_[group]].velocities) sum += a[velocity] * b[velocity];
+  return sum;
 }
 
 const ContactTrace* RigidContacts::find_trace(const ContactMemory& memory, const ContactRows::Row& row) const {

@@ -56,6 +56,10 @@ class RigidContacts {
   void velocity(ConstVectorRef v, VectorRef u) const;
   /// dv += Σ weight_i Y_i r_i, a weight for each point (null: 1).
   void add_response(ConstVectorRef r, const VectorX* weights, VectorRef dv) const;
+  /// Whether a group has a body that deforms.
+  bool deforms(int group) const { return components_[used_[group]].deforms; }
+  /// a·b of a group's velocities.
+  double dot(int group, ConstVectorRef a, ConstVectorRef b) const;
   /// Of the last step, over `h`, where it was of these points: impulses r, from which a solver may start, and by how
   /// much u of a velocity that stays grows from the middle of a step to its end, since bodies turn: u' - H v' = h/2 Ḣ
   /// v'.
@@ -88,6 +92,7 @@ class RigidContacts {
   struct Component {
     std::vector<int> bodies, velocities;  // velocities: of the whole system, in order
     bool alone = false;                   // one rigid body that nothing ties
+    bool deforms = false;                 // one of them has more freedoms than a rigid body
     int values = 0;                       // then: of its block of S in Workspace::values
     RigidInertia inertia{};               // and that inverted
     int group = -1;                       // in the problem

@@ -249,6 +249,9 @@ TEST(sensors, columns_bear_the_names_of_what_is_measured) {
   EXPECT_THAT(modal_rates(slider, "s").columns(), ElementsAre("s_eta_dot_1"));
   EXPECT_THAT(total_energy(slider).columns(), ElementsAre("slider_total_energy"));
   EXPECT_THAT(total_energy("E").columns(), ElementsAre("E"));
+  // A scene's own has its columns as written.
+  EXPECT_THAT((Sensor{"pair", {"first", "second"}, [](Snapshot&, std::span<double>) {}}.columns()),
+              ElementsAre("first", "second"));
 }
 
 TEST(sensors, two_hinges_of_a_door_share_its_weight) {
