@@ -303,11 +303,11 @@ std::string text(const std::vector<CertifiedCase>& cases) {
   for (const bool seen : {true, false}) {
     const CertifySummary h = summarize(of_half(cases, seen));
     out += std::string(seen ? "seen:   " : "unseen: ") +
-           format("%d scenes, covered %.1f, %.1f, %.1f %%, overestimate %.2f in the median, %.1f at worst, cost %.2f "
-                  "(%.2f where short) times by hand, choosing %.2f of long runs\n",
-                  h.scenes, 100 * h.coverage_at[0], 100 * h.coverage_at[1], 100 * h.coverage_at[2],
-                  h.median_overestimate, h.worst_overestimate, h.median_cost_ratio_20ms, h.median_cost_ratio_short,
-                  h.median_long_choosing);
+           format(
+               "%d scenes, covered %.1f, %.1f, %.1f %%, overestimate %.2f in the median, %.1f at worst, cost %.2f "
+               "(%.2f where short) times by hand, choosing %.2f of long runs\n",
+               h.scenes, 100 * h.coverage_at[0], 100 * h.coverage_at[1], 100 * h.coverage_at[2], h.median_overestimate,
+               h.worst_overestimate, h.median_cost_ratio_20ms, h.median_cost_ratio_short, h.median_long_choosing);
   }
   for (const CertifiedCase& c : cases) {
     if (c.covered() && c.met) continue;

@@ -20,9 +20,9 @@ struct HandTuned {
 struct CertifiedRun {
   std::string scene;
   bool seen = true, is_long = false;  // of the scene
-  double target = 0;              // part of the largest change of each watched quantity
-  std::string model, integrator;  // of the answer
-  std::string failure;            // why there is no answer; empty if there is
+  double target = 0;                  // part of the largest change of each watched quantity
+  std::string model, integrator;      // of the answer
+  std::string failure;                // why there is no answer; empty if there is
   double tolerance = 0;
   double cost = kUnknown, answer_cost = kUnknown;  // s of CPU: of solve(), of its last run
   HandTuned tuned;
@@ -48,18 +48,18 @@ struct CertifiedCase {
 /// From here on a run by hand is not short, s: the assembly of models no longer counts.
 constexpr double kShort = 0.02;
 
-/// What the cases come to. Overestimates are of all cases with an answer, costs of all runs with a tuned one. True errors
-/// below the reference's own count as that: they are not known.
+/// What the cases come to. Overestimates are of all cases with an answer, costs of all runs with a tuned one. True
+/// errors below the reference's own count as that: they are not known.
 struct CertifySummary {
   int scenes = 0, runs = 0, cases = 0;
   double coverage = 0, coverage_without_reference_error = 0;  // parts of all cases
   double median_overestimate = 0, median_cost_ratio = 0, median_cost_ratio_by_tolerance = 0;
   double worst_overestimate = 0;
-  double coverage_at[3] = {kUnknown, kUnknown, kUnknown};                          // of 10, 1 and 0.1 %
+  double coverage_at[3] = {kUnknown, kUnknown, kUnknown};                        // of 10, 1 and 0.1 %
   double median_cost_ratio_20ms = kUnknown, median_cost_ratio_short = kUnknown;  // by hand kShort or more; less
   double median_long_choosing = kUnknown;  // of long runs: cost without the run that answers, over that
-  int not_met = 0;        // cases of which solve() says that they are not as good as asked
-  int within_target = 0;  // cases whose true error is
+  int not_met = 0;                         // cases of which solve() says that they are not as good as asked
+  int within_target = 0;                   // cases whose true error is
   /// What is wanted of the half that factors are not set on: tools/certify.sh.
   bool keeps_promise() const;
 };

@@ -49,8 +49,7 @@ Turned driven(SystemGraph& graph, MotionLaw motion) {
 std::vector<Sensor> swung(SystemGraph& graph, ElasticParts& parts) {
   Slender rod = slender(graph, parts, "rod", 1, section_of(60, 1e-3));
   const Matrix3 about_y = axes_along(Vector3::UnitY());
-  graph.add<RevoluteJoint>("pin",
-                           {graph.ground().marker({}, about_y), rod.body.marker_at_world({0, 0, 0}, about_y)});
+  graph.add<RevoluteJoint>("pin", {graph.ground().marker({}, about_y), rod.body.marker_at_world({0, 0, 0}, about_y)});
   return {position(rod.tip, "tip")};
 }
 

@@ -73,8 +73,8 @@ std::vector<Sensor> cradle(SystemGraph& graph, ElasticParts&) {
   for (int i = 0; i < 2; ++i) {
     const std::string name = i == 0 ? "first" : "second";
     const Vector3 pin(2.02 * kBall * i, 0, 0);
-    const Vector3 place = i == 0 ? Vector3(pin + 0.3 * Vector3(-std::sin(0.8), 0, -std::cos(0.8)))
-                                 : Vector3(pin + Vector3(0, 0, -0.3));
+    const Vector3 place =
+        i == 0 ? Vector3(pin + 0.3 * Vector3(-std::sin(0.8), 0, -std::cos(0.8))) : Vector3(pin + Vector3(0, 0, -0.3));
     RigidBody& each = ball(graph, name, 0.3, place);
     graph.add<RevoluteJoint>(name + "_pin", {graph.ground().marker(pin, about_y), on(each)(pin, about_y)});
     if (i > 0) touch(graph, "touch", before, shape::sphere(kBall), each.marker(), 1e6, 0.9);
@@ -87,8 +87,7 @@ std::vector<Sensor> cradle(SystemGraph& graph, ElasticParts&) {
 std::vector<Sensor> caught(SystemGraph& graph, ElasticParts& parts) {
   ElasticPart part = arm(graph, parts, 0.3, 5e9);
   const MassProperties shape = box({0.08, 0.08, 0.01}, 1500);
-  auto& tray =
-      graph.add<RigidBody>("tray", {.mass = shape.mass, .inertia = shape.inertia, .position = {0.34, 0, 0}});
+  auto& tray = graph.add<RigidBody>("tray", {.mass = shape.mass, .inertia = shape.inertia, .position = {0.34, 0, 0}});
   graph.add<FixedJoint>("weld", {part.average("x1"), on(tray)(part.middle("x1"), Matrix3::Identity())});
   RigidBody& dropped = ball(graph, "ball", 0.1, {0.34, 0, 0.1});
   touch(graph, "catch", tray.marker({0, 0, 0.005}), shape::half_space(), dropped.marker(), 2e4, 0.6);

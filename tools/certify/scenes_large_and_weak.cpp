@@ -62,8 +62,7 @@ std::vector<Sensor> coupled(SystemGraph& graph, ElasticParts& parts) {
 std::vector<Sensor> pulled(SystemGraph& graph, ElasticParts& parts) {
   ElasticPart arm = cantilever(graph, parts, "arm", {0.3, 0.02, 0.006}, {3e9, 0.35, 1150}, 3e-4, {0, 0, 0.2});
   const Matrix3 about_y = axes_along(Vector3::UnitY());
-  auto& bob =
-      graph.add<RigidBody>("bob", {.mass = 0.5, .inertia = {1e-3, 1e-3, 1e-3}, .position = {0.5, 0, -0.1}});
+  auto& bob = graph.add<RigidBody>("bob", {.mass = 0.5, .inertia = {1e-3, 1e-3, 1e-3}, .position = {0.5, 0, -0.1}});
   graph.add<RevoluteJoint>("pin", {graph.ground().marker({0.3, 0, 0}, about_y), on(bob)({0.3, 0, 0}, about_y)});
   graph.add<SpringDamper>("spring", {arm.average("x1"), bob.marker()}, {.stiffness = 3});
   return {position(arm.average("x1"), "tip"), position(bob.marker(), "bob")};

@@ -15,11 +15,11 @@ std::string text(const Setting& setting) {
   const Model& m = setting.model;
   const std::string count = m.modes == FlexibleBody::kAll ? "all" : std::to_string(m.modes);
   const std::string model = m.deflection == Deflection::exact ? std::to_string(m.elements) + " exact elements"
-                            : m.modes == 0                     ? "rigid"
+                            : m.modes == 0                    ? "rigid"
                                            : count + (m.modes == 1 ? " mode, " : " modes, ") + to_string(m.deflection);
   char value[64];
-  std::snprintf(value, sizeof value, setting.fixed_step ? "generalized-alpha, step %.3g s" : "automatic, tolerance %.3g",
-                setting.value);
+  std::snprintf(value, sizeof value,
+                setting.fixed_step ? "generalized-alpha, step %.3g s" : "automatic, tolerance %.3g", setting.value);
   return model + "; " + value;
 }
 
