@@ -10,9 +10,9 @@ namespace lithe {
 /// without contact is the linearly implicit midpoint rule in the stabilized index-2 form,
 ///   [S Gᵀ; G 0] (v_free - v, Λ) = (h f, -ġ),   S = M + h/2 D + h²/4 K  at q ⊕ h/2 v,   d = h/2 (v + v_free),
 /// then contact (integrators/contact_impulses.h), then joints are closed along the same factor. Fixed step, no Newton
-/// iteration: the same work every step; one ends early where few bodies meet twice within it. Order 2 between impacts, for bodies that turn while they are held too, and over
-/// impacts, but for several that share bodies within one step. Stable for stiff springs and modes at any step; it does
-/// not damp.
+/// iteration: the same work every step; one ends early where few bodies meet twice within it. Order 2 between impacts,
+/// for bodies that turn while they are held too, and over impacts, but for several that share bodies within one step.
+/// Stable for stiff springs and modes at any step; it does not damp.
 class MoreauJean final : public Integrator {
  public:
   struct Parameters {
