@@ -86,7 +86,7 @@ TEST(CraigBampton, FrequenciesLieAboveTheTiedModelsByNoMoreThanTheFirstModeLeftO
                                 {.rigid = {rod.start, rod.end}, .interface_modes = InterfaceModes::craig_bampton});
   ASSERT_EQ(basis->mode_count(), kept + 6);  // twelve constraint modes, six of them rigid
   expect_orthonormal(rod.model, *basis);
-  EXPECT_LT((rigid(*basis).transpose() * rod.M * basis->modes).cwiseAbs().maxCoeff(), 1e-10);
+  EXPECT_LT(test::product(rigid(*basis).transpose() * rod.M, basis->modes).cwiseAbs().maxCoeff(), 1e-10);
   double largest = 0;
   for (int k = 0; k < basis->mode_count(); ++k) {
     const double true_value = exact[6 + k], found = std::pow(kTwoPi * basis->frequencies[k], 2);
@@ -214,7 +214,7 @@ TEST(Krylov, TwiceAsManyMomentsOfTheComplianceAsBlocksAreTheMeshes) {
     VectorX scale;
     for (int moment = 0; moment <= 2 * blocks; ++moment) {
       const MatrixX mesh = F.transpose() * x;
-      const MatrixX body = b.transpose() * lambda.array().pow(-moment - 1).matrix().asDiagonal() * b;
+      const MatrixX body = test::congruence(b, lambda.array().pow(-moment - 1).matrix().asDiagonal());
       // Displacements and rotations in units of their static compliance.
       if (moment == 0) scale = mesh.diagonal().cwiseSqrt().cwiseInverse();
       const double error = (scale.asDiagonal() * (mesh - body) * scale.asDiagonal()).cwiseAbs().maxCoeff() /
@@ -227,8 +227,8 @@ TEST(Krylov, TwiceAsManyMomentsOfTheComplianceAsBlocksAreTheMeshes) {
     }
     // The compliance below and near the first resonance, which is not among the modes.
     const double first = ritz_values(K, M, MatrixX::Identity(n, n))[0];
-    const MatrixX dynamic = F.transpose() * test::solve(K - 0.5 * first * M, F);
-    const MatrixX reduced = b.transpose() * (lambda.array() - 0.5 * first).inverse().matrix().asDiagonal() * b;
+    const MatrixX dynamic = test::product(F.transpose(), test::solve(K - 0.5 * first * M, F));
+    const MatrixX reduced = test::congruence(b, (lambda.array() - 0.5 * first).inverse().matrix().asDiagonal());
     EXPECT_LT((dynamic - reduced).norm() / dynamic.norm(), blocks == 1 ? 1e-2 : blocks == 2 ? 1e-6 : 1e-9) << blocks;
   }
 }
@@ -256,7 +256,7 @@ TEST(GivenModes, AreTakenInWithoutTheirRigidPartAndOnlyOnce) {
   const auto mean = make_basis(rod.model, MeanAxisFrame{}, 0, {.given_modes = given});
   ASSERT_EQ(mean->mode_count(), 4);
   for (int k = 0; k < 4; ++k) EXPECT_NEAR(mean->frequencies[k] / eigen->frequencies[k], 1, 1e-9);
-  EXPECT_LT((rigid(*mean).transpose() * rod.M * mean->modes).cwiseAbs().maxCoeff(), 1e-10);
+  EXPECT_LT(test::product(rigid(*mean).transpose() * rod.M, mean->modes).cwiseAbs().maxCoeff(), 1e-10);
   // In a frame that is turned: the same shapes but for rigid motion.
   const auto framed = make_basis(rod.model, ThreeNodeFrame{1, 59, 2}, 0, {.given_modes = given});
   ASSERT_EQ(framed->mode_count(), 4);
@@ -498,8 +498,8 @@ TEST(CondensedModel, IsAcceptedWithANoteAndKeepsItsRigidInertia) {
   G(kept, Eigen::all).setIdentity();
   G(gone, Eigen::all) = -test::solve_positive(rod.K(gone, gone), rod.K(gone, kept));
   const auto symmetric = [](const MatrixX& A) { return SparseMatrix((0.5 * (A + A.transpose())).sparseView()); };
-  model.stiffness = symmetric(G.transpose() * rod.K * G);
-  model.mass = symmetric(G.transpose() * rod.M * G);
+  model.stiffness = symmetric(test::congruence(G, rod.K));
+  model.mass = symmetric(test::congruence(G, rod.M));
   model.damping = 1e-5 * model.stiffness;
   model.nodes.resize(3, static_cast<Eigen::Index>(model.node_ids.size()));
   for (size_t k = 0; k < model.node_ids.size(); ++k)

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "bodies/flexible/elements/shape_functions.h"
+#include "engine/base/dense_inverse.h"
 #include "engine/base/error.h"
 
 namespace lithe {
@@ -165,7 +166,7 @@ SolidElement make_solid_element(const std::string& type_name, const std::vector<
   if (type.internal > 0) {
     const MatrixX K = full_stiffness(element);
     const Eigen::Index internal = 3 * type.internal, nodal = 3 * type.nodes;
-    element.internal_compliance = K.bottomRightCorner(internal, internal).inverse();
+    element.internal_compliance = inverse_of(K.bottomRightCorner(internal, internal));
     element.internal_from_nodal = -element.internal_compliance * K.bottomLeftCorner(internal, nodal);
   }
   return element;

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "bodies/flexible/elements/shape_functions.h"
+#include "engine/base/dense_inverse.h"
 #include "engine/base/error.h"
 
 namespace lithe {
@@ -28,7 +29,7 @@ MatrixX extrapolation_matrix(size_t nodes, size_t points) {
     const auto rule = tetrahedron_rule(4);
     for (Eigen::Index p = 0; p < 4; ++p) through.row(p) << 1, rule[static_cast<size_t>(p)].xi.transpose();
     wanted << VectorX::Ones(n), at.transpose();
-    return wanted * through.inverse();
+    return wanted * inverse_of(through);
   }
   // Shapes through the points: eight corners of a smaller brick, or the twenty shapes fitted to 27 points.
   const double reach = points == 8 ? std::sqrt(1.0 / 3) : 1.0;
@@ -38,7 +39,7 @@ MatrixX extrapolation_matrix(size_t nodes, size_t points) {
   for (Eigen::Index p = 0; p < count; ++p)
     through.row(p) = shape_functions(shapes, rule[static_cast<size_t>(p)].xi / reach).values.transpose();
   for (Eigen::Index a = 0; a < n; ++a) wanted.row(a) = shape_functions(shapes, at.col(a) / reach).values.transpose();
-  return wanted * through.completeOrthogonalDecomposition().pseudoInverse();
+  return wanted * pseudo_inverse_of(through);
 }
 
 Matrix3 strain_of(const Matrix3& H, StrainMeasure measure) {
@@ -208,7 +209,9 @@ Matrix6X StressRecovery::strain(ConstVectorRef coordinates) const {
   Matrix6X strain = stress(coordinates);
   for (int i = 0; i < nodes_; ++i) {
     const Material& material = node_materials_[static_cast<size_t>(i)];
-    if (material.young > 0) strain.col(i) = elasticity(material).inverse() * strain.col(i);
+    if (!(material.young > 0)) continue;
+    const Matrix6 compliance = inverse_of(elasticity(material));
+    strain.col(i) = compliance * strain.col(i);
   }
   return strain;
 }

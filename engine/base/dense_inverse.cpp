@@ -1,0 +1,17 @@
+#include "engine/base/dense_inverse.h"
+
+#include "engine/base/dense.h"
+
+namespace lithe {
+
+MatrixX inverse_of(const MatrixX& A) {
+  const MatrixX unit = MatrixX::Identity(A.rows(), A.rows());
+  return Eigen::PartialPivLU<MatrixX>(A).solve(unit);
+}
+
+MatrixX pseudo_inverse_of(const MatrixX& A) {
+  const MatrixX unit = MatrixX::Identity(A.rows(), A.rows());
+  return Eigen::CompleteOrthogonalDecomposition<MatrixX>(A).solve(unit);
+}
+
+}  // namespace lithe
