@@ -8,6 +8,14 @@
 #include "engine/factor/graph_topology.h"
 
 namespace lithe {
+namespace {
+
+// Pivots, of the row's own compliance: squared sines of angles to other rows. Bodies that are nearly points have sound
+// ones down to 1e-10.
+constexpr double kRoundOff = 1e-12, kGives = 1e-10, kWeak = 1e-5;
+constexpr int kLargestGuarded = 16;  // rows of a joint
+
+}  // namespace
 
 template <class Scalar>
 BlockFactorOf<Scalar>::BlockFactorOf(const BlockStructure& structure) : structure_(structure) {
@@ -211,8 +219,10 @@ void BlockFactorOf<Scalar>::factorize(const std::vector<Scalar>& values) {
   }
   compliance_.setZero();
   for (const Step& s : steps_) {
-    if (s.first_row >= 0) guard(s);
-    s.invert(blocks_.data() + s.diagonal, s.dimension);
+    if (s.first_row >= 0)
+      invert_guarded(s);
+    else
+      s.invert(blocks_.data() + s.diagonal, s.dimension);
     eliminate(s);
     if (s.first_row < 0) add_compliances(s);
   }
@@ -227,8 +237,27 @@ void BlockFactorOf<Scalar>::add_compliances(const Step& s) {
     const Scalar *g = blocks_.data() + n.row_block, *moved = blocks_.data() + n.column_block;
     double* sum = compliance_.data() + n.x - structure_.velocity_count;
     for (int r = 0; r < n.dimension; ++r)
-      for (int k = 0; k < s.dimension; ++k) sum[r] += std::abs(g[r + n.dimension * k] * moved[k + s.dimension * r]);
+      for (int k = 0; k < 6; ++k) sum[r] += std::abs(g[r + n.dimension * k] * moved[k + 6 * r]);
   }
+}
+
+/// A row's pivot is smallest where it goes last in its block: one over the inverse's diagonal. Only where one of those
+/// is small is it worth finding the pivots in turn.
+template <class Scalar>
+void BlockFactorOf<Scalar>::invert_guarded(const Step& s) {
+  const int n = s.dimension;
+  Scalar* P = blocks_.data() + s.diagonal;
+  if (n > kLargestGuarded) return s.invert(P, n);
+  Scalar before[kLargestGuarded * kLargestGuarded];
+  std::copy_n(P, n * n, before);
+  s.invert(P, n);
+  const double* reference = compliance_.data() + s.first_row;
+  bool sound = true;
+  for (int p = 0; p < n; ++p) sound &= std::abs(P[p + n * p]) * kWeak * reference[p] <= 1;  // not where it is no number
+  if (sound) return;
+  std::copy_n(before, n * n, P);
+  guard(s);
+  s.invert(P, n);
 }
 
 /// Gaussian elimination on a copy of minus the pivot block, a pivot near round-off gives way; small ones are noted
@@ -239,13 +268,8 @@ void BlockFactorOf<Scalar>::add_compliances(const Step& s) {
 /// branch at δ = √c. Where the row gives way instead, the motion goes on as its velocity tells.
 template <class Scalar>
 void BlockFactorOf<Scalar>::guard(const Step& s) {
-  // Of the row's own compliance: squared sines of angles to other rows. Bodies that are nearly points have sound pivots
-  // down to 1e-10.
-  constexpr double kRoundOff = 1e-12, kGives = 1e-10, kWeak = 1e-5;
-  constexpr int kLargest = 16;
   const int n = s.dimension;
-  if (n > kLargest) return;
-  Scalar A[kLargest * kLargest];
+  Scalar A[kLargestGuarded * kLargestGuarded];
   Scalar* P = blocks_.data() + s.diagonal;
   for (int i = 0; i < n * n; ++i) A[i] = -P[i];
   for (int p = 0; p < n; ++p) {

@@ -66,6 +66,7 @@ class BlockFactorOf {
   void clear_dropped();
   void eliminate(const Step& step);
   void add_compliances(const Step& step);
+  void invert_guarded(const Step& step);
   void guard(const Step& step);
 
   const BlockStructure& structure_;

@@ -143,12 +143,11 @@ bool Integrator::has_shrunk(double length, bool cut) {
   return true;
 }
 
-/// Begins or goes on along a way across singular poses, a piece of it; behind it the method begins anew. What the log is
-/// to say of it; empty: none was found.
+/// Begins or goes on along a way across singular poses, a piece of it; behind it the method begins anew. What the log
+/// is to say of it; empty: none was found.
 std::string Integrator::pass_singular_pose(EquationsOfMotion& equations, State& state, double until) {
   constexpr double kShortest = 1.0 / 16;  // of the usual step
-  if (!singular_pose_->covers(state.time) &&
-      !singular_pose_->cross(state, std::max(looked_at_, kShortest * usual_))) {
+  if (!singular_pose_->covers(state.time) && !singular_pose_->cross(state, std::max(looked_at_, kShortest * usual_))) {
     lose_factor();
     return "";
   }

@@ -54,8 +54,9 @@ class Integrator {
   void start(EquationsOfMotion& equations, State& state);
   /// One step, never past t_stop; t_stop is hit exactly. Trouble inside (no convergence) is met with smaller steps
   /// first. Where the angles of joints would pass half a turn in it, by their motion in the last two steps, the step
-  /// is cut, so that turns are counted. Where closed loops lose rank on the way and steps shrink towards that pose, one
-  /// step leads through it on the branch that the velocity tells, is logged, and the method begins anew behind it.
+  /// is cut, so that turns are counted. Where closed loops lose rank on the way and steps shrink towards that pose, steps
+  /// along one polynomial lead through it on the branch that the velocity tells (SingularPose), the first of them is
+  /// logged, and the method begins anew behind it.
   StepResult step(EquationsOfMotion& equations, State& state, double t_stop,
                   Multipliers multipliers = Multipliers::found);
   virtual const IntegratorStatistics& statistics() const = 0;
@@ -111,7 +112,6 @@ class Integrator {
   double longest_ = std::numeric_limits<double>::infinity();  // next step, s
   // Steps that shrink may lead to a singular pose.
   double usual_ = 0, looked_at_ = 0;  // s: the longest of late; where a look has found none (0: not looked)
-  State before_;                      // the step
   bool resumes_ = false;
   std::unique_ptr<SingularPose> singular_pose_;  // once looked for
 };

@@ -358,8 +358,9 @@ bool SingularPose::leave(State& state) {
   }
   state.v_dot = from.v_dot;
   pose_ = state.time;
-  message_ = "begins at rest in a pose where constraints lose rank and several motions are possible: takes the one whose "
-             "acceleration is nearest to that of the forces alone, in the metric of the mass";
+  message_ =
+      "begins at rest in a pose where constraints lose rank and several motions are possible: takes the one whose "
+      "acceleration is nearest to that of the forces alone, in the metric of the mass";
   return true;
 }
 

@@ -28,12 +28,13 @@ class SingularPose {
   /// Of each step, before it: where a way across may begin.
   void remember(const State& state);
 
-  /// From a state before steps became short, over poses that lie between it and some steps behind `now`. False: there is
-  /// no such pose, or no way across (is_blocked). Makes factors, and leaves others' last one behind.
+  /// From a state before steps became short, over poses that lie between it and some steps behind `now`. False: there
+  /// is no such pose, or no way across (is_blocked). Makes factors, and leaves others' last one behind.
   bool cross(const State& now, double step);
-  /// From rest in such a pose, where several motions begin: along the one that is nearest to what the forces would begin
-  /// if the pose allowed it, in the metric of the mass (Gauss's principle of least constraint, over the motions that
-  /// the constraints allow). Sets v_dot to its acceleration. False: it does not rest in such a pose, or no force acts.
+  /// From rest in such a pose, where several motions begin: along the one that is nearest to what the forces would
+  /// begin if the pose allowed it, in the metric of the mass (Gauss's principle of least constraint, over the motions
+  /// that the constraints allow). Sets v_dot to its acceleration. False: it does not rest in such a pose, or no force
+  /// acts.
   bool leave(State& state);
   /// Whether the last cross() knew of a pose, but not how to go on behind it.
   bool is_blocked() const { return blocked_; }
@@ -75,7 +76,7 @@ class SingularPose {
   double begin_ = 0, end_ = 0;
   VectorX q_begin_, v_begin_;
   MatrixX d_rates_, rates_;  // at the nodes
-  double pose_ = 0;  // s
+  double pose_ = 0;          // s
   bool blocked_ = false;
   std::string message_;
   // States some way apart, in turn: the one before the last step, and where a way across began (-1: nowhere).

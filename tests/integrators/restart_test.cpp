@@ -9,7 +9,6 @@
 #include "engine/run/simulation.h"
 #include "joints/spherical_joint.h"
 #include "tests/integrators/restart_scenes.h"
-#include "tests/reference/loops.h"
 
 namespace lithe::test::restart_test {
 namespace {
@@ -73,11 +72,6 @@ TEST_P(Restart, of_a_rigid_loop_has_the_bits_of_the_run_that_went_on) {
 }
 TEST_P(Restart, of_a_rubbing_loop_has_the_bits_of_the_run_that_went_on) {
   check("rubbing", draw_rubbing, method(), 0.1);
-}
-/// Most instants lie on the way out of the pose.
-TEST_P(Restart, of_a_singular_start_has_the_bits_of_the_run_that_went_on) {
-  check(
-      "flat", [](SystemGraph& graph) { draw_flat_four_bars(graph, 1); }, method(), 0.3);
 }
 TEST_P(Restart, of_a_flexible_body_has_the_bits_of_the_run_that_went_on) {
   check("flexible", draw_flexible, method(), 0.05);

@@ -238,8 +238,9 @@ TEST(JointFriction, PowerAddsUpToTheEnergyLost) {
   EXPECT_NEAR(work, scene.energy() - start, 1e-5);
 }
 
-/// A shaft turns in two equal bearings, loaded in the middle: its rows are dependent, and each bearing carries half. One
-/// of them rubs, with half the weight, whichever it is, and whatever rows a method leaves out: ω̇ = -μ r (m g / 2) / J.
+/// A shaft turns in two equal bearings, loaded in the middle: its rows are dependent, and each bearing carries half.
+/// One of them rubs, with half the weight, whichever it is, and whatever rows a method leaves out: ω̇ = -μ r (m g / 2) /
+/// J.
 TEST(JointFriction, FeelsReactionsOfLeastNormWhereRowsRepeat) {
   constexpr double kMass = 4, kInertia = 0.02, kRadius = 0.03, kMu = 0.25, kSpeed = 30, kEnd = 0.2;
   const double slowed = kSpeed - kMu * kRadius * kMass * kGravity / 2 / kInertia * kEnd;

@@ -26,7 +26,8 @@ inline void draw_four_bars(SystemGraph& graph, int windows) {
   }
 }
 
-/// The same links at rest, exactly flat along x: the rows lose rank by the number of windows, and several motions begin.
+/// The same links at rest, exactly flat along x: the rows lose rank by the number of windows, and several motions
+/// begin.
 inline void draw_flat_four_bars(SystemGraph& graph, int windows) {
   const auto at = [](double x) { return Vector3(x, 0, 0); };
   std::vector<Part> uprights, couplers;
@@ -37,7 +38,8 @@ inline void draw_flat_four_bars(SystemGraph& graph, int windows) {
   for (int i = 0; i <= windows; ++i) {
     const std::string number = std::to_string(i);
     graph.add<RevoluteJoint>("pin " + number, {graph.ground().marker(at(i)), uprights[i].at(at(i))});
-    if (i < windows) graph.add<RevoluteJoint>("right " + number, {uprights[i].at(at(i + 1)), couplers[i].at(at(i + 1))});
+    if (i < windows)
+      graph.add<RevoluteJoint>("right " + number, {uprights[i].at(at(i + 1)), couplers[i].at(at(i + 1))});
     if (i > 0) graph.add<RevoluteJoint>("left " + number, {uprights[i].at(at(i + 1)), couplers[i - 1].at(at(i + 1))});
   }
 }

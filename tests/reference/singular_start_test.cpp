@@ -68,7 +68,8 @@ TEST(SingularStart, TakesTheMotionThatInertiaAndForcesTell) {
 }
 
 TEST(SingularStart, IsLeftAndMetAgainAtRestToTensOfNanometres) {
-  for (auto make : {+[] { return runge_kutta8(1e-10); }, +[] { return automatic(1e-10); }, +[] { return radau(1e-9); }}) {
+  for (auto make :
+       {+[] { return runge_kutta8(1e-10); }, +[] { return automatic(1e-10); }, +[] { return radau(1e-9); }}) {
     const Method method = make();
     SCOPED_TRACE(method->name());
     const Followed run = fall(*method, 2);  // flat again at 1.09 s, at rest

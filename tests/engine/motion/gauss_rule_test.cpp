@@ -26,7 +26,8 @@ TEST(GaussRule, IntegratesWithinTheStepWhatItsNodesTell) {
         EXPECT_NEAR(rule.integrals(x).dot(values), std::pow(x, power + 1) / (power + 1), 1e-13);
         EXPECT_NEAR(rule.basis(x).dot(values), power == 0 ? 1 : std::pow(x, power), 1e-12);
       }
-    for (int i = 0; i < n; ++i) EXPECT_LT((rule.stages.row(i).transpose() - rule.integrals(rule.nodes[i])).norm(), 1e-15);
+    for (int i = 0; i < n; ++i)
+      EXPECT_LT((rule.stages.row(i).transpose() - rule.integrals(rule.nodes[i])).norm(), 1e-15);
   }
 }
 
