@@ -17,7 +17,7 @@ struct Invariants {
   double energy;
   Vector3 linear, angular;
 
-  Invariants(Assembler& equations, const System& system, const State& state) {
+  Invariants(Evaluator& equations, const System& system, const State& state) {
     const auto kinetic = [&](const VectorX& v) {
       equations.evaluate(state.time, state.q, v, Level::velocity);
       return equations.energy().kinetic;
@@ -56,7 +56,7 @@ TEST(BeamInvariants, AFlyingRodKeepsItsEnergyAndMomenta) {
                          }});
     const System system = assemble(graph);
     State state = system.initial_state();
-    Assembler equations(system);
+    Evaluator equations(system);
     const Method method = runge_kutta8(1e-10);
     Simulation simulation(system, *method);
     simulation.run(state, 5);
@@ -92,7 +92,7 @@ TEST(BeamInvariants, TheTangentIsThatOfTheForces) {
                            .elements = 4});
   const System system = assemble(graph);
   const Layout& layout = system.layout();
-  Assembler equations(system);
+  Evaluator equations(system);
   const VectorX still = VectorX::Zero(layout.v_count()), none = VectorX::Zero(0);
   for (const double bent : {0.0, 0.1, 0.3}) {
     VectorX q(layout.q_count());

@@ -10,7 +10,8 @@
 #include <stdexcept>
 
 #include "bodies/beam/beam.h"
-#include "engine/assembly/assembler.h"
+#include "engine/assembly/evaluated.h"
+#include "engine/assembly/evaluator.h"
 #include "engine/output/csv.h"
 #include "joints/coordinate_drive.h"
 #include "joints/fixed_joint.h"
@@ -89,12 +90,12 @@ struct Flight {
 Flight fly(const Problem& problem, const Setting& setting, int elements, Beam::Mass mass) {
   const Drawn drawn(problem, elements, mass);
   const std::vector<double> times = problem.times();
-  Assembler equations(drawn.system);
+  Evaluator equations(drawn.system);
   Flight flight{.points = MatrixX(6, static_cast<int>(times.size()))};
   flight.run = follow(drawn.system, setting, times, [&](int row, const State& state) {
     equations.evaluate(state.time, state.q, state.v, Level::position);
-    flight.points.col(row) << equations.marker(drawn.middle, Level::position).p,
-        equations.marker(drawn.tip, Level::position).p;
+    flight.points.col(row) << marker_kinematics(equations, drawn.middle, Level::position).p,
+        marker_kinematics(equations, drawn.tip, Level::position).p;
   });
   return flight;
 }

@@ -3,6 +3,7 @@
 
 #include "bodies/beam/beam.h"
 #include "engine/analysis/equilibrium.h"
+#include "engine/assembly/evaluated.h"
 #include "joints/fixed_joint.h"
 #include "joints/forces/point_force.h"
 #include "tools/stability/bench.h"
@@ -74,7 +75,7 @@ double ours(int elements) {
   });
   const State rest = find_equilibrium(scene.system, scene.state).state;
   scene.equations.evaluate(rest.time, rest.q, rest.v, Level::velocity);
-  return scene.equations.marker(end, Level::position).p.y();
+  return marker_kinematics(scene.equations, end, Level::position).p.y();
 }
 
 template <class Tip>

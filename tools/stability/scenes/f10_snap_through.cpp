@@ -3,6 +3,7 @@
 #include "bodies/beam/beam.h"
 #include "engine/analysis/equilibrium.h"
 #include "engine/analysis/equilibrium_path.h"
+#include "engine/assembly/evaluated.h"
 #include "engine/base/error.h"
 #include "joints/coordinate_drive.h"
 #include "joints/fixed_joint.h"
@@ -55,7 +56,7 @@ class Frame : private LoadedMarker, private Bench {
   /// Where the loaded point is.
   Vector3 place(const State& state) {
     equations.evaluate(state.time, state.q, state.v, Level::velocity);
-    return equations.marker(loaded, Level::position).p;
+    return marker_kinematics(equations, loaded, Level::position).p;
   }
   /// Equilibria one after the other, at times from 0 to 1; as far as they are found.
   std::vector<State> in_steps(int count, std::string& why) {
