@@ -9,7 +9,7 @@ namespace {
 constexpr int kMostRefinements = 12;
 constexpr double kSolved = 1e-14;   // last correction, of the motion in the step
 constexpr double kSameStep = 1e-7;  // times add up to this; what a change so small does is beyond round-off
-constexpr double kGood = 1e-9;      // the same, where round-off stops it
+constexpr double kGood = 1e-6;      // the same, where round-off stops it
 
 /// Corrections of a linear solution, until they are round-off. Returns false where they do not shrink far enough.
 template <class Correct>
@@ -26,7 +26,7 @@ bool refine(const Correct& correct) {
 }
 
 [[noreturn]] void give_up(const State& to) {
-  throw SimulationError("the derivative of the step to t = " + std::to_string(to.time) + " s was not found to 1e-9",
+  throw SimulationError("the derivative of the step to t = " + std::to_string(to.time) + " s was not found to 1e-6",
                         "generalized-alpha, derivative of a step",
                         "look for what is not smooth there: friction at rest, a stop that closes, a clearance");
 }
