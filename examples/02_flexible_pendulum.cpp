@@ -16,7 +16,7 @@ int main() {
   std::filesystem::create_directories(folder);
 
   // 1. What the finite-element code hands over: nodes, M and K, as CalculiX writes them; every model is proved first.
-  const FiniteElementModel rod = read_model("hex8i"), paper_rod = read_model("paper");
+  const FiniteElementModel rod = read_rod("hex8i"), paper_rod = read_rod("paper");
   std::printf("%s\n", check(rod).report().c_str());
 
   // 2. One model, many variants: how many coordinates, where the body frame sits, how it hangs.

@@ -49,7 +49,7 @@ Trajectory trajectory_of(const Table& table) {
 
 }  // namespace
 
-FiniteElementModel read_model(const std::string& body) {
+FiniteElementModel read_rod(const std::string& body) {
   return read_calculix(std::string(LITHE_EXAMPLE_DATA) + "/pendulum/" + body + "/calculix/matrices");
 }
 

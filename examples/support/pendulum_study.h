@@ -46,7 +46,7 @@ struct Outcome {
 };
 
 /// Reads the body's matrices as CalculiX wrote them.
-lithe::FiniteElementModel read_model(const std::string& body);
+lithe::FiniteElementModel read_rod(const std::string& body);
 Trajectory read_reference(const std::string& body);
 
 /// One second of swinging, compared with the reference of the same mesh.
