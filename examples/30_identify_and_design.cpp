@@ -2,8 +2,7 @@
 // which should it get?
 //
 // Shows: gradient() of a run by any number that its drawing is made of; fit() of parameters to a noisy table, with
-// their
-//        confidence; minimize() under limits.
+//        their confidence; minimize() under limits.
 // Expect: derivatives that agree with differences of runs to 1e-7; stiffness and damping of the table within their
 //         intervals; the softest spring that keeps the arm within its limit, met to 1e-6.
 #include <cmath>

@@ -113,9 +113,9 @@ StepResult Integrator::step(EquationsOfMotion& equations, State& state, double t
         if (result.ok()) equations.evaluate(state.time, state.q, state.v, Level::velocity);
         if (singular_pose_->is_blocked() && state.time - begin < kCreeps * usual_ && state.time < t_stop)
           result = {StepResult::Outcome::failed,
-                    "constraints lose rank at t = " + std::to_string(singular_pose_->pose()) +
-                        " s, and no smooth way leads across that pose; steps have come down to " +
-                        step_text(state.time - begin)};
+                    (result.ok() ? "steps have come down to " + step_text(state.time - begin) : result.why) +
+                        "; constraints lose rank at t = " + std::to_string(singular_pose_->pose()) +
+                        " s, and no smooth way leads across that pose"};
       }
     }
   }
