@@ -27,7 +27,8 @@ struct SundialsMemory {
 
   static Eigen::Map<VectorX> map(N_Vector x) { return {N_VGetArrayPointer(x), N_VGetLength(x)}; }
 
-  /// Runs a callback; an exception becomes text and "cannot continue", values that are not finite become "try a smaller step".
+  /// Runs a callback; an exception becomes text and "cannot continue", values that are not finite become "try a smaller
+  /// step".
   template <class Body>
   static int guarded(void* user, Body&& body) noexcept {
     auto& memory = *static_cast<Memory*>(user);

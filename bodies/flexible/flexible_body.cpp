@@ -182,8 +182,8 @@ void FlexibleBody::add_residual(const BodyState& state, const double* v_dot, con
   }
   const ConstVector field_acc(xi_acc, fields);
   const Matrix3X& Ct = inertia_->Ct;
-  // docs/equations.md 3.2. Gravity enters as an acceleration of the frame, so that its torque and its modal forces follow
-  // the deformed centre of mass.
+  // docs/equations.md 3.2. Gravity enters as an acceleration of the frame, so that its torque and its modal forces
+  // follow the deformed centre of mass.
   const Vector3 lift = acceleration - gravity, lift_body = cache.A.transpose() * lift;
   // Acceleration of the first moment of mass s in the turning frame: tangential, elastic, centripetal, Coriolis.
   const Vector3 pull = w_dot.cross(t.s) + Ct.lazyProduct(field_acc) + w.cross(w.cross(t.s)) + 2 * w.cross(t.s_rate);

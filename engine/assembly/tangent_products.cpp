@@ -13,8 +13,8 @@ void TangentFactors::form_tangent(const TangentWeights& weights, ConstVectorRef 
   evaluator_.write_tangent(weights, v_dot, lambda, increment);
 }
 
-void TangentFactors::factorize_transposed(const TangentWeights& weights, ConstVectorRef v_dot,
-                                          ConstVectorRef lambda, const VectorX* increment) {
+void TangentFactors::factorize_transposed(const TangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
+                                          const VectorX* increment) {
   form_tangent(weights, v_dot, lambda, increment);
   // Rows and columns of the constraints are each other's transpose already, linear blocks are symmetric.
   const auto& blocks = blocks_;

@@ -38,8 +38,9 @@ class AngleMemory {
 class Connector : public Element {
  public:
   virtual int marker_count() const = 0;
-  /// Called by assemble() with the markers as drawn, to set values taken from the drawing (a distance, an offset). Again
-  /// by each graph that shares the element (Simplification, islands): what it sets must depend on the markers alone.
+  /// Called by assemble() with the markers as drawn, to set values taken from the drawing (a distance, an offset).
+  /// Again by each graph that shares the element (Simplification, islands): what it sets must depend on the markers
+  /// alone.
   virtual void initialize(std::span<const MarkerView> /*markers*/) {}
   /// Angles whose turns are to be counted; asked once, by assemble().
   virtual std::vector<MeasuredAngle> angles() const { return {}; }

@@ -54,9 +54,9 @@ class Integrator {
   void start(EquationsOfMotion& equations, State& state);
   /// One step, never past t_stop; t_stop is hit exactly. Trouble inside (no convergence) is met with smaller steps
   /// first. Where the angles of joints would pass half a turn in it, by their motion in the last two steps, the step
-  /// is cut, so that turns are counted. Where closed loops lose rank on the way and steps shrink towards that pose, steps
-  /// along one polynomial lead through it on the branch that the velocity tells (SingularPose), the first of them is
-  /// logged, and the method begins anew behind it.
+  /// is cut, so that turns are counted. Where closed loops lose rank on the way and steps shrink towards that pose,
+  /// steps along one polynomial lead through it on the branch that the velocity tells (SingularPose), the first of them
+  /// is logged, and the method begins anew behind it.
   StepResult step(EquationsOfMotion& equations, State& state, double t_stop,
                   Multipliers multipliers = Multipliers::found);
   virtual const IntegratorStatistics& statistics() const = 0;
@@ -80,9 +80,9 @@ class Integrator {
   /// starts it anew wherever it is saved, and so does the resumed one: both continue with the same bits.
   bool history(Archive& archive, EquationsOfMotion& equations, const State& state);
 
-  /// Whether the motion is that of the equations at (t, q, v), which then tell v_dot and lambda at any time; false where
-  /// a part of the scene is held back, or pressed by impulses. Events watch what the equations tell: dense output has
-  /// lambda by interpolation alone.
+  /// Whether the motion is that of the equations at (t, q, v), which then tell v_dot and lambda at any time; false
+  /// where a part of the scene is held back, or pressed by impulses. Events watch what the equations tell: dense output
+  /// has lambda by interpolation alone.
   virtual bool follows_equations() const { return true; }
 
  protected:

@@ -149,9 +149,7 @@ void Hdf5Writer::write(const std::string& name, const std::string& text) {
   handles_->write(path_, name, H5T_NATIVE_CHAR, {text.size()}, text.data());
 }
 
-void Hdf5Writer::write(const std::string& name, const std::vector<std::string>& texts) {
-  write(name, packed(texts));
-}
+void Hdf5Writer::write(const std::string& name, const std::vector<std::string>& texts) { write(name, packed(texts)); }
 
 void Hdf5Writer::attribute(const std::string& of, const std::string& name, const std::string& text) {
   const Handle object(H5Oopen(handles_->file, of.c_str(), H5P_DEFAULT), H5Oclose);

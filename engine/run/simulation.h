@@ -85,16 +85,16 @@ class Simulation {
   /// Moves the state, one of system(), to time `end`, exactly, or to an event that stops the run. Observers of every
   /// step receive the states at events that end a step (restart, stop). Observers receive the first state too;
   /// index-3 integrators may have shifted its velocities a little (integrators/generalized_alpha.h). A state left as
-  /// the last run made it continues from there: run(state, 1), run(state, 2) is run(state, 2) where a step ends at 1. Any
-  /// other starts the integrator, and the schedules, anew; of several islands only those that it changes start anew.
-  /// Throws SceneError for an end before the state's time or a state that does not fit the system; SimulationError
-  /// where the integrator fails or leaves a coordinate that is not finite, or where events accumulate: ever more of
-  /// them in ever shorter times; where an element, observer or event throws, memory runs out, or a signal asks to end
-  /// (engine/base/interrupt.h). It names the element and the time. Then the state is the last good one, observers have
-  /// received it (but after lack of memory or an exception), and the next run starts from it. Where one of several
-  /// islands fails, the error names its bodies, and the others are brought to its last good time; if they cannot be,
-  /// the state is that of the last time at which all met. Multipliers::later leaves State::lambda empty at the end
-  /// where the integrator does.
+  /// the last run made it continues from there: run(state, 1), run(state, 2) is run(state, 2) where a step ends at 1.
+  /// Any other starts the integrator, and the schedules, anew; of several islands only those that it changes start
+  /// anew. Throws SceneError for an end before the state's time or a state that does not fit the system;
+  /// SimulationError where the integrator fails or leaves a coordinate that is not finite, or where events accumulate:
+  /// ever more of them in ever shorter times; where an element, observer or event throws, memory runs out, or a signal
+  /// asks to end (engine/base/interrupt.h). It names the element and the time. Then the state is the last good one,
+  /// observers have received it (but after lack of memory or an exception), and the next run starts from it. Where one
+  /// of several islands fails, the error names its bodies, and the others are brought to its last good time; if they
+  /// cannot be, the state is that of the last time at which all met. Multipliers::later leaves State::lambda empty at
+  /// the end where the integrator does.
   void run(State& state, double end, Multipliers multipliers = Multipliers::found);
 
   /// Writes checkpoints of later runs to `path`, each in the place of the one before: at their first state, then after

@@ -10,8 +10,8 @@ namespace lithe {
 /// One moving line on stderr for work that takes minutes:
 ///   [=====>              ] 12/40  explicit Runge-Kutta 5(4) 1e-6   left 0:35
 /// The work is a number of lines (methods), each a number of runs of growing cost (tolerances). The time left is
-/// predicted from the runs done: a line's cost keeps growing as it did last, at most fourfold a run; a line without a finished
-/// run costs what the others do on average.
+/// predicted from the runs done: a line's cost keeps growing as it did last, at most fourfold a run; a line without a
+/// finished run costs what the others do on average.
 class Progress {
  public:
   enum class Show { on_terminal, always, never };  // on_terminal: silent where stderr is not one

@@ -57,7 +57,8 @@ struct Solution {
 ///      along its own motion. How far it came from what was predicted scales the statement. If it is not within the
 ///      bounds, what counts most is refined, and it runs again.
 ///   4. Bodies that can be drawn with any number of elements (bodies/beam/slender_body.h) run with half as many too,
-///      which tells their part of the error; where modes do not suffice, they are exact, with more elements until it is met.
+///      which tells their part of the error; where modes do not suffice, they are exact, with more elements until it is
+///      met.
 /// Two runs with fixed steps of one and of half a sampling interval come first: where their difference says that they
 /// do, they are the cheapest.
 /// Bodies without candidates stay as they are drawn. integrators/solve.h has the default methods.

@@ -19,7 +19,8 @@ const std::map<std::string, std::set<std::string>> kArrows = {
     {"joints", {"engine", "joints"}},
     {"integrators", {"engine", "integrators"}},
     {"models", {"engine", "bodies", "joints", "models"}},
-    {"examples", {"lithe", "engine", "bodies", "joints", "integrators", "models"}},  // lithe/lithe.h: the generated umbrella
+    {"examples",
+     {"lithe", "engine", "bodies", "joints", "integrators", "models"}},  // lithe/lithe.h: the generated umbrella
 };
 const std::set<std::string> kPluginIncludes = {"engine/plugin.h", "engine/plugin_abi.h"};
 // engine/ has rooms in the order of the pipeline: each knows itself and those before it. Two headers stand at the door,
