@@ -1,7 +1,6 @@
 // The energy that contact impulses give to bodies whose response the step does not resolve.
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "engine/motion/equations_of_motion.h"
 #include "integrators/contact_impulses.h"
@@ -29,23 +28,15 @@ void ContactImpulses::keep_energy(EquationsOfMotion& equations, const State& sta
   ConeProblem& problem = contacts.problem();
   const auto& points = contacts.points();
   const int n = static_cast<int>(points.size()), groups = static_cast<int>(problem.groups.size());
-  // 1. Islands of bodies that are near each other. Rigid ones move as the law supposes.
-  island_.resize(groups);
-  std::iota(island_.begin(), island_.end(), 0);
-  const auto island_of = [&](int i) {
-    const auto& sides = problem.contacts[i].sides;
-    return root(island_, std::max(sides[0].group, sides[1].group));
-  };
-  for (int i = 0; i < n; ++i) {
-    const auto& sides = problem.contacts[i].sides;
-    if (sides[0].group >= 0 && sides[1].group >= 0)
-      island_[root(island_, sides[0].group)] = root(island_, sides[1].group);
-  }
-  tied_.assign(groups, 0);
   bool any = false;
+  for (int g = 0; g < groups; ++g) any = any || contacts.deforms(g);
+  if (!any) return;  // rigid bodies move as the law supposes
+  // 1. Islands of bodies that are near each other.
+  islands_.form(problem, [](int) { return true; });
+  const auto island_of = [&](int i) { return islands_.of(problem, i); };
+  tied_.assign(groups, 0);
   for (int g = 0; g < groups; ++g)
-    if (contacts.deforms(g)) tied_[root(island_, g)] = 1, any = true;
-  if (!any) return;
+    if (contacts.deforms(g)) tied_[islands_.of_group(g)] = 1;
   // 2. The work of their impulses, of what moved them beside the mean velocity, and a scale for both.
   const Layout& layout = equations.layout();
   q_.resize(start.q.size()), rv_.resize(start.v.size()), forces_.resize(start.v.size());
@@ -89,12 +80,12 @@ void ContactImpulses::keep_energy(EquationsOfMotion& equations, const State& sta
     d += dv_;
     forces_ += rv_;
     for (int g = 0; g < groups; ++g)
-      if (const int island = root(island_, g); tied_[island]) work_[island] += contacts.dot(g, forces_, dv_) / 2;
+      if (const int island = islands_.of_group(g); tied_[island]) work_[island] += contacts.dot(g, forces_, dv_) / 2;
   }
   // 3. Islands to be done anew.
   any = false;
   for (int g = 0; g < groups; ++g) {
-    if (!tied_[g] || root(island_, g) != g) continue;
+    if (!tied_[g] || islands_.of_group(g) != g) continue;
     const double may = kMayGain * scale_[g];
     tied_[g] = work_[g] > may || (elastic_[g] == 1 && work_[g] < -may);
     any = any || tied_[g];
@@ -137,10 +128,7 @@ void ContactImpulses::resist(RigidContacts& contacts, double h, VectorX& v_end, 
   ConeProblem& problem = contacts.problem();
   const auto& points = contacts.points();
   const int n = static_cast<int>(points.size());
-  const auto chosen = [&](int i) {
-    const auto& sides = problem.contacts[i].sides;
-    return tied_[root(island_, std::max(sides[0].group, sides[1].group))];
-  };
+  const auto chosen = [&](int i) { return tied_[islands_.of(problem, i)]; };
   some_.contacts.clear(), some_points_.clear();
   some_.rows = 0;
   for (int i = 0; i < n; ++i) {
@@ -186,7 +174,8 @@ void ContactImpulses::resist(RigidContacts& contacts, double h, VectorX& v_end, 
         set_aim(k, true);
         pushed_[k] = 1, again = true;
       }
-      const VectorX before = start_velocity_.segment(row + 1, across) - growth_.segment(row + 1, across);
+      const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 5> before =
+          start_velocity_.segment(row + 1, across) - growth_.segment(row + 1, across);
       if (mean_[k] || !(now_.segment(c.row + 1, across).dot(before + u_.segment(c.row + 1, across)) > 0)) continue;
       some_.free.segment(c.row + 1, across) += before;
       mean_[k] = 1, again = true;

@@ -45,11 +45,6 @@ double diagonal(const ConeProblem& problem, const ConeProblem::Contact& c) {
 
 }  // namespace
 
-int ContactImpulses::root(std::vector<int>& parents, int i) {
-  while (parents[i] != i) i = parents[i] = parents[parents[i]];
-  return i;
-}
-
 ContactImpulses::ContactImpulses(Parameters parameters, std::unique_ptr<ConeSolver> solver)
     : parameters_(parameters),
       solver_(std::move(solver)),
@@ -181,17 +176,8 @@ void ContactImpulses::hold(RigidContacts& contacts, double h, VectorX& v_end, Ve
   for (const RigidContacts::Point& point : contacts.points())
     if (last_[point.first] > 0) holding_[point.pair] = 1;
   const auto holds = [&](int i) { return holding_[contacts.points()[i].pair] && !impacts(i); };
-  island_.resize(problem.groups.size());
-  std::iota(island_.begin(), island_.end(), 0);
-  const auto island_of = [&](int i) {
-    const auto& sides = problem.contacts[i].sides;
-    return root(island_, std::max(sides[0].group, sides[1].group));
-  };
-  for (int i = 0; i < n; ++i) {
-    const auto& sides = problem.contacts[i].sides;
-    if (sides[0].group >= 0 && sides[1].group >= 0 && (impacts(i) || holds(i)))
-      island_[root(island_, sides[0].group)] = root(island_, sides[1].group);
-  }
+  islands_.form(problem, [&](int i) { return impacts(i) || holds(i); });
+  const auto island_of = [&](int i) { return islands_.of(problem, i); };
   meeting_.assign(problem.groups.size(), 0);
   for (int i = 0, pair = -1; i < n; ++i)
     if (impacts(i) && std::exchange(pair, contacts.points()[i].pair) != contacts.points()[i].pair)
@@ -291,17 +277,8 @@ bool ContactImpulses::join_impacts(RigidContacts& contacts, double h) {
     return pushes(i) && points[i].law.restitution > 0 && held_until_[i] < 0 && (impacts_[i] || free_gaps_[i] > 0);
   };
   // 1. Bodies that push each other, by how many pairs, and the fastest impact among them.
-  island_.resize(problem.groups.size());
-  std::iota(island_.begin(), island_.end(), 0);
-  const auto island_of = [&](int i) {
-    const auto& sides = problem.contacts[i].sides;
-    return root(island_, std::max(sides[0].group, sides[1].group));
-  };
-  for (int i = 0; i < n; ++i) {
-    const auto& sides = problem.contacts[i].sides;
-    if (pushes(i) && sides[0].group >= 0 && sides[1].group >= 0)
-      island_[root(island_, sides[0].group)] = root(island_, sides[1].group);
-  }
+  islands_.form(problem, pushes);
+  const auto island_of = [&](int i) { return islands_.of(problem, i); };
   meeting_.assign(problem.groups.size(), 0);
   fastest_.assign(problem.groups.size(), Impact{});
   for (int i = 0, pair = -1; i < n; ++i) {

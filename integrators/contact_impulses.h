@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "engine/cones/cone_problem.h"
+#include "engine/cones/contact_islands.h"
 #include "engine/contact/rigid_contacts.h"
 #include "engine/model/state.h"
 #include "engine/motion/equations_of_motion.h"
@@ -75,7 +76,6 @@ class ContactImpulses {
     double time = 0, speed = 0;
     double share = 1;  // of the step's impulse; the rest holds the bodies afterwards
   };
-  static int root(std::vector<int>& parents, int i);
   Closing closing(const RigidContacts::Point& point, double gap, double velocity, double h) const;
   Aim aim(const RigidContacts::Point& point, const Closing& closing, double free_velocity, double gap, double free_gap,
           double h) const;
@@ -105,7 +105,8 @@ class ContactImpulses {
   std::vector<Impact> fastest_;  // by group
   VectorX held_until_;           // time of the impact that ends what holds the point; -1: none
   ConeProblem some_;             // contacts that hold
-  std::vector<int> some_points_, island_;
+  std::vector<int> some_points_;
+  ContactIslands islands_;
   std::vector<int> meeting_;          // pairs with an impact, by group
   std::vector<char> holding_;         // by pair
   std::vector<double> first_impact_;  // by group

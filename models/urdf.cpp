@@ -28,13 +28,13 @@ class Notes {
 
 class UrdfReader {
  public:
-  explicit UrdfReader(const std::filesystem::path& path) : file_(path) {
+  explicit UrdfReader(const XmlFile& file) : file_(file) {
     if (std::string(file_.root().name()) != "robot")
       file_.fail(file_.root(), "the root element is <" + std::string(file_.root().name()) + ">, not <robot>.",
                  "give a URDF file; a xacro file must be expanded first.");
     model_.name = file_.text(file_.root(), "name");
     model_.format = "URDF";
-    model_.path = path.string();
+    model_.path = file.path();
   }
 
   ModelDescription read() {
@@ -189,18 +189,18 @@ class UrdfReader {
       parent[joint.child] = joint.parent;
     }
     std::vector<std::string> roots;
-    for (int i = n; i-- > 0;)
+    for (int i = 0; i < n; ++i)
       if (parent[i] < 0) {
         model_.root = i;
         roots.push_back(model_.links[i].name);
       }
-    const std::string all =
-        roots.empty() ? "" : roots.back() + (roots.size() > 1 ? ", " + roots[roots.size() - 2] : "");
-    if (roots.size() != 1)
-      file_.fail(file_.root(),
-                 roots.empty() ? "the joints form a cycle: no link is the root."
-                               : std::to_string(roots.size()) + " links have no parent: " + all + " ...",
-                 "join all links into one tree.");
+    if (roots.empty())
+      file_.fail(file_.root(), "the joints form a cycle: no link is the root.", "join all links into one tree.");
+    if (roots.size() > 1)
+      file_.fail(
+          file_.root(),
+          std::to_string(roots.size()) + " links have no parent, among them '" + roots[0] + "' and '" + roots[1] + "'.",
+          "join all links into one tree.");
     for (int i = 0; i < n; ++i) {
       int steps = 0;
       for (int at = i; at != model_.root; at = parent[at])
@@ -210,7 +210,7 @@ class UrdfReader {
     }
   }
 
-  XmlFile file_;
+  const XmlFile& file_;
   ModelDescription model_;
   Notes notes_;
   std::map<std::string, int> links_, joints_;
@@ -218,12 +218,12 @@ class UrdfReader {
 
 }  // namespace
 
-ModelDescription read_urdf(const std::filesystem::path& path) { return UrdfReader(path).read(); }
+ModelDescription read_urdf(const std::filesystem::path& path) { return UrdfReader(XmlFile(path)).read(); }
 
 ModelDescription read_model(const std::filesystem::path& path) {
   const XmlFile file(path);
   const std::string root = file.root().name();
-  if (root == "robot") return read_urdf(path);
+  if (root == "robot") return UrdfReader(file).read();
   file.fail(file.root(), "a file whose root element is <" + root + "> is of no known format.",
             "known is URDF, with the root element <robot>.");
 }

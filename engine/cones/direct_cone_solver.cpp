@@ -2,30 +2,23 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
+
+#include "engine/cones/contact_islands.h"
 
 namespace lithe {
 namespace {
 
-int root(std::vector<int>& parents, int i) {
-  while (parents[i] != i) i = parents[i] = parents[parents[i]];
-  return i;
-}
-
 /// Lists of contacts that share groups, directly or through others; contacts of nothing that moves are in none.
 std::vector<std::vector<int>> find_islands(const ConeProblem& problem) {
-  std::vector<int> parents(problem.groups.size());
-  std::iota(parents.begin(), parents.end(), 0);
-  for (const auto& contact : problem.contacts)
-    if (contact.sides[0].group >= 0 && contact.sides[1].group >= 0)
-      parents[root(parents, contact.sides[0].group)] = root(parents, contact.sides[1].group);
+  ContactIslands tied;
+  tied.form(problem, [](int) { return true; });
   std::vector<int> places(problem.groups.size(), -1);
   std::vector<std::vector<int>> islands;
   for (int i = 0; i < static_cast<int>(problem.contacts.size()); ++i) {
     const auto& sides = problem.contacts[i].sides;
     const int group = std::max(sides[0].group, sides[1].group);
     if (group < 0) continue;
-    int& place = places[root(parents, group)];
+    int& place = places[tied.of_group(group)];
     if (place < 0) {
       place = static_cast<int>(islands.size());
       islands.emplace_back();

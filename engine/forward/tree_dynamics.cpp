@@ -113,7 +113,7 @@ std::unique_ptr<TreeDynamics> TreeDynamics::make(const RigidScene& scene) {
       if (!shifts && joint.freedom.rotation == JointFreedom::Rotation::about_z) link.kind = Kind::revolute;
       if (link.kind == Kind::other) {
         // A ball that also slides would need its three turns eliminated one by one, in axes that turn with it: rare,
-        // and the general form.
+        // left to the general form.
         if (joint.freedom.rotation == JointFreedom::Rotation::any) return nullptr;
         link.other = static_cast<int>(tree->others_.size());
         tree->others_.emplace_back();
