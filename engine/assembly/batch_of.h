@@ -132,10 +132,16 @@ inline constexpr int kRowsOf = [] {
   return 0;
 }();
 
+template <class T>
+int marker_count(const ConnectorRecord& record) {
+  return kMarkersOf<T> > 0 ? kMarkersOf<T> : record.marker_count;
+}
+
 /// Views of the connector's markers, for a number of markers that the compiler may know.
+template <class T>
 class Views {
  public:
-  Views(const MarkerKinematics* table, const ConnectorRecord& record) : count_(record.marker_count) {
+  Views(const MarkerKinematics* table, const ConnectorRecord& record) : count_(marker_count<T>(record)) {
     for (int m = 0; m < count_; ++m) new (at(m)) MarkerView(table[record.slots[m].marker], m);
   }
   Views(const MarkerKinematics* markers, int count) : count_(count) {
@@ -146,7 +152,8 @@ class Views {
  private:
   MarkerView* at(int m) { return reinterpret_cast<MarkerView*>(storage_) + m; }
   int count_;
-  alignas(MarkerView) unsigned char storage_[kMostMarkers * sizeof(MarkerView)];
+  static constexpr int kRoom = kMarkersOf<T> > 0 ? kMarkersOf<T> : kMostMarkers;
+  alignas(MarkerView) unsigned char storage_[kRoom * sizeof(MarkerView)];
 };
 
 }  // namespace connector
@@ -163,64 +170,84 @@ class ConstraintBatchOf final : public ConstraintBatch {
     constexpr int kRows = connector::kRowsOf<T>;
     for_each_named(constraints_, work.time, [&](std::size_t i) {
       const ConnectorRecord& record = records_[i];
-      ConstraintRows rows(record.marker_count);
+      const int markers = connector::marker_count<T>(record);
+      ConstraintRows rows(markers);
       rows.recall(work.quarter_turns.data() + record.first_angle);
-      connector::Views views(work.markers.data(), record);
+      connector::Views<T> views(work.markers.data(), record);
       constraints_[i]->T::evaluate(work.time, views, rows);
+      const auto wrench = [&](int r, int m) -> const Wrench& {
+        if constexpr (connector::kMarkersOf < T >> 0) return rows.plain_wrench(r, m);
+        return rows.wrench(r, m);
+      };
       const int count = kRows > 0 ? kRows : rows.count();
       for (int r = 0; r < count; ++r) {
         work.residual[record.first_row + r] = rows.residual(r);
         work.rate[record.first_row + r] = rows.rate(r);
       }
-      if (level == Level::acceleration)
-        for (int r = 0; r < count; ++r) {
+      const int first = rows.hold_point() ? 3 : 0;
+      if (level == Level::acceleration) {
+        double* to = work.bias.data() + record.first_row;
+        if (first > 0)
+          Eigen::Map<Vector3>{to} =
+              work.markers[record.slots[1].marker].bias_v - work.markers[record.slots[0].marker].bias_v;
+        for (int r = first; r < count; ++r) {
           double bias = rows.bias(r);
-          for (int m = 0; m < record.marker_count; ++m) {
+          for (int m = 0; m < markers; ++m) {
             const MarkerKinematics& k = work.markers[record.slots[m].marker];
-            bias += rows.wrench(r, m).force.dot(k.bias_v) + rows.wrench(r, m).torque.dot(k.bias_w);
+            bias += wrench(r, m).force.dot(k.bias_v) + wrench(r, m).torque.dot(k.bias_w);
           }
-          work.bias[record.first_row + r] = bias;
+          to[r] = bias;
         }
-      for (int s = 0; s < record.slot_count; ++s)
-        connector::write_jacobian<kRows>(work, blocks, record.slots[s], count,
-                                         [&](int r) -> const Wrench& { return rows.wrench(r, record.slots[s].place); });
+      }
+      for (int s = 0; s < record.slot_count; ++s) {
+        const MarkerSlot& slot = record.slots[s];
+        const bool point = first > 0 && slot.share < 0;
+        if (point) connector::write_point_jacobian(work, blocks, slot, count, slot.place == 0 ? -1 : 1);
+        if (point && first == count) continue;
+        connector::write_jacobian<kRows>(work, blocks, slot, point ? first : 0, count,
+                                         [&](int r) -> const Wrench& { return wrench(r, slot.place); });
+      }
     });
   }
 
   void add_stiffness(Workspace& work, const BlockStructure& blocks, double weight,
                      const double* lambda) const override {
+    constexpr int kRows = connector::kRowsOf<T>;
     for_each_named(constraints_, work.time, [&](std::size_t i) {
       const ConnectorRecord& record = records_[i];
-      if (record.marker_count > kMaxMarkers) return;  // left out: Newton finds its way without
+      const int markers = connector::marker_count<T>(record);
+      if (markers > kMaxMarkers) return;  // left out: Newton finds its way without
       const double* multipliers = lambda + record.first_row;
       ConstraintRows::Stiffness K;  // rows that have any set it to zero first
-      ConstraintRows rows(record.marker_count);
+      ConstraintRows rows(markers);
       rows.collect_stiffness(multipliers, &K);
       Wrench load[kMaxMarkers];
-      const auto evaluate = [&](connector::Views&& views, ConstraintRows& into, Wrench* out) {
+      const auto evaluate = [&](connector::Views<T>&& views, ConstraintRows& into, Wrench* out) {
         into.recall(work.quarter_turns.data() + record.first_angle);
         constraints_[i]->T::evaluate(work.time, views, into);
-        for (int m = 0; m < record.marker_count; ++m) {
+        const int count = kRows > 0 ? kRows : into.count(), first = into.hold_point() ? 3 : 0;
+        for (int m = 0; m < markers; ++m) {
           out[m] = {Vector3::Zero(), Vector3::Zero()};
-          for (int r = 0; r < into.count(); ++r) {
-            out[m].force += multipliers[r] * into.wrench(r, m).force;
-            out[m].torque += multipliers[r] * into.wrench(r, m).torque;
+          if (first > 0) out[m].force = (m == 0 ? -1 : 1) * Eigen::Map<const Vector3>(multipliers);
+          for (int r = first; r < count; ++r) {
+            const Wrench& w = connector::kMarkersOf<T> > 0 ? into.plain_wrench(r, m) : into.wrench(r, m);
+            out[m].force += multipliers[r] * w.force;
+            out[m].torque += multipliers[r] * w.torque;
           }
         }
       };
       evaluate({work.markers.data(), record}, rows, load);
       if (rows.written()) {  // its wrenches are differenced over the markers' motions
-        K.setZero(6 * record.marker_count, 6 * record.marker_count);
+        K.setZero(6 * markers, 6 * markers);
         connector::difference(
             work, record, Level::position,
-            [&](const MarkerKinematics* markers, Wrench* out) {
-              ConstraintRows moved(record.marker_count);
-              evaluate({markers, record.marker_count}, moved, out);
+            [&](const MarkerKinematics* here, Wrench* out) {
+              ConstraintRows moved(markers);
+              evaluate({here, markers}, moved, out);
             },
             K);
       }
-      for (int m = 0; m < record.marker_count; ++m)
-        connector::add_load_stiffness(work, blocks, record.slots[m], load[m], weight);
+      for (int m = 0; m < markers; ++m) connector::add_load_stiffness(work, blocks, record.slots[m], load[m], weight);
       if (rows.written() || rows.stiff()) connector::add_marker_stiffness(work, blocks, record, K, weight);
     });
   }
@@ -261,7 +288,7 @@ class ForceBatchOf final : public ForceBatch {
         if (record.marker_count <= kMaxMarkers)
           connector::add_wrench(work, record.slots[s], rows.load(m), work.load.data());
         if (rows.count() > 0)
-          connector::write_jacobian<kRows>(work, blocks, record.slots[s], rows.count(),
+          connector::write_jacobian<kRows>(work, blocks, record.slots[s], 0, rows.count(),
                                            [&](int r) -> const Wrench& { return rows.wrench(r, m); });
       }
     });
@@ -279,7 +306,7 @@ class ForceBatchOf final : public ForceBatch {
         ForceRows rows(n);
         rows.recall(work.quarter_turns.data() + record.first_angle);
         rows.set_reaction({Vector3::Zero(), Vector3::Zero()});
-        forces_[i]->T::evaluate(work.time, connector::Views(markers, n), rows);
+        forces_[i]->T::evaluate(work.time, connector::Views<T>(markers, n), rows);
         for (int m = 0; m < n; ++m) {
           out[m] = {-rows.load(m).force, -rows.load(m).torque};
           loads |= !connector::is_zero(out[m].force) || !connector::is_zero(out[m].torque);
@@ -342,7 +369,7 @@ class ForceBatchOf final : public ForceBatch {
  private:
   void evaluate(const Workspace& work, std::size_t i, ForceRows& rows) const {
     rows.recall(work.quarter_turns.data() + records_[i].first_angle);
-    forces_[i]->T::evaluate(work.time, connector::Views(work.markers.data(), records_[i]), rows);
+    forces_[i]->T::evaluate(work.time, connector::Views<T>(work.markers.data(), records_[i]), rows);
   }
 
   /// The k-th element that wants a reaction, with the reaction that the multipliers make: -Σ W λ.
@@ -352,7 +379,7 @@ class ForceBatchOf final : public ForceBatch {
     ConstraintRows own(reaction.record.marker_count);
     ConstraintRows& joint = joint_rows ? *joint_rows : own;
     joint.recall(work.quarter_turns.data() + reaction.record.first_angle);
-    reaction.joint->evaluate(work.time, connector::Views(work.markers.data(), reaction.record), joint);
+    reaction.joint->evaluate(work.time, connector::Views<Constraint>(work.markers.data(), reaction.record), joint);
     Wrench sum{Vector3::Zero(), Vector3::Zero()};
     for (int j = 0; j < joint.count(); ++j) {
       sum.force -= lambda[reaction.record.first_row + j] * joint.wrench(j, 1).force;

@@ -59,7 +59,7 @@ bool couples(const Constraint& constraint, const std::vector<MarkerKinematics>& 
   double multipliers[kMaxRows];
   for (int r = 0; r < kMaxRows; ++r) multipliers[r] = 1 + 0.37 * r;  // no accidental cancellation
   rows.collect_stiffness(multipliers, &K);
-  constraint.evaluate(0, Views(markers.data(), n), rows);
+  constraint.evaluate(0, Views<Constraint>(markers.data(), n), rows);
   if (rows.written()) return true;
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j)
@@ -127,13 +127,19 @@ void add_marker_stiffness(Workspace& work, const BlockStructure& blocks, const C
     for (int j = 0; j < record.slot_count; ++j) {
       const MarkerSlot& sj = record.slots[j];
       if (sj.frame < 0) continue;
-      const Matrix6 Kij = K.block<6, 6>(6 * si.place, 6 * sj.place);
-      if (Kij.isZero(0)) continue;
+      const auto Kij = K.block<6, 6>(6 * si.place, 6 * sj.place);
+      const bool turns_only = Kij.leftCols<3>().isZero(0) && Kij.topRows<3>().isZero(0);
+      if (turns_only && Kij.bottomRightCorner<3, 3>().isZero(0)) continue;
       const MarkerKinematics& kj = work.markers[sj.marker];
       double* to = find_block(work, blocks, si.frame, sj.frame);
       if (!to) continue;
       if (si.share >= 0 || sj.share >= 0) {
         Frame(to) += weight * jacobian(ki, si).transpose() * Kij * jacobian(kj, sj);
+        continue;
+      }
+      if (turns_only) {  // directions alone, as of hinges
+        const Matrix3 turned = weight * Kij.bottomRightCorner<3, 3>() * *kj.A;
+        Frame(to).bottomRightCorner<3, 3>() += ki.A->transpose() * turned;
         continue;
       }
       // K J_j, then J_iᵀ of it

@@ -22,10 +22,50 @@ inline void write_share(double* to, const Matrix6& J, int rows, bool first, Wren
   }
 }
 
-/// Writes or adds W_m J_m of one marker: rows x 6 of the frame and rows x n of the linear coordinates.
+/// to = value, or to += value.
+template <bool First>
+inline void put(double& to, double value) {
+  to = First ? value : to + value;
+}
+
+/// Rows 0 to 2 of `rows` of a marker in one frame, where they hold a point: unit forces of this sign. `along`: those
+/// forces in body axes, a column each.
+template <bool First>
+inline void write_point_frame(double* frame, int rows, double sign, const Vector3& r, const Matrix3& along) {
+  for (int row = 0; row < 3; ++row) {
+    const Vector3 turn = r.cross(along.col(row));
+    for (int i = 0; i < 3; ++i) {
+      put<First>(frame[row + rows * i], i == row ? sign : 0);
+      put<First>(frame[row + rows * (3 + i)], turn[i]);
+    }
+  }
+}
+template <bool First>
+inline void write_point_linear(double* linear, int rows, int size, const double* E, const Matrix3& along) {
+  for (int i = 0; i < size; ++i, E += 6)
+    for (int row = 0; row < 3; ++row)
+      put<First>(linear[row + rows * i], E[0] * along(0, row) + E[1] * along(1, row) + E[2] * along(2, row));
+}
+inline void write_point_jacobian(Workspace& work, const BlockStructure& blocks, const MarkerSlot& slot, int rows,
+                                 double sign) {
+  if (slot.jacobian < 0) return;
+  const MarkerKinematics& k = work.markers[slot.marker];
+  const auto& G = blocks.jacobians[slot.jacobian];
+  double *frame = work.values.data() + G.values, *linear = work.values.data() + G.linear_values;
+  const Matrix3 along = sign * k.A->transpose();
+  if (G.frame >= 0)
+    slot.first_frame ? write_point_frame<true>(frame, rows, sign, k.r, along)
+                     : write_point_frame<false>(frame, rows, sign, k.r, along);
+  if (slot.linear >= 0)
+    slot.first_linear ? write_point_linear<true>(linear, rows, slot.size, k.elastic, along)
+                      : write_point_linear<false>(linear, rows, slot.size, k.elastic, along);
+}
+
+/// Writes or adds W_m J_m of one marker: rows x 6 of the frame and rows x n of the linear coordinates. Those before
+/// `first` are written already.
 template <int Rows, class WrenchOf>
-inline void write_jacobian(Workspace& work, const BlockStructure& blocks, const MarkerSlot& slot, int row_count,
-                           WrenchOf&& wrench) {
+inline void write_jacobian(Workspace& work, const BlockStructure& blocks, const MarkerSlot& slot, int first,
+                           int row_count, WrenchOf&& wrench) {
   if (slot.jacobian < 0) return;
   const int R = Rows > 0 ? Rows : row_count;
   const MarkerKinematics& k = work.markers[slot.marker];
@@ -37,7 +77,7 @@ inline void write_jacobian(Workspace& work, const BlockStructure& blocks, const 
   const Matrix3& A = *k.A;
   double* frame = G.frame >= 0 ? work.values.data() + G.values : nullptr;
   double* linear = slot.linear >= 0 ? work.values.data() + G.linear_values : nullptr;
-  for (int row = 0; row < R; ++row) {
+  for (int row = first; row < R; ++row) {
     const Wrench& w = wrench(row);
     const bool pulls = !is_zero(w.force), twists = !is_zero(w.torque);  // a row is seldom both
     if (!pulls && !twists && !slot.first_frame && !slot.first_linear) continue;

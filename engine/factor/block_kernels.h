@@ -155,6 +155,33 @@ inline void add_transposed(double* y, const double* A, const double* x, int rows
   }
 }
 
+/// y += A x with A rows x columns.
+template <int Rows>
+void add_product_fixed(double* y, const double* A, const double* x, int rows, int columns) {
+  if constexpr (Rows > 0) {
+    double sum[Rows];
+    for (int r = 0; r < Rows; ++r) sum[r] = y[r];
+    for (int c = 0; c < columns; ++c)
+      for (int r = 0; r < Rows; ++r) sum[r] += A[r + Rows * c] * x[c];
+    for (int r = 0; r < Rows; ++r) y[r] = sum[r];
+  } else {
+    for (int c = 0; c < columns; ++c)
+      for (int r = 0; r < rows; ++r) y[r] += A[r + rows * c] * x[c];
+  }
+}
+inline void add_product(double* y, const double* A, const double* x, int rows, int columns) {
+  switch (rows) {
+    case 1:
+      return add_product_fixed<1>(y, A, x, rows, columns);
+    case 3:
+      return add_product_fixed<3>(y, A, x, rows, columns);
+    case 5:
+      return add_product_fixed<5>(y, A, x, rows, columns);
+    default:
+      return add_product_fixed<0>(y, A, x, rows, columns);
+  }
+}
+
 // ---- choice by size ----
 
 template <class S, int... I>

@@ -26,13 +26,9 @@ void add_rates(const BlockStructure& blocks, const std::vector<double>& values, 
     if (row.first >= rates.size()) continue;  // compliant
     double* to = rates.data() + row.first;
     const double* from = v + G.velocity;
-    const auto add = [&](const double* block, int columns) {
-      for (int c = 0; c < columns; ++c)
-        for (int i = 0; i < row.count; ++i) to[i] += block[i + row.count * c] * from[c];
-      from += columns;
-    };
-    if (G.frame >= 0) add(values.data() + G.values, 6);
-    if (G.linear >= 0) add(values.data() + G.linear_values, blocks.linears[G.linear].size);
+    if (G.frame >= 0) kernels::add_product(to, values.data() + G.values, from, row.count, 6), from += 6;
+    if (G.linear >= 0)
+      kernels::add_product(to, values.data() + G.linear_values, from, row.count, blocks.linears[G.linear].size);
   }
 }
 

@@ -11,14 +11,11 @@ void add(ConstraintRows& rows, int m, int of, int n, int by, const Matrix3& bloc
 
 }  // namespace
 
-void coincident(const MarkerView& A, const MarkerView& B, ConstraintRows& rows) {
-  const Vector3 d = B.p - A.p;
-  for (int i = 0; i < 3; ++i) {  // constant wrenches: no stiffness
-    Wrench* W = rows.open();
-    W[A.index].force[i] = -1;
-    W[B.index].force[i] = 1;
-    rows.finish(d[i], 0);
-  }
+const Wrench& ActingMarkers::acting_wrench(const Wrench* kept, int marker) const {
+  static const Wrench none{Vector3::Zero(), Vector3::Zero()};
+  for (int i = 0; i < acting_; ++i)
+    if (acting_on_[i] == marker) return kept[i];
+  return none;
 }
 
 void perpendicular(const MarkerView& A, const Vector3& a, const MarkerView& B, const Vector3& b, ConstraintRows& rows) {
@@ -28,10 +25,10 @@ void perpendicular(const MarkerView& A, const Vector3& a, const MarkerView& B, c
     Matrix3 ba = (rows.multiplier() * a) * b.transpose();
     ba.diagonal().array() -= rows.multiplier() * a.dot(b);
     const Matrix3 ab = ba.transpose();
-    add(rows, A.index, 3, A.index, 3, ba);
-    add(rows, A.index, 3, B.index, 3, -ab);
-    add(rows, B.index, 3, A.index, 3, -ba);
-    add(rows, B.index, 3, B.index, 3, ab);
+    ConstraintRows::Stiffness& K = *rows.stiffness();
+    const int i = 6 * A.index + 3, j = 6 * B.index + 3;
+    K.block<3, 3>(i, i) += ba, K.block<3, 3>(i, j) -= ab;
+    K.block<3, 3>(j, i) -= ba, K.block<3, 3>(j, j) += ab;
   }
   Wrench* W = rows.open();
   W[A.index].torque = n;

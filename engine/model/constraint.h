@@ -12,7 +12,7 @@
 
 namespace lithe {
 
-inline constexpr int kMaxMarkers = 8;  // of one joint or force that acts on all of them
+inline constexpr int kMaxMarkers = 8;     // of one joint or force that acts on all of them
 inline constexpr int kMostMarkers = 256;  // of one that says which of them it acts on
 inline constexpr int kMaxRows = 12;
 
@@ -30,14 +30,14 @@ class ActingMarkers {
   /// Of all markers, those that a row keeps a wrench of.
   int kept(int markers) const { return acting_ > 0 ? acting_ : markers; }
   const Wrench& wrench_of(const Wrench* kept, int marker) const {
-    static const Wrench none{Vector3::Zero(), Vector3::Zero()};
-    if (acting_ == 0) return kept[marker];
-    for (int i = 0; i < acting_; ++i)
-      if (acting_on_[i] == marker) return kept[i];
-    return none;
+    if (acting_ == 0) [[likely]]
+      return kept[marker];
+    return acting_wrench(kept, marker);
   }
 
  private:
+  const Wrench& acting_wrench(const Wrench* kept, int marker) const;
+
   int acting_ = 0;  // 0: all
   int acting_on_[kMaxMarkers];
 };
@@ -110,17 +110,23 @@ class ConstraintRows : public AngleMemory, public ActingMarkers {
   bool written() const { return written_; }
   bool stiff() const { return stiff_; }  // stiffness() has been asked for
   const Wrench& wrench(int row, int marker) const { return wrench_of(wrench_[row], marker); }
+  /// The same where act_on() is not used.
+  const Wrench& plain_wrench(int row, int marker) const { return wrench_[row][marker]; }
   double residual(int row) const { return residual_[row]; }
   double bias(int row) const { return bias_[row]; }
   double rate(int row) const { return rate_[row]; }
   bool on_velocity(int row) const { return velocity_[row]; }
+  /// Whether rows 0 to 2 are p_1 - p_0 = 0: most joints have these, and their blocks need no wrench.
+  bool hold_point() const { return hold_point_; }
 
  private:
+  friend void coincident(const MarkerView&, const MarkerView&, ConstraintRows&);
   void set(int marker, const Wrench& w) { wrench_[count_][marker] = w; }
 
   int markers_, count_ = 0;
   bool written_ = false, stiff_ = false;
   bool velocity_[kMaxRows] = {};
+  bool hold_point_ = false;
   const double* multipliers_ = nullptr;
   Stiffness* stiffness_ = nullptr;
   Wrench wrench_[kMaxRows][kMaxMarkers];
@@ -160,8 +166,18 @@ class Joint : public Constraint {
 
 // ---- the rows joints are composed of (docs/equations.md 7.2); each brings its own stiffness under load ----
 
-/// Three rows p_B - p_A = 0.
-void coincident(const MarkerView& A, const MarkerView& B, ConstraintRows& rows);
+/// Three rows p_B - p_A = 0. Inline: the compiler leaves out what nobody reads of its constant wrenches.
+inline void coincident(const MarkerView& A, const MarkerView& B, ConstraintRows& rows) {
+  rows.hold_point_ = rows.count_ == 0 && A.index == 0 && B.index == 1;
+  const Vector3 d = B.p - A.p;
+  const auto add = [&](int i) {  // constant wrenches: no stiffness
+    Wrench* W = rows.open();
+    W[A.index].force = -Vector3::Unit(i);
+    W[B.index].force = Vector3::Unit(i);
+    rows.finish(d[i], 0);
+  };
+  add(0), add(1), add(2);
+}
 /// One row a · b = 0, a fixed in A, b fixed in B, both in world axes now.
 void perpendicular(const MarkerView& A, const Vector3& a, const MarkerView& B, const Vector3& b, ConstraintRows& rows);
 /// One row a · (p_B - p_A) = 0, a fixed in A: B stays in the plane through A normal to a.
