@@ -172,6 +172,7 @@ class ConstraintBatchOf final : public ConstraintBatch {
       const ConnectorRecord& record = records_[i];
       const int markers = connector::marker_count<T>(record);
       ConstraintRows rows(markers);
+      rows.want_bias(level == Level::acceleration);
       rows.recall(work.quarter_turns.data() + record.first_angle);
       connector::Views<T> views(work.markers.data(), record);
       constraints_[i]->T::evaluate(work.time, views, rows);
@@ -220,6 +221,7 @@ class ConstraintBatchOf final : public ConstraintBatch {
       const double* multipliers = lambda + record.first_row;
       ConstraintRows::Stiffness K;  // rows that have any set it to zero first
       ConstraintRows rows(markers);
+      rows.want_bias(false);
       rows.collect_stiffness(multipliers, &K);
       Wrench load[kMaxMarkers];
       const auto evaluate = [&](connector::Views<T>&& views, ConstraintRows& into, Wrench* out) {

@@ -33,8 +33,9 @@ void perpendicular(const MarkerView& A, const Vector3& a, const MarkerView& B, c
   Wrench* W = rows.open();
   W[A.index].torque = n;
   W[B.index].torque = -n;
-  const Vector3 n_dot = A.w.cross(a).cross(b) + a.cross(B.w.cross(b));
-  rows.finish(a.dot(b), n_dot.dot(A.w - B.w));
+  double bias = 0;
+  if (rows.bias_wanted()) bias = (A.w.cross(a).cross(b) + a.cross(B.w.cross(b))).dot(A.w - B.w);
+  rows.finish(a.dot(b), bias);
 }
 
 void in_plane(const MarkerView& A, const Vector3& a, const MarkerView& B, ConstraintRows& rows) {

@@ -94,6 +94,9 @@ class ConstraintRows : public AngleMemory, public ActingMarkers {
     bias_[count_ - 1] -= acceleration;
   }
 
+  /// Whether biases are read; where not, a row may leave out what they cost.
+  bool bias_wanted() const { return bias_wanted_; }
+
   /// Multiplier of the row being written, while the stiffness of loaded joints is collected; else null stiffness().
   double multiplier() const { return multipliers_[count_]; }
   const double* multipliers() const { return multipliers_; }  // of all rows
@@ -105,6 +108,7 @@ class ConstraintRows : public AngleMemory, public ActingMarkers {
   }
 
   // The engine's side.
+  void want_bias(bool wanted) { bias_wanted_ = wanted; }
   void collect_stiffness(const double* multipliers, Stiffness* into) { multipliers_ = multipliers, stiffness_ = into; }
   int count() const { return count_; }
   bool written() const { return written_; }
@@ -126,7 +130,7 @@ class ConstraintRows : public AngleMemory, public ActingMarkers {
   int markers_, count_ = 0;
   bool written_ = false, stiff_ = false;
   bool velocity_[kMaxRows] = {};
-  bool hold_point_ = false;
+  bool hold_point_ = false, bias_wanted_ = true;
   const double* multipliers_ = nullptr;
   Stiffness* stiffness_ = nullptr;
   Wrench wrench_[kMaxRows][kMaxMarkers];
