@@ -5,25 +5,12 @@
 namespace lithe {
 namespace {
 
-/// r~ X.
-[[gnu::always_inline]] inline Matrix3 skew_times(const Vector3& r, const Matrix3& X) {
-  Matrix3 Y;
-  for (int j = 0; j < 3; ++j) {
-    Y(0, j) = r[1] * X(2, j) - r[2] * X(1, j);
-    Y(1, j) = r[2] * X(0, j) - r[0] * X(2, j);
-    Y(2, j) = r[0] * X(1, j) - r[1] * X(0, j);
-  }
-  return Y;
-}
+using lanes::cross;
+using lanes::dot;
+using lanes::Spatial;
 
-/// X r~.
-[[gnu::always_inline]] inline Matrix3 times_skew(const Matrix3& X, const Vector3& r) {
-  Matrix3 Y;
-  Y.col(0) = X.col(1) * r[2] - X.col(2) * r[1];
-  Y.col(1) = X.col(2) * r[0] - X.col(0) * r[2];
-  Y.col(2) = X.col(0) * r[1] - X.col(1) * r[0];
-  return Y;
-}
+/// ω × (ω × r): what a point at r accelerates by beyond ω̇ × r.
+inline Lanes swing(const Lanes& w, const Lanes& r) { return w * dot(w, r) - r * dot(w, w); }
 
 [[gnu::always_inline]] inline Matrix3 inverse_of_symmetric(const Matrix3& S) {
   const double a = S(0, 0), b = S(1, 0), c = S(2, 0), d = S(1, 1), e = S(2, 1), f = S(2, 2);
@@ -47,17 +34,41 @@ void for_free_shifts(const JointFreedom& freedom, const Matrix3& axes, Add&& add
     if (free[i]) add(Vector3(axes.col(i)));
 }
 
-}  // namespace
-
-inline void TreeDynamics::clear(Articulated& a) {
-  for (Matrix3* x : {&a.M, &a.H, &a.J}) x->setZero();
-  a.b.setZero(), a.t.setZero();
+Matrix3 matrix(const lanes::Columns& A) {
+  Matrix3 M;
+  for (int k = 0; k < 3; ++k) M.col(k) = lanes::vector(A.c[k]);
+  return M;
 }
 
-TreeDynamics::TreeDynamics(const RigidScene& scene) : gravity_(scene.gravity), motions_(1), threads_(scene.threads) {
+}  // namespace
+
+inline void TreeDynamics::Articulated::clear() {
+  for (Spatial& k : column) k = {lanes::none(), lanes::none()};
+  p = {lanes::none(), lanes::none()};
+}
+
+inline void TreeDynamics::Articulated::add(const Articulated& other) {
+  for (int k = 0; k < 6; ++k) column[k] += other.column[k];
+  p += other.p;
+}
+
+inline Spatial TreeDynamics::Articulated::times(const Spatial& s) const {
+  Spatial of_linear = column[0] * s.linear[0], of_angular = column[3] * s.angular[0];
+  for (int k = 1; k < 3; ++k) of_linear += column[k] * s.linear[k], of_angular += column[3 + k] * s.angular[k];
+  return of_linear + of_angular;
+}
+
+inline void TreeDynamics::Articulated::subtract(const Spatial& u, const Spatial& g, double rest) {
+  for (int k = 0; k < 3; ++k) column[k] -= u * g.linear[k], column[3 + k] -= u * g.angular[k];
+  p -= u * rest;
+}
+
+TreeDynamics::TreeDynamics(const RigidScene& scene)
+    : gravity_(lanes::of(scene.gravity)), motions_(1), threads_(scene.threads) {
   Motion& ground = motions_[0];
-  ground.A.setIdentity();
-  for (Vector3* x : {&ground.w, &ground.a, &ground.alpha}) x->setZero();
+  ground.A = lanes::columns(Matrix3::Identity());
+  ground.w = ground.x = ground.shift = lanes::none();
+  ground.a = ground.c = {lanes::none(), lanes::none()};
 }
 
 std::unique_ptr<TreeDynamics> TreeDynamics::make(const RigidScene& scene) {
@@ -99,6 +110,7 @@ std::unique_ptr<TreeDynamics> TreeDynamics::make(const RigidScene& scene) {
     open.pop_back();
     const auto& body = scene.bodies[found.body];
     Link link{.kind = Kind::root, .q = body.q, .v = body.v, .mass = body.mass, .inertia = body.inertia};
+    link.first_free = static_cast<int>(tree->free_.size());
     if (found.joint >= 0) {
       const auto& joint = scene.joints[found.joint];
       const bool outer_is_B = vertex(joint.B.body) == found.body;
@@ -107,17 +119,13 @@ std::unique_ptr<TreeDynamics> TreeDynamics::make(const RigidScene& scene) {
       link.r = outer.position, link.r_parent = inner.position;
       link.axes = outer.axes, link.axes_parent = inner.axes;
       link.freedom = joint.freedom;
-      const bool shifts = joint.freedom.x || joint.freedom.y || joint.freedom.z;
-      link.kind = Kind::other;
-      if (!shifts && joint.freedom.rotation == JointFreedom::Rotation::any) link.kind = Kind::spherical;
-      if (!shifts && joint.freedom.rotation == JointFreedom::Rotation::about_z) link.kind = Kind::revolute;
-      if (link.kind == Kind::other) {
-        // A ball that also slides would need its three turns eliminated one by one, in axes that turn with it: rare,
-        // left to the general form.
-        if (joint.freedom.rotation == JointFreedom::Rotation::any) return nullptr;
-        link.other = static_cast<int>(tree->others_.size());
-        tree->others_.emplace_back();
-      }
+      link.depth = found.parent < 0 ? 0 : tree->links_[found.parent].depth + 1;
+      const bool any = joint.freedom.rotation == JointFreedom::Rotation::any;
+      const bool turns = joint.freedom.rotation == JointFreedom::Rotation::about_z;
+      if (any && link.slides()) return nullptr;  // rare, left to the general form
+      link.kind = any ? Kind::spherical : turns && !link.slides() ? Kind::revolute : Kind::other;
+      const int count = joint.freedom.x + joint.freedom.y + joint.freedom.z + (any ? 3 : turns ? 1 : 0);
+      tree->free_.resize(tree->free_.size() + count);
     }
     tree->links_.push_back(link);
     if (!look_beyond(found.body, found.joint, static_cast<int>(tree->links_.size()) - 1)) return nullptr;
@@ -127,21 +135,21 @@ std::unique_ptr<TreeDynamics> TreeDynamics::make(const RigidScene& scene) {
   return tree;
 }
 
-/// Into branches of about kTogether links, whole subtrees, and the trunk that they hang on.
+/// Into branches of about kSmall links, whole subtrees, and the trunk that they hang on.
 void TreeDynamics::divide() {
-  constexpr int kTogether = 64;
+  constexpr int kSmall = 64;
   const int n = static_cast<int>(links_.size());
   std::vector<int> size(n, 1);
   for (int i = n - 1; i >= 0; --i)
     if (links_[i].parent >= 0) size[links_[i].parent] += size[i];
   for (int i = 0; i < n;) {
-    if (size[i] > kTogether) {
+    if (size[i] > kSmall) {
       trunk_.push_back(i++);
       continue;
     }
     // Small neighbouring subtrees share a branch: a thread should get work for more than its own start.
     const bool joins =
-        !branches_.empty() && branches_.back().last == i && i + size[i] - branches_.back().first <= kTogether;
+        !branches_.empty() && branches_.back().last == i && i + size[i] - branches_.back().first <= kSmall;
     if (joins)
       branches_.back().last = i + size[i];
     else
@@ -155,200 +163,181 @@ void TreeDynamics::divide() {
   handed_.resize(handed_to_.size());
 }
 
-/// About the point at r from the present one, whose own acceleration differs by ω̇ × r + swing.
-TreeDynamics::Articulated TreeDynamics::shifted_out(const Articulated& own, const Vector3& r, const Vector3& swing) {
-  Articulated at;
-  at.M = own.M;
-  at.H = own.H + times_skew(own.M, r);
-  at.J = own.J + times_skew(own.H.transpose(), r) - skew_times(r, at.H);
-  at.b = own.b - own.M * swing;
-  at.t = own.t - own.H.transpose() * swing - r.cross(at.b);
-  return at;
-}
-
-/// Adds what acts at the point at r from the parent's centre of mass.
-void TreeDynamics::add_shifted_in(Articulated& parent, const Articulated& at, const Vector3& r, const Vector3& swing) {
-  const Matrix3 H = at.H - times_skew(at.M, r);
-  const Vector3 b = at.b + at.M * swing;
-  parent.M += at.M;
-  parent.H += H;
-  parent.J += at.J - times_skew(at.H.transpose(), r) + skew_times(r, H);
-  parent.b += b;
-  parent.t += at.t + at.H.transpose() * swing + r.cross(b);
-}
-
-/// The joint bears no torque: ω̇ goes out.
-void TreeDynamics::eliminate_spherical(Motion& m, Articulated& at) const {
-  const Matrix3 inverse = inverse_of_symmetric(at.J);
-  m.gain.noalias() = inverse * at.H.transpose();
-  m.rest.noalias() = inverse * at.t;
-  at.M.noalias() -= at.H * m.gain;
-  at.b.noalias() -= at.H * m.rest;
-}
-
-void TreeDynamics::eliminate_revolute(const Link& link, Motion& m, const Motion& parent, Articulated& at) const {
-  m.axis.noalias() = m.A * link.axes.col(2);
-  m.turn_bias = parent.w.cross(m.w);  // ω_parent × (ω - ω_parent)
-  const Vector3 pull = at.H * m.axis, twist = at.J * m.axis;
-  const double inverse = 1 / m.axis.dot(twist);
-  m.pull = inverse * pull;
-  m.twist = inverse * twist;
-  m.rest[0] = m.twist.dot(m.turn_bias) + inverse * m.axis.dot(at.t);
-  at.b += at.H * m.turn_bias - pull * m.rest[0];
-  at.t += at.J * m.turn_bias - twist * m.rest[0];
-  at.M.noalias() -= pull * m.pull.transpose();
-  at.H.noalias() -= pull * m.twist.transpose();
-  at.J.noalias() -= twist * m.twist.transpose();
-}
-
-void TreeDynamics::eliminate_other(const Link& link, const Motion& m, const Motion& parent, const double* v,
-                                   Articulated& at) {
-  Other& o = others_[link.other];
-  // 1. The free motions, and the rates at which they go now.
-  const Eigen::Map<const Vector3> v_own(v + link.v);
-  Vector3 v_parent = parent.w.cross(m.r_parent);
-  if (link.parent >= 0) v_parent += Eigen::Map<const Vector3>(v + links_[link.parent].v);
-  const Vector3 slide = v_own + m.w.cross(m.r) - v_parent, turn = m.w - parent.w;
-  const Matrix3 axes = parent.A * link.axes_parent;
-  o.count = 0;
-  o.bias.setZero();
-  for_free_shifts(link.freedom, axes, [&](const Vector3& axis) {
-    o.motion[o.count++] << axis, Vector3::Zero();
-    o.bias.head<3>() += 2 * axis.dot(slide) * parent.w.cross(axis);
-  });
-  if (link.freedom.rotation == JointFreedom::Rotation::about_z) {
-    const Vector3 axis = axes.col(2);
-    o.motion[o.count++] << Vector3::Zero(), axis;
-    o.bias.tail<3>() = axis.dot(turn) * parent.w.cross(axis);
+/// The link's own inertia, and the force and torque at zero acceleration: gyroscopic terms less gravity and loads.
+inline void TreeDynamics::add_own(const Link& link, Motion& m, const double* v, const double* load) const {
+  const Eigen::Map<const Vector3> w(v + link.v + 3);  // body axes, in which the inertia is constant
+  const Lanes x = m.x, h = x * link.mass;
+  const double mass = link.mass, far = dot(h, x);
+  Spatial* I = m.subtree.column;
+  // m E, m e_k × x and its transpose, J + m (x² E - x xᵀ)
+  const Lanes along[] = {lanes::of(0, -h[2], h[1]), lanes::of(h[2], 0, -h[0]), lanes::of(-h[1], h[0], 0)};
+  const Lanes unit[] = {lanes::of(1, 0, 0), lanes::of(0, 1, 0), lanes::of(0, 0, 1)};
+  lanes::Columns AJ;
+  for (int k = 0; k < 3; ++k) AJ.c[k] = m.A * Vector3(link.inertia.col(k));
+  for (int k = 0; k < 3; ++k) {
+    I[k].linear += unit[k] * mass;
+    I[k].angular -= along[k];
+    I[3 + k].linear += along[k];
+    const Lanes J = AJ.c[0] * m.A.c[0][k] + AJ.c[1] * m.A.c[1][k] + AJ.c[2] * m.A.c[2][k];
+    I[3 + k].angular += J + unit[k] * far - h * x[k];
   }
-  // 2. One after the other goes out; the inertia left is blind to those that have gone.
-  Matrix6 I;
-  I << at.M, at.H, at.H.transpose(), at.J;
-  Vector6 f;
-  f << at.b, at.t;
-  f += I * o.bias;
-  for (int k = 0; k < o.count; ++k) {
-    const Vector6 push = I * o.motion[k];
-    const double inverse = 1 / o.motion[k].dot(push);
-    o.gain[k] = inverse * push;
-    o.rest[k] = inverse * o.motion[k].dot(f);
-    I.noalias() -= push * o.gain[k].transpose();
-    f -= push * o.rest[k];
+  Lanes force = swing(m.w, x) * mass - gravity_ * mass;
+  Vector3 torque = w.cross(link.inertia * w);
+  if (load) {
+    force -= lanes::from(load + link.v);
+    torque -= Eigen::Map<const Vector3>(load + link.v + 3);
   }
-  at.M = I.topLeftCorner<3, 3>(), at.H = I.topRightCorner<3, 3>(), at.J = I.bottomRightCorner<3, 3>();
-  at.b = f.head<3>(), at.t = f.tail<3>();
+  m.subtree.p += Spatial{force, cross(x, force) + m.A * torque};
+}
+
+/// What the joint leaves free, and what accelerations beyond it differ by besides: how many motions.
+inline int TreeDynamics::find_free_motions(const Link& link, Motion& m, const Motion& parent, const double* q,
+                                           const double* v) {
+  FreeMotion* free = free_.data() + link.first_free;
+  const Lanes r = m.A * link.r, at = m.x + r;  // the joint's point
+  const Lanes apart = swing(parent.w, at) - swing(m.w, at);
+  switch (link.kind) {
+    case Kind::spherical:
+      m.c = {apart, lanes::none()};
+      free[0].S = {lanes::of(0, at[2], -at[1]), lanes::of(1, 0, 0)};  // at × e_k, e_k
+      free[1].S = {lanes::of(-at[2], 0, at[0]), lanes::of(0, 1, 0)};
+      free[2].S = {lanes::of(at[1], -at[0], 0), lanes::of(0, 0, 1)};
+      return 3;
+    case Kind::revolute: {
+      const Lanes axis = m.A * Vector3(link.axes.col(2));
+      const Lanes turn = cross(parent.w, m.w);  // ω_parent × (ω - ω_parent)
+      m.c = {cross(at, turn) + apart, turn};
+      free[0].S = {cross(at, axis), axis};
+      return 1;
+    }
+    default: {
+      // The point is the outer marker's, which slides on the parent.
+      Lanes r_parent = lanes::from(q + link.q) + r, v_parent = lanes::none();
+      if (link.parent >= 0) {
+        r_parent -= lanes::from(q + links_[link.parent].q);
+        v_parent = lanes::from(v + links_[link.parent].v) + cross(parent.w, r_parent);
+      }
+      const Lanes slide = lanes::from(v + link.v) + cross(m.w, r) - v_parent;
+      const Matrix3 axes = matrix(parent.A) * link.axes_parent;
+      Lanes bias = apart, turn = lanes::none();
+      int count = 0;
+      for_free_shifts(link.freedom, axes, [&](const Vector3& a) {
+        const Lanes axis = lanes::of(a);
+        free[count++].S = {axis, lanes::none()};
+        bias += cross(parent.w, axis) * (2 * dot(axis, slide));
+      });
+      if (link.freedom.rotation == JointFreedom::Rotation::about_z) {
+        const Lanes axis = lanes::of(axes.col(2));
+        free[count++].S = {cross(at, axis), axis};
+        turn = cross(parent.w, axis) * dot(axis, m.w - parent.w);
+      }
+      m.c = {bias + cross(at, turn), turn};
+      return count;
+    }
+  }
+}
+
+/// To a reference from which the present one is at d.
+inline void TreeDynamics::shift(Articulated& subtree, const Lanes& d, const Lanes& w_parent) {
+  Spatial* I = subtree.column;
+  const Lanes apart = swing(w_parent, d);
+  subtree.p += I[0] * apart[0] + I[1] * apart[1] + I[2] * apart[2];
+  I[3] += I[2] * d[1], I[3] -= I[1] * d[2];
+  I[4] += I[0] * d[2], I[4] -= I[2] * d[0];
+  I[5] += I[1] * d[0], I[5] -= I[0] * d[1];
+  for (int k = 0; k < 6; ++k) I[k].angular += cross(d, I[k].linear);
+  subtree.p.angular += cross(d, subtree.p.linear);
 }
 
 /// Subtree and link itself, less what the joint leaves free, onto the parent.
 void TreeDynamics::eliminate(int i, const double* q, const double* v, const double* load) {
   const Link& link = links_[i];
   Motion& m = motions_[i + 1];
+  Articulated& subtree = m.subtree;
+  add_own(link, m, v, load);
+  if (link.kind == Kind::root) return;
   Motion& parent = motions_[link.parent + 1];
-  Articulated& inwards = link.handed < 0 ? parent.subtree : handed_[link.handed];
-  if (link.handed >= 0) clear(inwards);
-  const Eigen::Map<const Vector3> w(v + link.v + 3);
-  const Vector3 spin = link.inertia * w;
-  Articulated own = m.subtree;
-  // The link's own inertia about its centre of mass, in world axes; J is constant in body axes.
-  own.M.diagonal().array() += link.mass;
-  own.J += m.A * link.inertia * m.A.transpose();
-  // b and t are the force and torque at zero acceleration: gyroscopic terms less gravity and loads.
-  own.b -= link.mass * gravity_;
-  Vector3 t = w.cross(spin);
-  if (load) {
-    own.b -= Eigen::Map<const Vector3>(load + link.v);
-    t -= Eigen::Map<const Vector3>(load + link.v + 3);
-  }
-  own.t += m.A * t;
-  if (link.kind == Kind::root) {
-    m.subtree = own;
-    return;
-  }
-  m.r = m.A * link.r;
-  // ω × (ω × r): what a point at r accelerates by beyond ω̇ × r.
-  m.swing = m.w.cross(m.w.cross(m.r));
-  if (link.kind == Kind::other) {  // slides: the point is the outer marker's
-    m.r_parent = Eigen::Map<const Vector3>(q + link.q) + m.r;
-    if (link.parent >= 0) m.r_parent -= Eigen::Map<const Vector3>(q + links_[link.parent].q);
+  const int count = find_free_motions(link, m, parent, q, v);
+  FreeMotion* free = free_.data() + link.first_free;
+  // One after the other goes out; the inertia left is blind to those that have gone.
+  const auto take_out = [&subtree](FreeMotion& motion, const Spatial& push) {
+    const double inverse = 1 / dot(motion.S, push);
+    motion.gain = push * inverse;
+    motion.rest = inverse * dot(motion.S, subtree.p);
+    subtree.subtract(push, motion.gain, motion.rest);
+  };
+  if (link.kind == Kind::spherical) {  // S and c are zero where terms are missing
+    const Spatial* I = subtree.column;
+    subtree.p += I[0] * m.c.linear[0] + I[1] * m.c.linear[1] + I[2] * m.c.linear[2];
+    const Lanes x = free[0].S.linear, y = free[1].S.linear, z = free[2].S.linear;
+    take_out(free[0], I[3] + I[1] * x[1] + I[2] * x[2]);
+    take_out(free[1], I[4] + I[0] * y[0] + I[2] * y[2]);
+    take_out(free[2], I[5] + I[0] * z[0] + I[1] * z[1]);
   } else {
-    m.r_parent = parent.A * link.r_parent;
+    subtree.p += subtree.times(m.c);
+    for (int k = 0; k < count; ++k) take_out(free[k], subtree.times(free[k].S));
   }
-  m.swing_parent = parent.w.cross(parent.w.cross(m.r_parent));
-  Articulated at = shifted_out(own, m.r, m.swing);
-  switch (link.kind) {
-    case Kind::spherical:
-      eliminate_spherical(m, at);
-      if (link.parent < 0) return;
-      // Force alone: the shift of a point.
-      {
-        const Matrix3 H = times_skew(at.M, m.r_parent);
-        const Vector3 b = at.b + at.M * m.swing_parent;
-        inwards.M += at.M;
-        inwards.H -= H;
-        inwards.J -= skew_times(m.r_parent, H);
-        inwards.b += b;
-        inwards.t += m.r_parent.cross(b);
-      }
-      return;
-    case Kind::revolute:
-      eliminate_revolute(link, m, parent, at);
-      break;
-    default:
-      eliminate_other(link, m, parent, v, at);
-  }
-  if (link.parent >= 0) add_shifted_in(inwards, at, m.r_parent, m.swing_parent);
+  if (link.parent < 0) return;
+  if (link.leads()) shift(subtree, m.shift, parent.w);
+  if (link.handed >= 0)
+    handed_[link.handed] = subtree;
+  else
+    parent.subtree.add(subtree);
+}
+
+/// Of a body that no joint holds, (a, ω̇) = -I⁻¹ p by its 3 x 3 blocks; the reference is its centre of mass.
+static Spatial free_acceleration(const Spatial* I, const Spatial& p) {
+  Matrix3 M, H, J;
+  for (int k = 0; k < 3; ++k)
+    M.col(k) = lanes::vector(I[k].linear), H.col(k) = lanes::vector(I[3 + k].linear),
+    J.col(k) = lanes::vector(I[3 + k].angular);
+  const Matrix3 inverse = inverse_of_symmetric(M), gain = inverse * H;
+  const Vector3 rest = inverse * lanes::vector(p.linear);
+  const Vector3 alpha =
+      inverse_of_symmetric(J - H.transpose() * gain) * (H.transpose() * rest - lanes::vector(p.angular));
+  return {lanes::of(-rest - gain * alpha), lanes::of(alpha)};
 }
 
 /// Accelerations of a link whose parent has its own.
 void TreeDynamics::find(int i, double* v_dot) {
   const Link& link = links_[i];
   Motion& m = motions_[i + 1];
-  const auto hand_out = [&] {
-    Eigen::Map<Vector3>(v_dot + link.v) = m.a;
-    Eigen::Map<Vector3>(v_dot + link.v + 3) = m.A.transpose() * m.alpha;
-  };
-  if (link.kind == Kind::root) {  // (a, ω̇) = -I⁻¹ (b, t)
-    const Articulated& s = m.subtree;
-    // No joint: all six accelerations are free, and the 6 x 6 is solved by its two 3 x 3 blocks.
-    const Matrix3 inverse = inverse_of_symmetric(s.M), gain = inverse * s.H;
-    const Vector3 rest = inverse * s.b;
-    m.alpha = inverse_of_symmetric(s.J - s.H.transpose() * gain) * (s.H.transpose() * rest - s.t);
-    m.a = -rest - gain * m.alpha;
-    return hand_out();
-  }
-  const Motion& parent = motions_[link.parent + 1];
-  Vector3 a = parent.a + parent.alpha.cross(m.r_parent) + m.swing_parent;  // of the joint's point
-  switch (link.kind) {
-    case Kind::spherical:
-      m.alpha = -(m.gain * a) - m.rest;
-      break;
-    case Kind::revolute:
-      m.alpha = parent.alpha + m.turn_bias - m.axis * (m.pull.dot(a) + m.twist.dot(parent.alpha) + m.rest[0]);
-      break;
-    default: {
-      const Other& o = others_[link.other];
-      Vector6 motion;
-      motion << a, parent.alpha;
-      Vector6 sum = motion + o.bias;
-      // Back through the order of elimination: what went last knows only itself.
-      for (int k = o.count - 1; k >= 0; --k) {
-        double y = o.gain[k].dot(motion) + o.rest[k];
-        motion -= y * o.motion[k];
-        sum -= y * o.motion[k];
-      }
-      a = sum.head<3>();
-      m.alpha = sum.tail<3>();
+  if (link.kind == Kind::root) {
+    m.a = free_acceleration(m.subtree.column, m.subtree.p);
+  } else {
+    const Motion& parent = motions_[link.parent + 1];
+    Spatial a = parent.a;
+    if (link.leads() && link.parent >= 0) a.linear += cross(a.angular, m.shift) + swing(parent.w, m.shift);
+    m.a = a + m.c;
+    // Back through the order of elimination: what went last knows only itself.
+    const int end = i + 1 < static_cast<int>(links_.size()) ? links_[i + 1].first_free : static_cast<int>(free_.size());
+    for (int k = end; k-- > link.first_free;) {
+      const FreeMotion& free = free_[k];
+      const Spatial moved = free.S * (dot(free.gain, a) + free.rest);
+      a -= moved;
+      m.a -= moved;
     }
   }
-  m.a = a - m.alpha.cross(m.r) - m.swing;
-  hand_out();
+  lanes::store(m.a.linear + cross(m.a.angular, m.x) + swing(m.w, m.x), v_dot + link.v);
+  lanes::store(m.A.transposed_times(m.a.angular), v_dot + link.v + 3);
 }
 
+/// Of a link whose parent is placed.
 void TreeDynamics::place(int i, const double* q, const double* v) {
+  const Link& link = links_[i];
   Motion& m = motions_[i + 1];
-  m.A = rotation_matrix(Eigen::Map<const Vector4>(q + links_[i].q + 3));
-  m.w.noalias() = m.A * Eigen::Map<const Vector3>(v + links_[i].v + 3);
-  clear(m.subtree);
+  const Motion& parent = motions_[link.parent + 1];
+  m.A = lanes::columns(rotation_matrix(Eigen::Map<const Vector4>(q + link.q + 3)));
+  m.w = m.A * Vector3(Eigen::Map<const Vector3>(v + link.v + 3));
+  m.subtree.clear();
+  m.x = m.shift = lanes::none();
+  if (link.parent < 0) return;  // which leads
+  Lanes from_parent;
+  if (link.slides())
+    from_parent = lanes::from(q + link.q) - lanes::from(q + links_[link.parent].q);
+  else
+    from_parent = parent.A * link.r_parent - m.A * link.r;
+  (link.leads() ? m.shift : m.x) = parent.x + from_parent;
 }
 
 void TreeDynamics::accelerations(const double* q, const double* v, const double* load, double* v_dot) {
@@ -363,9 +352,7 @@ void TreeDynamics::accelerations(const double* q, const double* v, const double*
   threads_.run(branches, inwards);
   // In a fixed order, after all branches: sums are the same to the bit for any number of threads.
   for (std::size_t k = 0; k < handed_.size(); ++k) {
-    Articulated& to = motions_[handed_to_[k] + 1].subtree;
-    const Articulated& from = handed_[k];
-    to.M += from.M, to.H += from.H, to.J += from.J, to.b += from.b, to.t += from.t;
+    motions_[handed_to_[k] + 1].subtree.add(handed_[k]);
   }
   for (auto i = trunk_.rbegin(); i != trunk_.rend(); ++i) eliminate(*i, q, v, load);
   // 2. Outwards.
@@ -383,42 +370,46 @@ bool TreeDynamics::project(double* q, double* v, double) {
     const Motion& parent = motions_[link.parent + 1];
     Eigen::Map<Vector3> p(q + link.q), v_own(v + link.v), w(v + link.v + 3);
     Eigen::Map<Vector4> e(q + link.q + 3);
-    m.A = rotation_matrix(e);
+    Matrix3 A = rotation_matrix(e);
+    const auto keep = [&] { m.A = lanes::columns(A), m.w = lanes::of(A * w); };  // for the links beyond
     if (link.kind == Kind::root) {
-      m.w = m.A * w;
+      keep();
       continue;
     }
+    const Matrix3 A_parent = matrix(parent.A);
+    const Vector3 w_parent = lanes::vector(parent.w);
     // 1. Axes: the turn that takes those that must agree onto the parent's, small, so that it squares in each round.
-    const Matrix3 axes = parent.A * link.axes_parent;
+    const Matrix3 axes = A_parent * link.axes_parent;
     for (int round = 0; round < 4 && link.freedom.rotation != JointFreedom::Rotation::any; ++round) {
-      const Matrix3 own = m.A * link.axes;
+      const Matrix3 own = A * link.axes;
       Vector3 turn = own.col(2).cross(axes.col(2));
       if (link.freedom.rotation == JointFreedom::Rotation::none)
         turn = 0.5 * (turn + own.col(0).cross(axes.col(0)) + own.col(1).cross(axes.col(1)));
       if (turn.squaredNorm() == 0) break;
-      e = rotated(e, m.A.transpose() * turn);
-      m.A = rotation_matrix(e);
+      e = rotated(e, A.transpose() * turn);
+      A = rotation_matrix(e);
       if (turn.squaredNorm() < 1e-18) break;
     }
     // 2. Position and velocity of the joint's point, and the turning, but for what is free.
     const Eigen::Map<const Vector3> p_parent(link.parent < 0 ? ground_ : q + links_[link.parent].q),
         v_parent(link.parent < 0 ? ground_ : v + links_[link.parent].v);
-    const Vector3 r = m.A * link.r, arm = parent.A * link.r_parent;
+    const Vector3 r = A * link.r, arm = A_parent * link.r_parent;
     Vector3 gap = p + r - p_parent - arm;
     for_free_shifts(link.freedom, axes, [&](const Vector3& axis) { gap -= axis * axis.dot(gap); });
     p -= gap;
     const Vector3 arm_now = p + r - p_parent;  // with what it has slid
-    m.w = m.A * w;
-    const Vector3 slide = v_own + m.w.cross(r) - v_parent - parent.w.cross(arm_now);
+    Vector3 turning = A * w;
+    const Vector3 slide = v_own + turning.cross(r) - v_parent - w_parent.cross(arm_now);
     if (link.freedom.rotation != JointFreedom::Rotation::any) {
       const Vector3 axis = axes.col(2);
-      const double rate = link.freedom.rotation == JointFreedom::Rotation::none ? 0 : axis.dot(m.w - parent.w);
-      m.w = parent.w + rate * axis;
-      w = m.A.transpose() * m.w;
+      const double rate = link.freedom.rotation == JointFreedom::Rotation::none ? 0 : axis.dot(turning - w_parent);
+      turning = w_parent + rate * axis;
+      w = A.transpose() * turning;
     }
     Vector3 free = Vector3::Zero();
     for_free_shifts(link.freedom, axes, [&](const Vector3& axis) { free += axis * axis.dot(slide); });
-    v_own = v_parent + parent.w.cross(arm_now) + free - m.w.cross(r);
+    v_own = v_parent + w_parent.cross(arm_now) + free - turning.cross(r);
+    keep();
   }
   return true;
 }
