@@ -19,6 +19,7 @@ import check
 import loops
 import machine
 import report
+import robots
 import steps
 from programs import Programs
 from summary import summary
@@ -46,6 +47,7 @@ def measure(programs, counted, quick):
         "chain_rows": chains.measure(programs, SIZES, rounds, quick, say),
         "loop_rows": loops.measure(programs, PROBLEMS, rounds, quick, say),
         "raw_andrews": loops.raw_andrews(programs),
+        "robots": robots.measure(programs, rounds, say),
         "instructions": {},
     }
     if counted:

@@ -16,7 +16,8 @@ DrawnModel::Options moving(const ModelDescription& model, bool floating) {
   DrawnModel::Options options{.floating = floating, .damping = false};
   for (const ModelJoint& joint : model.joints) {
     if (joint.mimic) continue;
-    if (joint.type == ModelJoint::Type::revolute) options.positions[joint.name] = 0.3, options.velocities[joint.name] = 0.5;
+    if (joint.type == ModelJoint::Type::revolute)
+      options.positions[joint.name] = 0.3, options.velocities[joint.name] = 0.5;
     if (joint.type == ModelJoint::Type::prismatic)
       options.positions[joint.name] = 0.01, options.velocities[joint.name] = 0.05;
   }

@@ -1,6 +1,7 @@
 """The figures of results/bench/summary.json, from what was measured."""
 import chains
 import loops
+import robots
 from search import fastest, ratio
 
 
@@ -37,6 +38,7 @@ def summary(measured):
         "us_per_link_acceleration": own,
         "us_per_link_acceleration_revolute": acceleration["revolute"]["1000"],
         "acceleration_over_limit": own / by_hand if by_hand else None,
+        "robots_over_best": robots.over_best(measured.get("robots", {})),
     }
     for target, name in zip(chains.TARGETS, ("1e4", "1e6")):
         found = chains.ratios(rows, sizes, target)
