@@ -36,6 +36,23 @@ void check_between_all_pairs(int rank, const Vector3& gap, const Parameters&... 
 }
 
 TEST(SphericalJoint, LeavesThreeRotationsFree) { check_between_all_pairs<SphericalJoint>(3, {0, 0, 0}); }
+/// The second marker adds to the blocks that the first one writes.
+TEST(SphericalJoint, HoldsTwoPlacesOfOneDeformingBodyTogether) {
+  RandomNumbers random(3);
+  constexpr int kModes = 7;
+  const VectorX eta = random.vector(kModes, 0.3);
+  const auto marker = [&] {
+    return ModalMarker{random.vector3(), random.matrix3x(kModes), random.matrix3x(kModes), random.rotation()};
+  };
+  const ModalMarker a = marker();
+  ModalMarker b = marker();
+  b.c += a.point(eta) - b.point(eta);
+  SystemGraph graph;
+  auto& body = graph.add<MarkerBody>(
+      "body", {.markers = {a, b}, .position = random.vector3(), .orientation = random.rotation(), .eta = eta});
+  auto& joint = graph.add<SphericalJoint>("joint", {body.marker(0), body.marker(1)});
+  check_joint(graph, joint, {.rank = 3});
+}
 TEST(RevoluteJoint, LeavesOneRotationFree) { check_between_all_pairs<RevoluteJoint>(5, {0, 0, 0}); }
 TEST(UniversalJoint, LeavesTwoRotationsFree) { check_between_all_pairs<UniversalJoint>(4, {0, 0, 0}); }
 TEST(CylindricalJoint, LeavesSlidingAndTurningFree) { check_between_all_pairs<CylindricalJoint>(4, {0, 0, 0.3}); }
