@@ -138,7 +138,7 @@ int marker_count(const ConnectorRecord& record) {
 }
 
 /// Views of the connector's markers, for a number of markers that the compiler may know.
-template <class T>
+template <class T = Constraint>
 class Views {
  public:
   Views(const MarkerKinematics* table, const ConnectorRecord& record) : count_(marker_count<T>(record)) {
