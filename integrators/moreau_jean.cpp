@@ -19,7 +19,7 @@ MoreauJean::MoreauJean(Parameters parameters, std::unique_ptr<ConeSolver> solver
 
 void MoreauJean::prepare(EquationsOfMotion& equations, State& state) {
   const int nv = equations.layout().v_count(), rows = equations.layout().row_count();
-  if (!resumes()) statistics_ = {};
+  if (!resumes()) statistics_ = {}, impulses_.forget();
   for (VectorX* x : {&v_, &d_, &rv_}) x->setZero(nv);
   rl_.setZero(rows);
   q_ = state.q;
@@ -30,6 +30,7 @@ void MoreauJean::prepare(EquationsOfMotion& equations, State& state) {
 }
 
 StepResult MoreauJean::advance(EquationsOfMotion& equations, State& state, double t_stop) {
+  t_stop = impulses_.next_stop(state.time, t_stop);
   if (!(t_stop > state.time)) return {};
   // Equal steps up to t_stop, no longer than the given one.
   const double left = t_stop - state.time, count = std::max(1.0, std::ceil(left / parameters_.step - 1e-6));
@@ -66,7 +67,10 @@ StepResult MoreauJean::advance(EquationsOfMotion& equations, State& state, doubl
   // 2. With contact, then with closed joints.
   if (rigid) {
     impulses_.apply(equations, state, h, v_, d_);
-    if (impulses_.cut() > 0) return advance(equations, state, state.time + impulses_.cut());
+    if (impulses_.cut() > 0) {
+      impulses_.finish_by(time);
+      return advance(equations, state, state.time + impulses_.cut());
+    }
     statistics_.newton_iterations += impulses_.iterations();
   }
   layout.retract(state.q, d_, q_);

@@ -34,7 +34,7 @@ class NonsmoothGeneralizedAlpha final : public GeneralizedAlpha {
  private:
   ContactImpulses impulses_;
   State start_;
-  VectorX v_, d_, q_, rv_, rl_;
+  VectorX v_, d_, q_, rv_, rl_, drift_;
   // Of the smooth motion at the end of a step that jumped: State has the mean over the step there.
   bool jumped_ = false;
   VectorX smooth_v_dot_, smooth_lambda_;
