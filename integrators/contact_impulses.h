@@ -93,6 +93,7 @@ class ContactImpulses {
   void solve(const ConeProblem& problem, VectorX& r);
   void collide(RigidContacts& contacts, double h, VectorX& v_end, VectorX& d);
   bool join_impacts(RigidContacts& contacts, double h);
+  void end_before_impacts(RigidContacts& contacts, double h);
   double end_before(RigidContacts& contacts, int island, double h);
   void displace(RigidContacts& contacts, VectorX& d);
   void place_slips(RigidContacts& contacts, double h, const VectorX& v_end, VectorX& d);
@@ -124,6 +125,7 @@ class ContactImpulses {
   std::vector<char> goes_on_;         // meets others after its impact; by group
   std::vector<double> first_impact_;  // by group
   VectorX last_, growth_;             // RigidContacts::recall
+  VectorX of_groups_;                 // their velocities
   VectorX times_;                     // of what acts across or late, by point
   VectorX u_, r_, total_, weights_, dv_, moved_, gaps_, free_gaps_, least_gaps_, now_, impulse_;
   ConeProblem alone_;

@@ -66,6 +66,37 @@ double ContactImpulses::end_before(RigidContacts& contacts, int island, double h
   return unsure > sliver && time - 2 * unsure > sliver ? time - 2 * unsure : time + sliver / 2;
 }
 
+/// Of all islands with an impact: sets cut().
+void ContactImpulses::end_before_impacts(RigidContacts& contacts, double h) {
+  const ConeProblem& problem = contacts.problem();
+  const auto& points = contacts.points();
+  const int n = static_cast<int>(points.size()), groups = static_cast<int>(problem.groups.size());
+  // 1. Bodies that are thrown against what did not touch.
+  now_.resize(problem.rows);
+  problem.velocity(r_, now_, of_groups_);
+  goes_on_.assign(groups, 0);
+  for (int i = 0; i < n; ++i) {
+    if (r_[points[i].first] > 0) continue;
+    const double change = now_[points[i].first] - problem.free[points[i].first];
+    for (const ConeProblem::Side& side : problem.contacts[i].sides) {
+      if (side.group < 0) continue;
+      const int island = islands_.of_group(side.group);
+      if (free_gaps_[i] + (h - fastest_[island].time) * change < 0) goes_on_[island] = 1;
+    }
+  }
+  const auto alone = [&](int island) {  // one body, or what joints make one, that meets ground and nothing else
+    int bodies = 0;
+    for (int g = 0; g < groups; ++g) bodies += islands_.of_group(g) == island;
+    return bodies == 1 && meeting_[island] == 1 && !goes_on_[island];
+  };
+  // 2. The first of their times.
+  for (int g = 0; g < groups; ++g) {
+    if (islands_.of_group(g) != g || !(fastest_[g].speed > 0) || meeting_[g] > kFewImpacts || alone(g)) continue;
+    const double end = end_before(contacts, g, h);
+    if (end < h) cut_ = cut_ > 0 ? std::min(cut_, end) : end;
+  }
+}
+
 /// Impacts of several pairs that push each other are one impact, at the time of the fastest: Newton's restitution of
 /// the velocities then keeps the energy of elastic bodies, of velocities each at a time of its own it would not. A gap
 /// that such an impact closes takes part: were its surfaces only kept from passing each other, the speed with which
@@ -91,30 +122,11 @@ bool ContactImpulses::join_impacts(RigidContacts& contacts, double h) {
   }
   // 2. Of few rigid bodies, a step up to it.
   const int groups = static_cast<int>(problem.groups.size());
-  now_.resize(problem.rows);
-  problem.velocity(r_, now_);
-  goes_on_.assign(groups, 0);
-  for (int i = 0; i < n; ++i) {  // thrown against what did not touch
-    const double change = now_[points[i].first] - problem.free[points[i].first];
-    for (const ConeProblem::Side& side : problem.contacts[i].sides) {
-      if (side.group < 0 || pushes(i)) continue;
-      const int island = islands_.of_group(side.group);
-      if (free_gaps_[i] + (h - fastest_[island].time) * change < 0) goes_on_[island] = 1;
-    }
-  }
-  const auto alone = [&](int island) {  // one body, or what joints make one, that meets ground and nothing else
-    int bodies = 0;
-    for (int g = 0; g < groups; ++g) bodies += islands_.of_group(g) == island;
-    return bodies == 1 && meeting_[island] == 1 && !goes_on_[island];
-  };
   const auto meets = [&](int g) { return islands_.of_group(g) == g && fastest_[g].speed > 0; };
   int impacts = 0;
   for (int g = 0; g < groups; ++g) impacts += meets(g);
-  for (int g = 0; g < groups && impacts <= kFewImpacts; ++g) {
-    if (!meets(g) || meeting_[g] > kFewImpacts || alone(g)) continue;
-    const double end = end_before(contacts, g, h);
-    if (end < h) cut_ = cut_ > 0 ? std::min(cut_, end) : end;
-  }
+  if (impacts == 0) return false;
+  if (impacts <= kFewImpacts) end_before_impacts(contacts, h);
   if (cut_ > 0) return false;
   // 3. Their aims, from their motion at its time.
   bool any = false;
