@@ -135,8 +135,8 @@ void Evaluator::track(VectorX& quarter_turns) const {
 }
 
 /// The multipliers that joints which rub feel. Where rows repeat others, λ is known up to a part that makes no force,
-/// and a method's is what its left-out rows make it: of least norm it does not depend on that choice. A Newton iteration
-/// asks twice, for its residual and its tangent: the first answer serves both.
+/// and a method's is what its left-out rows make it: of least norm it does not depend on that choice. A Newton
+/// iteration asks twice, for its residual and its tangent: the first answer serves both.
 const double* Evaluator::as_felt(ConstVectorRef lambda) {
   if (facts_.redundant_rows.empty() || !lambda.allFinite()) return lambda.data();
   if (!least_norm_) least_norm_ = std::make_unique<LeastNorm>(system_.blocks_);
