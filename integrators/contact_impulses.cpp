@@ -15,24 +15,7 @@ namespace lithe {
 namespace {
 
 constexpr int kMaxImpacts = 10000;  // of one step, one after another
-constexpr double kEnd = 1e-6;       // of a step: impacts nearer to its ends are at them
 constexpr int kMaxBounces = 1000;   // of one point within a step
-constexpr double kCounts = 3e-4;    // speed of an impact, of that before it: 1e-7 of its energy
-constexpr int kFewImpacts = 3;      // pairs that meet within a step, of bodies that others hold: more are of a pile
-
-/// Time at which a gap closes that starts at g with rate u and acceleration a; h if it does not.
-double closing_time(double g, double u, double a, double h) {
-  if (g <= 0) {
-    if (u < 0 || (u == 0 && a < 0)) return 0;
-    return a < 0 ? std::min(h, -2 * u / a) : h;  // up and back
-  }
-  // g + u t + ½ a t² = 0, the smaller positive root, without cancellation
-  const double root = u * u - 2 * a * g;
-  if (root < 0) return h;
-  const double q = -u + std::sqrt(root);
-  if (u < 0 && q > 0) return std::min(h, 2 * g / q);
-  return a < 0 ? std::min(h, (u + std::sqrt(root)) / -a) : h;
-}
 
 /// Normal velocity by a unit of the contact's own normal impulse, 1/kg.
 double diagonal(const ConeProblem& problem, const ConeProblem::Contact& c) {
@@ -55,7 +38,7 @@ ContactImpulses::ContactImpulses(Parameters parameters, std::unique_ptr<ConeSolv
 ContactImpulses::Closing ContactImpulses::closing(const RigidContacts::Point& point, double gap, double velocity,
                                                   double h) const {
   const double before = point.before[0] - growth_[point.first], a = (velocity - before) / h,
-               time = closing_time(gap, before, a, h);
+               time = time_to_close(gap, before, a, h);
   return {time, -(before + a * time), a};
 }
 
@@ -63,7 +46,9 @@ ContactImpulses::Closing ContactImpulses::closing(const RigidContacts::Point& po
 /// stays.
 ContactImpulses::Aim ContactImpulses::aim(const RigidContacts::Point& point, const Closing& closing,
                                           double free_velocity, double gap, double free_gap, double h) const {
-  if (free_gap > 0) return {free_velocity - 2 * free_gap / h, h / 2};  // others may push it there
+  // Others may push it there: as fast as it then closes, but not beyond rest. Were what has come back thrown out as
+  // fast as it came, a body that leans on its corners would rock for ever.
+  if (free_gap > 0) return {std::min(free_velocity - 2 * free_gap / h, 0.0), h / 2};
   if (closing.speed > point.law.rest_speed && point.law.restitution > 0) {
     double after = point.law.restitution * closing.speed, rest = h - closing.time;
     for (int bounces = 0; bounces < kMaxBounces; ++bounces) {
@@ -87,6 +72,7 @@ bool ContactImpulses::apply(EquationsOfMotion& equations, const State& start, do
   cut_ = 0;
   impacts_.clear();
   if (!acted_) {
+    uncut_ = 0;
     tell_of_partings(contacts, h, last);
     return false;
   }
@@ -128,6 +114,9 @@ bool ContactImpulses::apply(EquationsOfMotion& equations, const State& start, do
   // 2. The velocity that each point is to have, and impulses that make it.
   problem.free = u_;
   impacts_.resize(n);
+  double fastest = 0;
+  for (const Closing& met : closings_)
+    if (met.time < h) fastest = std::max(fastest, met.speed);
   for (int i = 0; i < n; ++i) {
     const RigidContacts::Point& point = contacts.points()[i];
     Aim aimed = aim(point, closings_[i], u_[point.first], gaps_[i], free_gaps_[i], h);
@@ -139,7 +128,14 @@ bool ContactImpulses::apply(EquationsOfMotion& equations, const State& start, do
       const double held = aimed.gap > 0 ? 0 : std::max(0.0, -met.acceleration * (h - met.time));
       impacts_[i] = {met.time, met.speed, met.speed / (met.speed + held)};
     }
-    if (held_until_[i] >= 0) aimed.time = h - held_until_[i];
+    if (held_until_[i] >= 0) {
+      aimed.time = h - held_until_[i];
+      // What rests or hops between elastic surfaces: not in reach of the impact, or touched by it.
+      if (free_gaps_[i] > 0 && point.law.restitution > 0) {
+        const bool in_reach = free_gaps_[i] <= 2 * fastest * aimed.time;
+        aimed.velocity = in_reach ? 0 : std::min(u_[point.first] - free_gaps_[i] / aimed.time, 0.0);
+      }
+    }
     problem.free[point.first] -= aimed.velocity;
     weights_[i] = aimed.time;
     least_gaps_[i] = aimed.gap;
@@ -147,7 +143,11 @@ bool ContactImpulses::apply(EquationsOfMotion& equations, const State& start, do
   r_ = last_;
   solve(problem, r_);
   if (join_impacts(contacts, h)) solve(problem, r_);
-  if (cut_ > 0) return true;
+  if (cut_ > 0) {
+    if (uncut_ == 0) uncut_ = h;
+    return true;
+  }
+  uncut_ = 0;
   while (friction_.revise(contacts, r_)) solve(problem, r_);
   total_ += r_;
   dv_.setZero();
@@ -173,8 +173,11 @@ void ContactImpulses::hold(RigidContacts& contacts, double h, VectorX& v_end, Ve
   };
   // 1. Bodies in touch, or about to be, as islands: those with an impact and something that holds.
   holding_.assign(contacts.points().back().pair + 1, 0);  // pairs as a whole: how their points share is not unique
-  for (const RigidContacts::Point& point : contacts.points())
-    if (last_[point.first] > 0) holding_[point.pair] = 1;
+  for (int i = 0; i < n; ++i) {
+    const RigidContacts::Point& point = contacts.points()[i];
+    const bool touches = gaps_[i] <= parameters_.position_tolerance || closings_[i].time < h;  // else it hops
+    if (last_[point.first] > 0 && touches) holding_[point.pair] = 1;
+  }
   const auto holds = [&](int i) { return holding_[contacts.points()[i].pair] && !impacts(i); };
   islands_.form(problem, [&](int i) { return impacts(i) || holds(i); });
   const auto island_of = [&](int i) { return islands_.of(problem, i); };
@@ -264,54 +267,6 @@ void ContactImpulses::solve(const ConeProblem& problem, VectorX& r) {
   log::warn(message.str());
 }
 
-/// Impacts of several pairs that push each other are one impact, at the time of the fastest: Newton's restitution of
-/// the velocities then keeps the energy of elastic bodies, of velocities each at a time of its own it would not. A gap
-/// that such an impact closes takes part: were its surfaces only kept from passing each other, the speed with which
-/// they meet would be lost.
-bool ContactImpulses::join_impacts(RigidContacts& contacts, double h) {
-  ConeProblem& problem = contacts.problem();
-  const auto& points = contacts.points();
-  const int n = static_cast<int>(points.size());
-  const auto pushes = [&](int i) { return r_[points[i].first] > 0; };
-  const auto joins = [&](int i) {
-    return pushes(i) && points[i].law.restitution > 0 && held_until_[i] < 0 && (impacts_[i] || free_gaps_[i] > 0);
-  };
-  // 1. Bodies that push each other, by how many pairs, and the fastest impact among them.
-  islands_.form(problem, pushes);
-  const auto island_of = [&](int i) { return islands_.of(problem, i); };
-  meeting_.assign(problem.groups.size(), 0);
-  fastest_.assign(problem.groups.size(), Impact{});
-  for (int i = 0, pair = -1; i < n; ++i) {
-    if (!pushes(i)) continue;
-    if (std::exchange(pair, points[i].pair) != points[i].pair) ++meeting_[island_of(i)];
-    Impact& fastest = fastest_[island_of(i)];
-    if (impacts_[i] && impacts_[i]->speed > fastest.speed) fastest = *impacts_[i];
-  }
-  // 2. Their aims, from their motion at its time.
-  bool any = false;
-  for (int i = 0; i < n; ++i) {
-    if (!joins(i) || meeting_[island_of(i)] < 2 || !(fastest_[island_of(i)].speed > 0)) continue;
-    const RigidContacts::Point& point = points[i];
-    const double time = fastest_[island_of(i)].time, rest = h - time, a = closings_[i].acceleration;
-    const double before = point.before[0] - growth_[point.first];
-    const double after = -point.law.restitution * (before + a * time);
-    const double met = gaps_[i] + time * (before + 0.5 * a * time), gap = met + rest * (after + 0.5 * a * rest);
-    if (gap < 0 && met >= 0 && meeting_[island_of(i)] <= kFewImpacts) {
-      // It closes again, by an impact of its own: the step is to end there.
-      const double again = closing_time(met, after, a, rest), back = -(after + a * again);
-      const double least = std::max(point.law.rest_speed, kCounts * fastest_[island_of(i)].speed);
-      if (back > least && time + again > kEnd * h && time + again < (1 - kEnd) * h)
-        cut_ = cut_ > 0 ? std::min(cut_, time + again) : time + again;
-    }
-    problem.free[point.first] = u_[point.first] - (after + a * rest);
-    weights_[i] = rest;
-    least_gaps_[i] = std::max(0.0, gap);
-    if (!impacts_[i]) closings_[i].time = time;
-    any = true;
-  }
-  return any;
-}
-
 /// Impacts one after another, each by itself, as gaps close within the step.
 void ContactImpulses::collide(RigidContacts& contacts, double h, VectorX& v_end, VectorX& d) {
   const ConeProblem& problem = contacts.problem();
@@ -334,7 +289,7 @@ void ContactImpulses::collide(RigidContacts& contacts, double h, VectorX& v_end,
     for (int i = 0; i < n; ++i) {
       const RigidContacts::Point& point = contacts.points()[i];
       const double u = now[point.first], a = slope[point.first];
-      const double left = h - time, after = closing_time(std::max(gap[i], 0.0), u, a, left);
+      const double left = h - time, after = time_to_close(std::max(gap[i], 0.0), u, a, left);
       const double closing = -(u + a * after);
       const bool meets = after < left || gap[i] + left * (u + 0.5 * a * left) <= 0;  // at the step's end too
       if (closing <= point.law.rest_speed || !meets) continue;
@@ -432,6 +387,7 @@ void ContactImpulses::history(Archive& archive) {
     archive.same("tolerance", parameters_.tolerance);
     archive.same("position_tolerance", parameters_.position_tolerance);
     archive("unconverged", unconverged_);
+    archive("end", end_);
   });
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 
@@ -48,9 +49,15 @@ class ContactImpulses {
   /// With the equations evaluated in the middle of the step, q ⊕ h/2 v, and factorised with its weights. `start` is the
   /// state as the step begins. `v_end` and `d` come without contact and leave with it. False where no point was near.
   bool apply(EquationsOfMotion& equations, const State& start, double h, VectorX& v_end, VectorX& d);
-  /// Zero, or a time before the step's end at which a gap that an impact of several pairs has left closes again, by an
-  /// impact of its own: apply() has not finished, the step is to be taken anew up to there. Of few pairs that meet.
+  /// Zero, or a time before the step's end: apply() has not finished, the step is to be taken anew up to there. Of few
+  /// pairs of rigid bodies that meet, which are to have their impact at a step's end; where a gap that an impact of
+  /// several pairs has left closes again.
   double cut() const { return cut_; }
+  /// The step was to end there: until then no step is longer, so that cuts leave the grid of steps as it is.
+  void finish_by(double time) { end_ = std::max(end_, time); }
+  double next_stop(double time, double t_stop) const { return end_ > time ? std::min(end_, t_stop) : t_stop; }
+  /// Of a run that begins.
+  void forget() { end_ = uncut_ = 0; }
   /// What the step did, for State::contacts: nothing where apply() found none. `v` is its last velocity.
   void remember(EquationsOfMotion& equations, const VectorX& v, double h, ContactMemory& memory) const;
   /// Iterations of the solver in the last step: sweeps, factorisations.
@@ -76,6 +83,9 @@ class ContactImpulses {
     double time = 0, speed = 0;
     double share = 1;  // of the step's impulse; the rest holds the bodies afterwards
   };
+  static constexpr int kFewImpacts = 3;  // pairs that meet within a step: more are of a pile
+  /// Time at which a gap closes that starts at g with rate u and acceleration a; h if it does not.
+  static double time_to_close(double g, double u, double a, double h);
   Closing closing(const RigidContacts::Point& point, double gap, double velocity, double h) const;
   Aim aim(const RigidContacts::Point& point, const Closing& closing, double free_velocity, double gap, double free_gap,
           double h) const;
@@ -83,6 +93,8 @@ class ContactImpulses {
   void solve(const ConeProblem& problem, VectorX& r);
   void collide(RigidContacts& contacts, double h, VectorX& v_end, VectorX& d);
   bool join_impacts(RigidContacts& contacts, double h);
+  void end_before_impacts(RigidContacts& contacts, double h);
+  double end_before(RigidContacts& contacts, int island, double h);
   void displace(RigidContacts& contacts, VectorX& d);
   void place_slips(RigidContacts& contacts, double h, const VectorX& v_end, VectorX& d);
   void keep_energy(EquationsOfMotion& equations, const State& start, double h, VectorX& v_end, VectorX& d);
@@ -97,7 +109,8 @@ class ContactImpulses {
   std::unique_ptr<ConeSolver> solver_, single_, position_;
   StaticFriction friction_;
   bool acted_ = false;
-  double cut_ = 0;  // s
+  double cut_ = 0, uncut_ = 0;  // s; the step that was cut first
+  double end_ = 0;              // of a step that was cut, s
   int iterations_ = 0;
   long unconverged_ = 0;
   std::vector<Closing> closings_;
@@ -107,10 +120,12 @@ class ContactImpulses {
   ConeProblem some_;             // contacts that hold
   std::vector<int> some_points_;
   ContactIslands islands_;
-  std::vector<int> meeting_;          // pairs with an impact, by group
+  std::vector<int> meeting_;          // pairs with an impact, or that push each other, by group
   std::vector<char> holding_;         // by pair
+  std::vector<char> goes_on_;         // meets others after its impact; by group
   std::vector<double> first_impact_;  // by group
   VectorX last_, growth_;             // RigidContacts::recall
+  VectorX of_groups_;                 // their velocities
   VectorX times_;                     // of what acts across or late, by point
   VectorX u_, r_, total_, weights_, dv_, moved_, gaps_, free_gaps_, least_gaps_, now_, impulse_;
   ConeProblem alone_;

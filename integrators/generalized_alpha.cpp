@@ -51,7 +51,7 @@ void GeneralizedAlpha::prepare(EquationsOfMotion& equations, State& state) {
   restart(equations, state);
 }
 
-void GeneralizedAlpha::restart(EquationsOfMotion& equations, State& state) {
+void GeneralizedAlpha::restart(EquationsOfMotion& equations, State& state, const VectorX* drift) {
   const int nv = equations.layout().v_count(), rows = equations.layout().row_count();
   q_ = state.q;
   if (state.v_dot.size() != nv) state.v_dot.setZero(nv);
@@ -59,6 +59,7 @@ void GeneralizedAlpha::restart(EquationsOfMotion& equations, State& state) {
   Projector(equations).accelerations(state.time, state.q, state.v, state.v_dot, state.lambda);
   h_ = parameters_.step > 0 ? parameters_.step : first_step(state);
   begin(equations, state, h_);
+  if (drift) a_ += h_ * *drift;
 }
 
 /// Start values for steps of h from consistent v̇: a₀ = v̇₀ + (am - af) h v̈₀ and the shift of v₀ that spares the

@@ -47,8 +47,11 @@ class GeneralizedAlpha : public Integrator, public DifferentiableSteps {
   void prepare(EquationsOfMotion& equations, State& state) override;
   StepResult advance(EquationsOfMotion& equations, State& state, double t_stop) override;
   bool keep(Archive& archive, EquationsOfMotion& equations, const State& state) override;
-  /// Consistent accelerations and a history that begins here; like prepare(), but keeps the statistics.
-  void restart(EquationsOfMotion& equations, State& state);
+  /// Consistent accelerations and a history that begins here; like prepare(), but keeps the statistics. `drift`: that
+  /// of the motion which goes on, null where nothing is known of it.
+  void restart(EquationsOfMotion& equations, State& state, const VectorX* drift = nullptr);
+  /// How far the acceleration-like state is from v̇, for each second of step: (am - af) v̈ on smooth motion.
+  void drift(const State& state, VectorX& of) const { of = (a_ - state.v_dot) / h_offset_; }
   const Parameters& parameters() const { return parameters_; }
   double beta() const { return beta_; }
   double gamma() const { return gamma_; }

@@ -10,8 +10,9 @@ namespace lithe {
 /// without contact is the linearly implicit midpoint rule in the stabilized index-2 form,
 ///   [S Gᵀ; G 0] (v_free - v, Λ) = (h f, -ġ),   S = M + h/2 D + h²/4 K  at q ⊕ h/2 v,   d = h/2 (v + v_free),
 /// then contact (integrators/contact_impulses.h), then joints are closed along the same factor. Fixed step, no Newton
-/// iteration: the same work every step; one ends early where few bodies meet twice within it. Order 2 between impacts,
-/// for bodies that turn while they are held too, and over impacts, but for several that share bodies within one step.
+/// iteration but for bodies that deform, one to four, since stiff elements that turn are not linear in a step. A step
+/// ends early where few rigid bodies meet, so that their impact is at its end. Order 2 between impacts, for bodies that
+/// turn while they are held too, and over impacts, but for those of many that share bodies within one step.
 /// Stable for stiff springs and modes at any step; it does not damp.
 class MoreauJean final : public Integrator {
  public:
@@ -35,13 +36,16 @@ class MoreauJean final : public Integrator {
   bool keep(Archive& archive, EquationsOfMotion& equations, const State& state) override;
 
  private:
+  void correct(EquationsOfMotion& equations, const State& state, double h);
   void close_joints(EquationsOfMotion& equations, double time);
 
   Parameters parameters_;
   ContactImpulses impulses_;
   IntegratorStatistics statistics_;
   VectorX q_, v_, d_, rv_, rl_;
-  VectorX lambda_;  // of the last state that had any
+  VectorX lambda_;               // of the last state that had any
+  VectorX mean_, more_, total_;  // of correct()
+  bool deforms_ = false;         // some body
 };
 
 }  // namespace lithe

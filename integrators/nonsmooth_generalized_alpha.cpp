@@ -5,6 +5,11 @@
 #include "engine/cones/direct_cone_solver.h"
 
 namespace lithe {
+namespace {
+
+constexpr double kTells = 0.1;  // of a step: accelerations of shorter ones are round-off over h²
+
+}  // namespace
 
 NonsmoothGeneralizedAlpha::NonsmoothGeneralizedAlpha(Parameters parameters, std::unique_ptr<ConeSolver> solver)
     : GeneralizedAlpha(
@@ -15,6 +20,7 @@ NonsmoothGeneralizedAlpha::NonsmoothGeneralizedAlpha(Parameters parameters, std:
 
 void NonsmoothGeneralizedAlpha::prepare(EquationsOfMotion& equations, State& state) {
   impulses_.leave_out_rigid(equations, state.contacts);
+  if (!resumes()) impulses_.forget();
   jumped_ = false;
   GeneralizedAlpha::prepare(equations, state);
 }
@@ -30,10 +36,12 @@ bool NonsmoothGeneralizedAlpha::keep(Archive& archive, EquationsOfMotion& equati
 
 StepResult NonsmoothGeneralizedAlpha::advance(EquationsOfMotion& equations, State& state, double t_stop) {
   // 1. The smooth motion.
+  t_stop = impulses_.next_stop(state.time, t_stop);
   impulses_.leave_out_rigid(equations, state.contacts);
   start_ = state;
   if (jumped_) state.v_dot = smooth_v_dot_, state.lambda = smooth_lambda_;
   jumped_ = false;
+  drift(state, drift_);
   const StepResult result = GeneralizedAlpha::advance(equations, state, t_stop);
   if (!result.ok() || !equations.parts().rigid_contacts) return result;
   const Layout& layout = equations.layout();
@@ -50,8 +58,9 @@ StepResult NonsmoothGeneralizedAlpha::advance(EquationsOfMotion& equations, Stat
   equations.factorize({h * h / 4, h / 2, 1}, state.v_dot, state.lambda, nullptr);
   const bool near = impulses_.apply(equations, start_, h, v_, d_);
   if (impulses_.cut() > 0) {
+    impulses_.finish_by(state.time);
     state = start_;
-    restart(equations, state);
+    restart(equations, state, &drift_);
     smooth_v_dot_ = state.v_dot, smooth_lambda_ = state.lambda;
     jumped_ = true;
     return advance(equations, state, start_.time + impulses_.cut());
@@ -60,6 +69,7 @@ StepResult NonsmoothGeneralizedAlpha::advance(EquationsOfMotion& equations, Stat
     impulses_.remember(equations, v_, h, state.contacts);
     return result;
   }
+  if (h > kTells * parameters().step) drift(state, drift_);
   layout.retract(start_.q, d_, q_);
 
   // 3. Joints closed again, and a history from here on.
@@ -82,7 +92,9 @@ StepResult NonsmoothGeneralizedAlpha::advance(EquationsOfMotion& equations, Stat
   state.v = v_;
   if (!q_.allFinite() || !v_.allFinite())
     return {StepResult::Outcome::failed, "the contact problem gives no finite values at the step of " + step_text(h)};
-  restart(equations, state);
+  // The smooth motion goes on as before it, or each step would begin with an acceleration (am - af) h too late, which
+  // damps what slides or rests for long in proportion to the step.
+  restart(equations, state, &drift_);
   smooth_v_dot_ = state.v_dot, smooth_lambda_ = state.lambda;
   jumped_ = true;
   state.v_dot = (state.v - start_.v) / h;

@@ -9,7 +9,8 @@ namespace lithe {
 /// form of Cosimo et al. 2020): the smooth motion of each step by GeneralizedAlpha, stabilized index 2, with joints
 /// closed in position and velocity and damping of unresolved modes by the spectral radius; then contact
 /// (integrators/contact_impulses.h) along S = M + h/2 D + h²/4 K in its middle. For stiff and flexible scenes, where
-/// MoreauJean would ring. After a step with impulses its history begins anew.
+/// MoreauJean would ring. After a step with impulses the acceleration-like state keeps its distance from
+/// v̇, so that what slides or rests for long is of order 2 too.
 class NonsmoothGeneralizedAlpha final : public GeneralizedAlpha {
  public:
   struct Parameters {
@@ -34,7 +35,7 @@ class NonsmoothGeneralizedAlpha final : public GeneralizedAlpha {
  private:
   ContactImpulses impulses_;
   State start_;
-  VectorX v_, d_, q_, rv_, rl_;
+  VectorX v_, d_, q_, rv_, rl_, drift_;
   // Of the smooth motion at the end of a step that jumped: State has the mean over the step there.
   bool jumped_ = false;
   VectorX smooth_v_dot_, smooth_lambda_;

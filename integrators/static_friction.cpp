@@ -42,7 +42,9 @@ void StaticFriction::begin(RigidContacts& contacts, const ContactMemory& memory,
   }
 }
 
-/// Sums over the points of a pair: loads now and in the last step, the mean slip of what they carry.
+/// Sums over the points of a pair: loads now, the mean slip of what they carry, and the ratio in the last step of all
+/// that were held then. A pair's points may share its load otherwise at each step, and one that carries nothing has no
+/// memory: the pair as a whole has.
 StaticFriction::Load StaticFriction::load(const RigidContacts& contacts, const VectorX& r, int first, int end,
                                           Phase phase) const {
   Load sum;
@@ -51,11 +53,13 @@ StaticFriction::Load StaticFriction::load(const RigidContacts& contacts, const V
   bool rested = true;
   for (int i = first; i < end; ++i) {
     const int row = contacts.points()[i].first;
+    if (last_[row] > 0 && (phases_[i] == Phase::sticks || phases_[i] == Phase::breaks)) {
+      last_across += across(last_, row), last_normal += last_[row];
+      rested = rested && rested_[i];
+    }
     if (phases_[i] != phase || !(r[row] > 0)) continue;
     sum.across += across(r, row), sum.normal += r[row];
     sum.slip += r[row] * across(u_, row).norm();
-    last_across += across(last_, row), last_normal += last_[row];
-    rested = rested && rested_[i];
   }
   if (sum.normal > 0) sum.slip /= sum.normal;
   sum.last_ratio = rested && last_normal > 0 ? last_across.norm() / last_normal : std::nan("");
@@ -120,9 +124,9 @@ bool StaticFriction::revise(RigidContacts& contacts, const VectorX& r) {
       leaves = ratio > law.static_friction * (1 - kOnCone);
       if (!leaves) changed |= settle(contacts, first, end, Phase::sticks, ratio, held.last_ratio);
     }
+    // Points that carry nothing too: what leaves the loaded ones may go to them.
     for (int i = first; i < end; ++i) {
       const int row = points[i].first;
-      if (!(r[row] > 0)) continue;
       if (phases_[i] == Phase::sticks && (leaves || end_[i] * h_ > at_rest_)) {
         held_slip_[i] = end_[i];
         phases_[i] = Phase::breaks;

@@ -135,7 +135,8 @@ void Evaluator::track(VectorX& quarter_turns) const {
 }
 
 /// The multipliers that joints which rub feel. Where rows repeat others, λ is known up to a part that makes no force,
-/// and a method's is what its left-out rows make it: of least norm it does not depend on that choice.
+/// and a method's is what its left-out rows make it: of least norm it does not depend on that choice. A Newton
+/// iteration asks twice, for its residual and its tangent: the first answer serves both.
 const double* Evaluator::as_felt(ConstVectorRef lambda) {
   if (facts_.redundant_rows.empty() || !lambda.allFinite()) return lambda.data();
   if (!least_norm_) least_norm_ = std::make_unique<LeastNorm>(system_.blocks_);
@@ -157,6 +158,7 @@ void Evaluator::evaluate(double time, ConstVectorRef q, ConstVectorRef v, Level 
   const Level markers = no_velocities ? Level::position : level;
   for (std::size_t b = 0; b < caches_.size(); ++b)
     system_.batches_.bodies[b]->evaluate(work_, *caches_[b], level, markers);
+  if (least_norm_) least_norm_->forget();
   for (const auto& batch : system_.batches_.constraints) batch->evaluate(work_, system_.blocks_, level);
   if (level != Level::position && has_forces()) add_applied_forces();
   if (held_->any()) held_->release_from_joints();

@@ -51,12 +51,26 @@ void LeastNorm::load(const std::vector<double>& values) {
                   values_.begin() + G.linear_values);
   }
   factor_.factorize(values_);
+  loaded_ = true;
+}
+
+const VectorX& LeastNorm::of(const std::vector<double>& values, ConstVectorRef lambda) {
+  if (known_ && asked_ == lambda) return copy_;
+  asked_ = copy_ = lambda;
+  if (!loaded_) load(values);
+  filter(copy_);
+  known_ = true;
+  return copy_;
 }
 
 void LeastNorm::apply(const std::vector<double>& values, VectorRef lambda) {
+  load(values);
+  filter(lambda);
+}
+
+void LeastNorm::filter(VectorRef lambda) {
   constexpr int kFilters = 2, kMaxSteps = 30;
   const int velocities = structure_.velocity_count, rows = static_cast<int>(lambda.size());
-  load(values);
   force_.setZero(velocities);
   add_row_forces(structure_, values_, rows, lambda.data(), nullptr, force_.data());
   // 1. Take the part away that makes no force; what is left of it after one pass is round-off over δ.

@@ -21,21 +21,22 @@ class LeastNorm {
 
   /// `values`: the blocks of G at the pose, in the structure's places.
   void apply(const std::vector<double>& values, VectorRef lambda);
-  /// The same of a copy, which is kept until the next call.
-  const VectorX& of(const std::vector<double>& values, ConstVectorRef lambda) {
-    copy_ = lambda;
-    apply(values, copy_);
-    return copy_;
-  }
+  /// The same of a copy, which is kept: asked again for the same λ, it is not computed again, until forget().
+  const VectorX& of(const std::vector<double>& values, ConstVectorRef lambda);
+  /// The blocks have changed.
+  void forget() { loaded_ = known_ = false; }
 
  private:
   static BlockStructure with_compliance(const BlockStructure& structure);
   void load(const std::vector<double>& values);
+  void filter(VectorRef lambda);
 
   BlockStructure structure_;
   BlockFactor factor_;
   std::vector<double> values_;
-  VectorX force_, x_, copy_;
+  VectorX force_, x_;
+  VectorX asked_, copy_;  // of()
+  bool loaded_ = false, known_ = false;
 };
 
 /// Once: the multipliers of least norm with the same Gᵀ λ at the state evaluated last. Does nothing without redundant

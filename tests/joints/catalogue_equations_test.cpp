@@ -2,11 +2,13 @@
 
 #include "engine/model/force_element.h"
 #include "joints/constant_velocity_joint.h"
+#include "joints/coordinate_coupling.h"
 #include "joints/coordinate_drive.h"
 #include "joints/cylindrical_joint.h"
 #include "joints/distance_joint.h"
 #include "joints/fixed_joint.h"
 #include "joints/forces/bushing.h"
+#include "joints/forces/coordinate_spring.h"
 #include "joints/forces/spring_damper.h"
 #include "joints/gear_pair.h"
 #include "joints/orientation_joint.h"
@@ -67,6 +69,47 @@ class CatalogueEquations : public testing::Test {
     EXPECT_LT((T - moment).norm(), 1e-13) << "moment on marker " << marker;
   }
   void expect_near(const Vector3& x, const Vector3& y) const { EXPECT_LT((x - y).norm(), 1e-13); }
+  /// All z axes alike, the other markers around A.
+  void draw(double angle) {
+    a_.p = Vector3(angle, 1, 2);
+    a_.R = rotation_exp(Vector3(0.3, angle, 1));
+    const double length = angle < 0 ? 0.5 : 0.501;  // gears of 0.2 and 0.3 m mesh
+    for (MarkerKinematics* k : {&b_, &c_, &d_}) {
+      angle += 0.2;
+      k->R = a_.R * rotation_about({0, 0, 1}, angle);
+      k->p = a_.p + length * a_.R * Vector3(std::cos(angle), std::sin(angle), 0);
+    }
+  }
+  /// What measures the drawing measures that of the last assembly, whatever was drawn before: a graph may be assembled
+  /// as often as one likes, a joint of a simplified graph is that of the whole one. To the bit: nothing is left over.
+  template <class Make>
+  void expect_measured_anew(const Make& make, int markers = 2) {
+    auto fresh = make(), used = make();
+    using T = decltype(fresh);
+    const std::span<const MarkerView> drawn(all_.data(), static_cast<std::size_t>(markers));
+    draw(0.3);
+    used.initialize(drawn);
+    draw(-0.7);
+    used.initialize(drawn);
+    used.initialize(drawn);
+    fresh.initialize(drawn);
+    draw(0.9);
+    std::vector<double> values[2];
+    for (const T* element : {&fresh, &used}) {
+      std::vector<double>& of = values[element == &used];
+      if constexpr (std::is_base_of_v<Constraint, T>) {
+        ConstraintRows rows(markers);
+        element->evaluate(0, drawn, rows);
+        for (int i = 0; i < rows.count(); ++i) of.insert(of.end(), {rows.residual(i), rows.bias(i)});
+      } else {
+        ForceRows rows(markers);
+        element->evaluate(0, drawn, rows);
+        of.push_back(rows.tension(0));
+      }
+    }
+    EXPECT_EQ(values[0], values[1]) << typeid(T).name();
+    EXPECT_GT(Eigen::Map<VectorX>(values[0].data(), static_cast<int>(values[0].size())).norm(), 1e-3);
+  }
   void turn_B_about_common_z(double angle) { b_.R = a_.R * rotation_about({0, 0, 1}, angle); }
 
   MarkerKinematics a_, b_, c_, d_;
@@ -235,6 +278,20 @@ TEST_F(CatalogueEquations, OfSpringsAndBushings) {
     }
   EXPECT_NEAR(power, (K * e + D * e_dot).dot(e_dot), 1e-12);
   EXPECT_NEAR(bushing.energy(), 0.5 * e.dot(K * e), 1e-12);
+}
+
+TEST_F(CatalogueEquations, OfWhatMeasuresItsDrawingForgetTheDrawingBefore) {
+  expect_measured_anew([] { return DistanceJoint({}); });
+  expect_measured_anew([] { return RevoluteSphericalJoint({}); });
+  expect_measured_anew([] { return ScrewJoint({.lead = 0.7}); });
+  expect_measured_anew([] { return RackAndPinion({.radius = 0.3}); });
+  expect_measured_anew([] { return GearPair({.radius_A = 0.2, .radius_B = 0.3}); });
+  expect_measured_anew([] { return ThreeNodeFixation(); }, 4);
+  const CoordinateSet turn({angle_between({}, {})}), both({angle_between({}, {}), displacement_between({}, {}, 0)});
+  expect_measured_anew([&] { return CoordinateCoupling(both, {.factors = {1, 2.5}}); }, 4);
+  expect_measured_anew([&] { return CoordinateSpring(turn, {.stiffness = 2}); });
+  expect_measured_anew([] { return SpringDamper({.stiffness = 7}); });
+  expect_measured_anew([] { return Bushing({.stiffness = Matrix6::Identity()}); });
 }
 
 }  // namespace

@@ -20,7 +20,8 @@ struct Belt {
   double middle() const { return kinetic * mass * g / stiffness; }
   /// Where it sticks again: a slide is half a swing about the middle and as far beyond it as before.
   double start() const { return (2 * kinetic - still) * mass * g / stiffness; }
-  /// Slip about the middle from the break at still m g / k with the belt's speed, then stick.
+  /// Slip about the middle from the break at still m g / k with the belt's speed, then stick. (Both phases integrated
+  /// with events by SciPy at 1e-12 say the same to 1e-11 of it, for six belts.)
   double period() const {
     const double w = std::sqrt(stiffness / mass), d = (still - kinetic) * mass * g / stiffness;
     return (2 * M_PI - 2 * std::atan(w * d / speed)) / w + 2 * d / speed;
@@ -40,9 +41,8 @@ struct PeriodError {
 };
 
 PeriodError run_belt(const Belt& belt, Stepper stepper) {
-  // NonsmoothGeneralizedAlpha starts its smooth motion anew after each step with impulses: half the step for it.
-  const double step = stepper == Stepper::moreau_jean ? 1e-3 : 5e-4;
-  constexpr int cycles = 5;
+  constexpr double step = 1e-3;
+  const int cycles = belt.period() > 3 ? 2 : 5;
   ContactScene scene;
   auto& carrier = scene.box("belt", {1, 1, 1}, 10, {0, 0, -0.5}, Matrix3::Identity(), {belt.speed, 0, 0});
   const Matrix3 along = Eigen::AngleAxisd(M_PI / 2, Vector3::UnitY()).matrix();  // z along world x
@@ -83,14 +83,18 @@ PeriodError run_belt(const Belt& belt, Stepper stepper) {
 }
 
 /// The published belt (C06) and others: heavy and light, fast and slow, one whose load grows by less in a step than
-/// what counts as rest (0.02 m/s on 50 N/m), and slow ones that slide far.
+/// what counts as rest (0.02 m/s on 50 N/m), slow ones that slide far, and static coefficients of 1 and more, where the
+/// box leans on its edge and its corners share the load otherwise at each step. A slip that begins or ends a whole step
+/// late would be off by 1 ms and more; what is left is a fiftieth of the step, by the parabola within it.
 TEST_P(StickSlipBy, a_mass_on_a_belt_has_the_period_of_two_coefficients) {
   ASSERT_NEAR((Belt{1, 100, 0.5, 0.4, 0.3}.period()), 0.62881071913377278895, 1e-15);
   for (const Belt& belt :
        {Belt{1, 100, 0.5, 0.4, 0.3}, Belt{1, 100, 0.1, 0.4, 0.3}, Belt{2, 50, 0.3, 0.6, 0.25},
         Belt{0.5, 400, 0.2, 0.3, 0.2}, Belt{1, 1000, 0.05, 0.8, 0.5}, Belt{3, 200, 1, 0.5, 0.1},
         Belt{1, 50, 0.02, 0.35, 0.3}, Belt{1, 100, 0.02, 0.35, 0.3}, Belt{2, 300, 0.02, 0.35, 0.3},
-        Belt{1, 60, 0.012, 0.33, 0.26}, Belt{10, 9000, 0.015, 0.4, 0.15}, Belt{0.1, 60, 0.2, 0.2, 0.15}}) {
+        Belt{1, 60, 0.012, 0.33, 0.26}, Belt{10, 9000, 0.015, 0.4, 0.15}, Belt{0.1, 60, 0.2, 0.2, 0.15},
+        Belt{1, 100, 0.05, 1.3, 1.0}, Belt{1, 1000, 0.05, 1.3, 0.5}, Belt{1, 1000, 0.05, 1.0, 0.5},
+        Belt{1, 400, 0.01, 1.0, 0.6}, Belt{2, 300, 0.05, 1.0, 0.2}, Belt{2, 100, 0.02, 1.0, 0.3}}) {
     const PeriodError error = run_belt(belt, GetParam());
     const std::string name = "belt at " + std::to_string(belt.speed) + " m/s, " + std::to_string(belt.mass) + " kg";
     ASSERT_GE(error.mean, 0) << name << " does not swing";
