@@ -283,13 +283,13 @@ TEST(BeamContact, EdgesThatCross) {
   SystemGraph graph{{.gravity = Vector3::Zero()}};
   Beam& lower = add_bar(graph, "lower", 0, false, kPlastic);
   Beam& upper = graph.add<Beam>(
-      "upper", {.axis = BeamAxis::straight({0.47, -0.5, kThick - kDeep}, {0.47, 0.5, kThick - kDeep}, {1, 0, 0}),
+      "upper", {.axis = BeamAxis::straight({0.47, -0.53, kThick - kDeep}, {0.47, 0.47, kThick - kDeep}, {1, 0, 0}),
                 .sections = {{0, kBar.section(kPlastic)}},
                 .elements = 10});
   auto& touch = graph.add<Contact>("touch", {skin_of(lower, kBar), skin_of(upper, kBar)}, {.law = Sensing{}});
   const std::vector<Vector3> ridge{{0, -1, -1}, {0, 1, -1}, {1, -1, 0}, {1, 1, 0}, {2, -1, -1}, {2, 1, -1}};
   auto& roof = graph.add<Contact>("roof",
-                                  {{graph.ground().marker({-0.5, 0, -kThick / 2 + kDeep}),
+                                  {{graph.ground().marker({-0.47, 0, -kThick / 2 + kDeep}),
                                     shape::mesh(ridge, {{0, 2, 1}, {1, 2, 3}, {2, 4, 3}, {3, 4, 5}})},
                                    skin_of(lower, kBar)},
                                   {.law = Sensing{}});
