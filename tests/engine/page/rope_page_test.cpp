@@ -2,6 +2,7 @@
 
 #include "bodies/rigid_body.h"
 #include "engine/base/rotations.h"
+#include "engine/model/world_placement.h"
 #include "engine/page/page.h"
 #include "engine/run/simulation.h"
 #include "integrators/radau.h"
