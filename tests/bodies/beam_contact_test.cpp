@@ -26,10 +26,10 @@ const SectionShape kBar = SectionShape::rectangle(kWide, kThick);
 
 /// Axis 2 horizontal: on its wide face; or vertical: on edge.
 Beam& add_bar(SystemGraph& graph, const std::string& name, double height, bool on_edge, const Material& material,
-              int elements = 10) {
+              int elements = 10, double damping = 0) {
   return graph.add<Beam>(name, {.axis = BeamAxis::straight({0, 0, height}, {kLength, 0, height},
                                                            on_edge ? Vector3(0, 0, 1) : Vector3(0, 1, 0)),
-                                .sections = {{0, kBar.section(material)}},
+                                .sections = {{0, kBar.section(material).damped(damping)}},
                                 .elements = elements});
 }
 
@@ -63,12 +63,13 @@ void add_momentum(const Beam& beam, const Layout& layout, const State& state, Mo
 
 class EitherFace : public testing::TestWithParam<bool> {};
 
-/// Dropped by a tenth of a millimetre it comes to rest on the face that it lies on, its whole weight on the floor.
+/// Dropped by a tenth of a millimetre it comes to rest on the face that it lies on, its whole weight on the floor, as
+/// fast as its damping lets it. The alpha method goes on trembling at the speed of one step's fall, 0.01 m/s.
 TEST_P(EitherFace, RestsOnThePlane) {
   const double half = (GetParam() ? kWide : kThick) / 2;
   for (const bool alpha : {false, true}) {
     SystemGraph graph;
-    Beam& beam = add_bar(graph, "bar", half + 1e-4, GetParam(), kPlastic);
+    Beam& beam = add_bar(graph, "bar", half + 1e-4, GetParam(), kPlastic, 10, 1e-3);
     auto& floor = graph.add<Contact>("floor", {{graph.ground().marker(), shape::half_space()}, skin_of(beam, kBar)},
                                      {.friction = {.coefficient = 0.3}});
     const System system = assemble(graph);
@@ -79,15 +80,19 @@ TEST_P(EitherFace, RestsOnThePlane) {
     NonsmoothGeneralizedAlpha generalized_alpha{{.step = 1e-3}};
     Integrator& integrator = alpha ? static_cast<Integrator&>(generalized_alpha) : moreau_jean;
     Simulation simulation{system, integrator};
-    simulation.run(state, 0.2);
+    simulation.run(state, alpha ? 0.3 : 1);
     Snapshot now(system, state);
-    double deepest = 0;
-    for (int i = 0; i < beam.node_count(); ++i) deepest = std::max(deepest, std::abs(state.q[7 * i + 2] - half));
-    expect_below("gap of a bar at rest, m", deepest, 1e-9);
-    expect_below("speed of a bar at rest, m/s", state.v.cwiseAbs().maxCoeff(), 1e-8);
+    double deepest = 0, fastest = 0;
+    for (int i = 0; i < beam.node_count(); ++i) {
+      deepest = std::max(deepest, std::abs(state.q[7 * i + 2] - half));
+      fastest = std::max(fastest, state.v.segment<3>(6 * i).norm());
+    }
+    expect_below("gap of a bar at rest, m", deepest, alpha ? 2e-5 : 1e-9);
+    expect_below("speed of a bar at rest, m/s", fastest, alpha ? 4e-2 : 1e-7);
+    if (alpha) continue;
     double force[6];
     contact_force(floor, 1).evaluate(now, force);
-    EXPECT_NEAR(force[2] / (beam.mass() * 9.81), 1, 1e-6);
+    EXPECT_NEAR(force[2] / (beam.mass() * 9.81), 1, 1e-5);
   }
 }
 
@@ -105,7 +110,11 @@ TEST_P(EitherFace, SinksIntoASoftPlane) {
   EXPECT_NEAR(force[2] / (beam.mass() * 9.81), 1, 1e-9);
   // Its weight goes to two corners of each node: the depths' mean is that of a rigid bar on 22 springs.
   double mean = 0;
-  for (int i = 0; i < beam.node_count(); ++i) mean += (half - now.state().q[7 * i + 2]) / beam.node_count();
+  for (int i = 0; i < beam.node_count(); ++i) {
+    const Matrix3 axes = rotation_matrix(Eigen::Map<const Vector4>(now.state().q.data() + 7 * i + 3));
+    const double below = half * axes.row(2).tail<2>().cwiseAbs().maxCoeff();  // of the turned section
+    mean += (below - now.state().q[7 * i + 2]) / beam.node_count();
+  }
   EXPECT_NEAR(mean * stiffness * 2 * beam.node_count() / (beam.mass() * 9.81), 1, 1e-9);
 }
 
@@ -183,26 +192,41 @@ TEST(BeamContact, MovesWithTheNodes) {
   }
 }
 
-/// Dropped flat on a floor that gives all speed back: the bar comes up as it went down.
+/// Dropped flat on a floor that gives all speed back the bar comes up as it went down, but for what shakes it: the half
+/// elements at its ends have their mass beside the nodes that the floor stops. That falls with the mesh.
 TEST(BeamContact, BouncesWithItsEnergy) {
   constexpr double kDrop = 0.05;
-  SystemGraph graph;
-  Beam& beam = add_bar(graph, "bar", kThick / 2 + kDrop, false, kPlastic);
-  graph.add<Contact>("floor", {{graph.ground().marker(), shape::half_space()}, skin_of(beam, kBar)},
-                     {.law = RigidSurfaces{.restitution = 1}});
-  const System system = assemble(graph);
-  State state = system.initial_state();
-  Snapshot before(system, state);
-  const double energy = value(total_energy(), before);
-  MoreauJean integrator{{.step = 1e-3}};
-  Simulation simulation{system, integrator};
   const double period = 2 * std::sqrt(2 * kDrop / 9.81);
-  simulation.run(state, period);  // at its top again
-  Snapshot after(system, state);
-  expect_below("energy lost in a bounce",
-               std::abs(value(total_energy(), after) - energy) / (beam.mass() * 9.81 * kDrop), 1e-9);
-  for (int i = 0; i < beam.node_count(); ++i) EXPECT_NEAR(state.q[7 * i + 2], kThick / 2 + kDrop, 1e-9);
-  expect_below("speed at the top, m/s", state.v.cwiseAbs().maxCoeff(), 1e-7);
+  for (const bool alpha : {false, true}) {
+    double lost[2], low[2];
+    for (const int k : {0, 1}) {
+      SystemGraph graph;
+      Beam& beam = add_bar(graph, "bar", kThick / 2 + kDrop, false, kPlastic, 10 << k, 1e-4);
+      graph.add<Contact>("floor", {{graph.ground().marker(), shape::half_space()}, skin_of(beam, kBar)},
+                         {.law = RigidSurfaces{.restitution = 1}});
+      const System system = assemble(graph);
+      State state = system.initial_state();
+      Snapshot before(system, state);
+      MoreauJean moreau_jean{{.step = 1e-3}};
+      NonsmoothGeneralizedAlpha generalized_alpha{{.step = 1e-3}};
+      Simulation simulation{system, alpha ? static_cast<Integrator&>(generalized_alpha) : moreau_jean};
+      simulation.run(state, period);  // at its top again
+      Snapshot after(system, state);
+      const double all = beam.mass() * 9.81 * kDrop;
+      lost[k] = (value(total_energy(), before) - value(total_energy(), after)) / all;
+      double height = 0, mass = 0;
+      for (int i = 0; i < beam.node_count(); ++i) {
+        const double share = beam.lumped_mass(i)(0, 0);
+        mass += share, height += share * state.q[7 * i + 2];
+      }
+      low[k] = (kThick / 2 + kDrop - height / mass) / kDrop;
+      EXPECT_GT(lost[k], 0);
+    }
+    expect_below("energy lost in a bounce, 10 elements", lost[0], 0.02);
+    expect_below("energy lost in a bounce, 20 elements", lost[1], 0.002);
+    expect_below("height lost in a bounce, 20 elements", std::abs(low[1]), 0.002);
+    EXPECT_GT(lost[0], 5 * lost[1]);
+  }
 }
 
 /// A block hits the edge of a free bar between its nodes, without gravity: momenta of both stay, and energy, part of it
