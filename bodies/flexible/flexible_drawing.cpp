@@ -51,8 +51,7 @@ DrawnMesh points_of(const DrawnSkin& skin) {
   mesh.points = skin.points;
   mesh.triangles = skin.triangles;
   mesh.edges = skin.edges;
-  for (std::size_t p = 0; p < skin.nodes.size(); ++p)
-    mesh.nodes.push_back(skin.nodes[p][skin.shares[p] > 0.5 ? 1 : 0]);
+  for (std::size_t p = 0; p < skin.nodes.size(); ++p) mesh.nodes.push_back(skin.nodes[p][skin.shares[p] > 0.5 ? 1 : 0]);
   return mesh;
 }
 

@@ -75,7 +75,9 @@ void DrawnSpan::set(const RopeSpanDrawing& drawing, const MeasuredSpan& drawn) {
   if (drawing.R_B != 0) end_ = drawn.angle_B + drawing.arc_B / drawing.R_B;
 }
 
-int DrawnSpan::point_count() const { return (drawing_.R_A != 0 ? kArcPoints : 1) + (drawing_.R_B != 0 ? kArcPoints : 1); }
+int DrawnSpan::point_count() const {
+  return (drawing_.R_A != 0 ? kArcPoints : 1) + (drawing_.R_B != 0 ? kArcPoints : 1);
+}
 
 void DrawnSpan::add_points(const MarkerView& A, const MarkerView& B, const MeasuredSpan& now, Matrix3X& points,
                            int& at) const {

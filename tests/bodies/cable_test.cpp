@@ -167,8 +167,8 @@ TEST(Cable, HangsAsAnElasticCatenary) {
     // The error has even powers of the elements' length: two meshes leave the fourth, three the sixth.
     expect_below(std::string(name) + ": H by two meshes", std::abs((4 * finest.H - fine.H) / 3), 1e-8);
     const Matrix3X two = (4 * fine.points - coarse.points) / 3, next = (4 * finest.points - fine.points) / 3;
-    expect_below(std::string(name) + ": places by two meshes", off(c, next), 1e-7);
-    expect_below(std::string(name) + ": places by three meshes", off(c, (16 * next - two) / 15), 1e-9);
+    expect_below(std::string(name) + ": places by two meshes", off(c, next), 1e-8);
+    expect_below(std::string(name) + ": places by three meshes", off(c, (16 * next - two) / 15), 1e-10);
   }
 }
 
