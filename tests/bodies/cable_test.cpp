@@ -119,8 +119,8 @@ Catenary catenary(const std::string& name) {
 }
 
 struct Hanging {
-  double H;      // horizontal force at the start, relative error
-  double place;  // worst error of the table's points, of the length
+  double H;         // horizontal force at the start, relative error
+  double place;     // worst error of the table's points, of the length
   Matrix3X points;  // these
 };
 
@@ -128,7 +128,8 @@ struct Hanging {
 double off(const Catenary& c, const Matrix3X& points) {
   double worst = 0;
   for (std::size_t i = 0; i < c.table.size(); ++i)
-    worst = std::max(worst, (points.col(static_cast<Eigen::Index>(i)) - Vector3(c.table[i][1], 0, c.table[i][2])).norm());
+    worst =
+        std::max(worst, (points.col(static_cast<Eigen::Index>(i)) - Vector3(c.table[i][1], 0, c.table[i][2])).norm());
   return worst / c.length;
 }
 
