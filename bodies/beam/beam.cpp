@@ -80,6 +80,33 @@ std::vector<double> place_nodes(const Beam::Parameters& p) {
   return arcs;
 }
 
+/// Whether the axis' frames turn at once between two arc lengths, and where: half after half that turns all but alone.
+void refuse_kink(const BeamAxis& axis, double from, double to) {
+  constexpr double kTurn = 0.01;  // rad
+  const double length = to - from;
+  const auto turn = [](const FramePose& a, const FramePose& b) {
+    return rotation_log(a.axes.transpose() * b.axes).norm();
+  };
+  FramePose a = axis.pose(from), b = axis.pose(to);
+  double whole = turn(a, b);
+  while (whole > kTurn && to - from > 1e-6 * length) {
+    const double middle = 0.5 * (from + to);
+    const FramePose m = axis.pose(middle);
+    const double first = turn(a, m), second = turn(m, b);
+    if (std::max(first, second) < 0.9 * whole) return;
+    if (first > second)
+      to = middle, b = m, whole = first;
+    else
+      from = middle, a = m, whole = second;
+  }
+  if (whole > kTurn)
+    throw SceneError(
+        "its axis has a kink of " + std::to_string(whole * 180 / M_PI) + " degrees at " + std::to_string(from) + " m",
+        "",
+        "draw two beams and join them there by a FixedJoint: of a bent tube or an elbow the shear centre "
+        "and the stiffness at the kink are then yours to give, as an offset of the sections or a bushing");
+}
+
 double clamped(double arc, double length) { return std::min(std::max(arc, 0.0), length); }
 
 }  // namespace
@@ -111,6 +138,7 @@ Beam::Beam(Parameters parameters) : parameters_(std::move(parameters)) {
     const FramePose &a = poses_[i], &b = poses_[i + 1];
     require::rotation(a.axes, "axes at " + std::to_string(arcs_[i]) + " m");
     try {
+      refuse_kink(p.axis, arcs_[i], arcs_[i + 1]);
       spans_.emplace_back(section_at(p.sections, 0.5 * (arcs_[i] + arcs_[i + 1])), arcs_[i + 1] - arcs_[i],
                           se3::log_between(a.position, a.axes, b.position, b.axes));
     } catch (const SceneError& error) {

@@ -132,6 +132,7 @@ FiniteElementModel finite_element_model(const Beam& beam) {
   model.mass = filled(mass);
   if (damped) model.damping = filled(damping);
   model.elements.push_back(std::move(lines));
+  model.skin = std::make_shared<DrawnSkin>(drawn_skin(beam));
   model.second_order_forces = [spans, n](const MatrixX& modes) { return second_order_forces(spans, n, modes); };
   return model;
 }

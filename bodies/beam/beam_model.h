@@ -3,9 +3,13 @@
 #include <memory>
 
 #include "bodies/beam/beam.h"
+#include "bodies/flexible/drawn_skin.h"
 #include "bodies/flexible/reduction.h"
 
 namespace lithe {
+
+/// How a beam of modes is drawn: the surface of its sections, of which each point moves with the nodes beside it.
+DrawnSkin drawn_skin(const Beam& beam);
 
 /// A beam about its drawing as a finite-element model: node i of the beam is node i + 1 of the model, with three
 /// displacements and three rotations in world axes; K, M (lumped or consistent), Kelvin-Voigt damping and the forces of

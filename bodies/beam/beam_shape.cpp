@@ -1,4 +1,5 @@
 #include "bodies/beam/beam.h"
+#include "bodies/beam/beam_model.h"
 #include "bodies/beam/se3_internal.h"
 #include "bodies/surface_writer.h"
 
@@ -53,6 +54,18 @@ DrawnMesh Beam::drawn_mesh(bool) const {
     drawn.triangles.push_back({rim(rings - 1, 0), rim(rings - 1, k - 1), rim(rings - 1, k)});
   }
   return drawn;
+}
+
+DrawnSkin drawn_skin(const Beam& beam) {
+  DrawnMesh drawn = beam.drawn_mesh(false);
+  DrawnSkin skin{std::move(drawn.points), {}, {}, std::move(drawn.triangles), std::move(drawn.edges)};
+  const int nodes = beam.node_count(), last = beam.element_count() - 1;
+  for (int point = 0; point < skin.points.cols(); ++point) {
+    const int ring = point < nodes ? kRings * point : (point - nodes) / kCorners, e = std::min(ring / kRings, last);
+    skin.nodes.push_back({e, e + 1});
+    skin.shares.push_back(static_cast<double>(ring - kRings * e) / kRings);
+  }
+  return skin;
 }
 
 void Beam::drawn_points(const BodyState& state, const DrawnMesh&, Matrix3X& points) const {

@@ -153,6 +153,29 @@ SectionStress SectionShape::stress(const Vector6& resultants, double x_2, double
   return bending + torsion(r[3], x_2, x_3) + shear(r[1], r[2], x_2, x_3);
 }
 
+std::vector<std::array<double, 2>> SectionShape::outline(int corners) const {
+  const double y = a_ / 2, z = b_ / 2;
+  std::vector<std::array<double, 2>> rim;
+  switch (kind_) {
+    case Kind::rectangle:
+      return {{y, -z}, {y, z}, {-y, z}, {-y, -z}};
+    case Kind::ellipse:
+    case Kind::tube:
+      if (corners < 3)
+        throw SceneError("an outline has " + std::to_string(corners) + " corners", "", "give three or more");
+      for (int i = 0; i < corners; ++i) {
+        const double angle = 2 * kPi * i / corners;
+        rim.push_back({(kind_ == Kind::tube ? b_ : a_) * std::cos(angle), b_ * std::sin(angle)});
+      }
+      return rim;
+    case Kind::i_beam:
+      break;
+  }
+  const double web = size_.web / 2, inside = z - size_.flange;
+  return {{y, -z}, {y, -inside}, {web, -inside}, {web, inside},   {y, inside},   {y, z},
+          {-y, z}, {-y, inside}, {-web, inside}, {-web, -inside}, {-y, -inside}, {-y, -z}};
+}
+
 std::vector<std::array<double, 2>> SectionShape::critical_points() const {
   std::vector<std::array<double, 2>> points;
   switch (kind_) {

@@ -34,6 +34,8 @@ class SectionShape {
   /// From (n, m), N and N m, at the point (x_2, x_3), m. SceneError for a point outside the section.
   SectionStress stress(const Vector6& resultants, double x_2, double x_3) const;
   bool contains(double x_2, double x_3) const;
+  /// Corners along the rim, from axis 2 to axis 3; of a round one as many as given, and of a tube the outer rim alone.
+  std::vector<std::array<double, 2>> outline(int corners) const;
   /// Points where the stress may be largest: of the rim, and of the web.
   std::vector<std::array<double, 2>> critical_points() const;
   /// Largest von Mises stress at these, Pa.

@@ -48,7 +48,8 @@ Cable::Cache::Cache(const Cable& cable)
     : directions(Matrix3X::Zero(3, cable.element_count())),
       lengths(VectorX::Zero(cable.element_count())),
       tensions(lengths),
-      force(VectorX::Zero(3 * cable.node_count())) {}
+      force(VectorX::Zero(3 * cable.node_count())),
+      blocks(static_cast<std::size_t>(cable.node_count())) {}
 
 Cable::Cable(Parameters parameters) : parameters_(std::move(parameters)) {
   const Parameters& p = parameters_;
@@ -117,14 +118,6 @@ void Cable::set_pattern() {
   }
   pattern_.rows = Eigen::Map<const Eigen::VectorXi>(rows.data(), static_cast<Eigen::Index>(rows.size()));
   pattern_.columns = Eigen::Map<const Eigen::VectorXi>(columns.data(), static_cast<Eigen::Index>(columns.size()));
-}
-
-void Cable::add_block(int node, int below, const Matrix3& block, double* values) const {
-  for (int j = 0; j < 3; ++j) {
-    const int column = 3 * node + j, first = below == 0 ? j : 0;
-    double* entry = values + columns_[static_cast<std::size_t>(column)] + 3 * (node + below) - column;
-    for (int i = first; i < 3; ++i) entry[i] += block(i, j);
-  }
 }
 
 int Cable::element_at(double arc_length) const {
@@ -202,10 +195,12 @@ void Cable::add_residual(const BodyState& state, const double* v_dot, const Vect
 
 void Cable::add_tangent(const BodyState& state, const double*, const Vector3&, const TangentWeights& weights,
                         BodyTangent& S) const {
-  const auto& cache = static_cast<const Cache&>(*state.cache);
-  double* values = S.linear.data();
-  for (int i = 0; i < node_count(); ++i)
-    add_block(i, 0, weights.acceleration * mass_diagonal_[i] * Matrix3::Identity(), values);
+  auto& cache = static_cast<Cache&>(*state.cache);
+  Cache::Blocks* blocks = cache.blocks.data();
+  for (int i = 0; i < node_count(); ++i) {
+    blocks[i].own.setZero(), blocks[i].second.setZero();
+    blocks[i].own.diagonal().setConstant(weights.acceleration * mass_diagonal_[i]);
+  }
   const double EA = parameters_.axial_stiffness, c = parameters_.axial_damping;
   for (int e = 0; e < element_count(); ++e) {
     const Vector3 t = cache.directions.col(e);
@@ -215,19 +210,29 @@ void Cable::add_tangent(const BodyState& state, const double*, const Vector3&, c
     const double axial = weights.position * EA / L + weights.velocity * c / L - across;
     Matrix3 K = (axial * t) * t.transpose();
     K.diagonal().array() += across;
-    add_block(e, 0, K, values);
-    add_block(e + 1, 0, K, values);
-    K = -K;
-    K.diagonal().array() += weights.acceleration * mass_beside_[e];
-    add_block(e, 1, K, values);
+    blocks[e].own += K;
+    blocks[e + 1].own += K;
+    blocks[e].next = -K;
+    blocks[e].next.diagonal().array() += weights.acceleration * mass_beside_[e];
   }
-  if (parameters_.bending_stiffness > 0 && weights.position != 0)
-    add_bending_stiffness(cache, weights.position, values);
+  if (parameters_.bending_stiffness > 0 && weights.position != 0) add_bending_stiffness(cache, weights.position);
+  // The rows of a column follow each other in the pattern.
+  for (int i = 0; i < node_count(); ++i) {
+    const int behind = std::min(reach_, element_count() - i);
+    for (int j = 0; j < 3; ++j) {
+      double* entry = S.linear.data() + columns_[static_cast<std::size_t>(3 * i + j)];
+      for (int row = j; row < 3; ++row) *entry++ += blocks[i].own(row, j);
+      if (behind > 0)
+        for (int row = 0; row < 3; ++row) *entry++ += blocks[i].next(row, j);
+      if (behind > 1)
+        for (int row = 0; row < 3; ++row) *entry++ += blocks[i].second(row, j);
+    }
+  }
 }
 
 /// Second derivatives of k (1 - c), c = t₁·t₂, with P = 1 - t tᵀ and g = ∂c/∂d:
 ///   H₁₁ = k (t₁ g₁ᵀ + g₁ t₁ᵀ + c P₁/l₁)/l₁,   H₁₂ = -k P₁ P₂/(l₁ l₂),   H₂₂ as H₁₁
-void Cable::add_bending_stiffness(const Cache& cache, double weight, double* values) const {
+void Cable::add_bending_stiffness(Cache& cache, double weight) const {
   for (int i = 1; i < element_count(); ++i) {
     const Vector3 t1 = cache.directions.col(i - 1), t2 = cache.directions.col(i), b = t2 - t1;
     const double k = weight * bend_stiffness(i), l1 = cache.lengths[i - 1], l2 = cache.lengths[i];
@@ -238,12 +243,13 @@ void Cable::add_bending_stiffness(const Cache& cache, double weight, double* val
     const Matrix3 H22 = k / l2 * (t2 * g2.transpose() + g2 * t2.transpose() + cosine / l2 * P2);
     const Matrix3 H21 = -k / (l1 * l2) * (P2 * P1);
     // d₁ = x_i - x_{i-1}, d₂ = x_{i+1} - x_i
-    add_block(i - 1, 0, H11, values);
-    add_block(i - 1, 1, H21 - H11, values);
-    add_block(i - 1, 2, -H21, values);
-    add_block(i, 0, H11 - H21 - H21.transpose() + H22, values);
-    add_block(i, 1, H21 - H22, values);
-    add_block(i + 1, 0, H22, values);
+    Cache::Blocks* at = cache.blocks.data() + i;
+    at[-1].own += H11;
+    at[-1].next += H21 - H11;
+    at[-1].second -= H21;
+    at[0].own += H11 - H21 - H21.transpose() + H22;
+    at[0].next += H21 - H22;
+    at[1].own += H22;
   }
 }
 

@@ -45,6 +45,11 @@ class Cable final : public PointBody, public DrawableBody {
     VectorX lengths, tensions;  // l (m) and EA ε + c ε̇ (N)
     VectorX force;              // ∂U/∂q + D v, N
     double strain_energy = 0;   // J
+    /// Of the tangent: a node's columns in its own rows, and in those of the two nodes behind it.
+    struct Blocks {
+      Matrix3 own, next, second;
+    };
+    std::vector<Blocks> blocks;
   };
 
   /// Throws SceneError for a cable without length, mass or axial stiffness, negative stiffness or damping, stations
@@ -98,10 +103,8 @@ class Cable final : public PointBody, public DrawableBody {
   void set_lengths(double length);
   void set_mass();
   void set_pattern();
-  /// Adds a block in the columns of `node` and the rows `below` nodes down (0, 1, 2) to values along the pattern.
-  void add_block(int node, int below, const Matrix3& block, double* values) const;
   void add_bending(Cache& cache) const;
-  void add_bending_stiffness(const Cache& cache, double weight, double* values) const;
+  void add_bending_stiffness(Cache& cache, double weight) const;
   double bend_stiffness(int node) const;  // EI/L_i, N m
   Matrix3X surface(const Matrix3X& axis) const;
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bodies/flexible/drawn_skin.h"
 #include "engine/base/error.h"
 #include "engine/output/hdf5_file.h"
 
@@ -152,9 +153,45 @@ std::vector<ElementBlock> read_elements(const Hdf5Reader& file, int node_count) 
   return blocks;
 }
 
+void write_skin(Hdf5Writer& file, const DrawnSkin& skin) {
+  const auto flat = [](const auto& rows) {
+    std::vector<int> all;
+    for (const auto& row : rows) all.insert(all.end(), row.begin(), row.end());
+    return all;
+  };
+  file.write("/skin/points", skin.points);
+  file.write("/skin/nodes", flat(skin.nodes));
+  file.write("/skin/shares", skin.shares);
+  file.write("/skin/triangles", flat(skin.triangles));
+  file.write("/skin/edges", flat(skin.edges));
+}
+
 void require_indices(const Hdf5Reader& file, const std::string& name, const std::vector<int>& indices, int count) {
   if (std::any_of(indices.begin(), indices.end(), [count](int i) { return i < 0 || i >= count; }))
     file.refuse(name, "has an index beyond the " + std::to_string(count) + " there are");
+}
+
+/// Rows of so many indices, `rows` of them or as many as there are (-1).
+template <std::size_t width>
+std::vector<std::array<int, width>> read_rows(const Hdf5Reader& file, const std::string& name, std::int64_t rows,
+                                              int count) {
+  const std::vector<int> all = rows < 0 ? file.integers(name) : file.integers(name, rows * std::int64_t{width});
+  if (all.size() % width != 0) file.refuse(name, "ends within a row of " + std::to_string(width));
+  require_indices(file, name, all, count);
+  std::vector<std::array<int, width>> out(all.size() / width);
+  for (std::size_t i = 0; i < all.size(); ++i) out[i / width][i % width] = all[i];
+  return out;
+}
+
+std::shared_ptr<const DrawnSkin> read_skin(const Hdf5Reader& file, int node_count) {
+  auto skin = std::make_shared<DrawnSkin>();
+  skin->points = file.matrix("/skin/points", 3);
+  const auto count = static_cast<int>(skin->points.cols());
+  skin->nodes = read_rows<2>(file, "/skin/nodes", count, node_count);
+  skin->shares = file.numbers("/skin/shares", count);
+  skin->triangles = read_rows<3>(file, "/skin/triangles", -1, count);
+  skin->edges = read_rows<2>(file, "/skin/edges", -1, count);
+  return skin;
 }
 
 }  // namespace
@@ -176,6 +213,7 @@ void write_modal_basis(const ModalBasis& basis, const std::string& path) try {
   file.write("/node_sets/names", names);
   write_lists(file, "/node_sets/ids", sets);
   write_elements(file, basis.elements);
+  if (basis.skin) write_skin(file, *basis.skin);
   file.write("/nodes", basis.nodes);
   std::vector<int> turned_nodes, turned_axes;
   for (const RotationalDof& turn : basis.rotations) {
@@ -221,6 +259,7 @@ std::shared_ptr<const ModalBasis> read_modal_basis(const std::string& path) try 
   if (names.size() != sets.size()) file.refuse("/node_sets", "has another number of names than of sets");
   for (size_t k = 0; k < names.size(); ++k) basis->node_sets[names[k]] = sets[k];
   basis->elements = read_elements(file, n);
+  if (file.has("/skin/points")) basis->skin = read_skin(file, n);
   const std::vector<int> turned_nodes = file.integers("/rotations/nodes");
   const std::vector<int> turned_axes = file.integers("/rotations/axes", static_cast<std::int64_t>(turned_nodes.size()));
   require_indices(file, "/rotations/nodes", turned_nodes, n);

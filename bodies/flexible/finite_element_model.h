@@ -3,6 +3,7 @@
 #include <Eigen/SparseCore>
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@
 namespace lithe {
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
+struct DrawnSkin;  // bodies/flexible/drawn_skin.h
 
 /// Elements of one type and material: connectivity by node index (0-based), CalculiX/Abaqus node order. For pictures;
 /// with a material, also for stress and geometric stiffness (bodies/flexible/elements).
@@ -51,6 +53,7 @@ struct FiniteElementModel {
   std::function<MatrixX(const MatrixX& modes)> second_order_forces{};
   std::map<std::string, std::vector<int>> node_sets;  // node labels by set name
   std::vector<ElementBlock> elements;                 // may be empty
+  std::shared_ptr<const DrawnSkin> skin{};            // of line elements, mesh axes; null: they are drawn as lines
 
   int node_count() const { return static_cast<int>(nodes.cols()); }
   int dof_count() const { return 3 * node_count() + static_cast<int>(rotations.size()); }

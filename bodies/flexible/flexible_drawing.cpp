@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <map>
 
+#include "bodies/flexible/drawn_skin.h"
 #include "bodies/flexible/elements/stress_recovery.h"
 #include "bodies/flexible/flexible_body.h"
 #include "bodies/flexible/surface_mesh.h"
@@ -17,11 +18,12 @@ std::vector<int> rows_of(const std::vector<int>& nodes, int width) {
   return rows;
 }
 
-/// u = [B, Ψ] C w beyond B η, with w_kl = η_k η_l and w_kk = ½ η_k²: of each product η_k η_l.
-MatrixX pairs_of(const ModalBasis& basis, const DeflectionMap& map, const std::vector<int>& rows) {
-  MatrixX fields(static_cast<Eigen::Index>(rows.size()), map.field_count());
-  fields << basis.modes(rows, Eigen::all), basis.deflection->fields(rows, Eigen::all);
-  MatrixX pairs = fields * map.curvature();
+/// u = [B, Ψ] C w beyond B η, with w_kl = η_k η_l and w_kk = ½ η_k²: of each product η_k η_l. `modes` and `fields`: B
+/// and Ψ at the points that are drawn.
+MatrixX pairs_of(const DeflectionMap& map, const MatrixX& modes, const MatrixX& fields) {
+  MatrixX both(modes.rows(), map.field_count());
+  both << modes, fields;
+  MatrixX pairs = both * map.curvature();
   for (int k = 0; k < map.mode_count(); ++k) pairs.col(k * (k + 1) / 2 + k) /= 2;
   return pairs;
 }
@@ -43,19 +45,26 @@ MatrixX stress_of(const ModalBasis& basis, int modes, const std::vector<int>& no
   return stress;
 }
 
-}  // namespace flexible_drawing
-
-DrawnMesh FlexibleBody::drawn_mesh(bool with_stress) const {
-  const ModalBasis& all = basis();
+/// The points of a skin; the node of each is the nearer of its two.
+DrawnMesh points_of(const DrawnSkin& skin) {
   DrawnMesh mesh;
-  if (all.elements.empty()) return mesh;
+  mesh.points = skin.points;
+  mesh.triangles = skin.triangles;
+  mesh.edges = skin.edges;
+  for (std::size_t p = 0; p < skin.nodes.size(); ++p) mesh.nodes.push_back(skin.nodes[p][skin.shares[p] > 0.5 ? 1 : 0]);
+  return mesh;
+}
+
+/// The nodes of the surface of elements, and those that markers follow; empty where the faces are not known.
+DrawnMesh points_of(const ModalBasis& basis, const std::vector<int>& followed) {
+  DrawnMesh mesh;
+  if (basis.elements.empty()) return mesh;
   try {
-    mesh.triangles = boundary_triangles(all.elements, all.nodes);
-    mesh.edges = boundary_edges(all.elements, all.nodes);
-  } catch (const SceneError&) {  // of a type whose faces are not known
+    mesh.triangles = boundary_triangles(basis.elements, basis.nodes);
+    mesh.edges = boundary_edges(basis.elements, basis.nodes);
+  } catch (const SceneError&) {
     return {};
   }
-  // Points: the nodes of the surface, and those that markers follow.
   std::map<int, int> place;
   const auto add = [&](int node) {
     const auto [found, is_new] = place.try_emplace(node, static_cast<int>(mesh.nodes.size()));
@@ -66,16 +75,32 @@ DrawnMesh FlexibleBody::drawn_mesh(bool with_stress) const {
     for (int& corner : triangle) corner = add(corner);
   for (auto& edge : mesh.edges)
     for (int& end : edge) end = add(end);
+  for (int node : followed) add(node);
+  mesh.points = basis.nodes(Eigen::all, mesh.nodes);
+  return mesh;
+}
+
+}  // namespace flexible_drawing
+
+DrawnMesh FlexibleBody::drawn_mesh(bool with_stress) const {
+  const ModalBasis& all = basis();
+  std::vector<int> followed;
   for (const MarkerShape& marker : markers_)
-    for (int node : marker.nodes.nodes) add(node);
-  mesh.points = all.nodes(Eigen::all, mesh.nodes);
+    followed.insert(followed.end(), marker.nodes.nodes.begin(), marker.nodes.nodes.end());
+  DrawnMesh mesh = all.skin ? flexible_drawing::points_of(*all.skin) : flexible_drawing::points_of(all, followed);
+  if (mesh.points.cols() == 0) return mesh;
   mesh.nodal = all.nodal && modes_ > 0;
-  const std::vector<int> rows = flexible_drawing::rows_of(mesh.nodes, 3);
   if (mesh.nodal) return mesh;
-  mesh.modes.resize(static_cast<Eigen::Index>(rows.size()), modes_);
-  if (modes_ > 0) mesh.modes = all.modes(rows, Eigen::all).leftCols(modes_);
+  const std::vector<int> rows = flexible_drawing::rows_of(mesh.nodes, 3);
+  const SparseMatrix motion = all.skin ? skin_motion(*all.skin, all.nodes, all.rotations) : SparseMatrix();
+  const auto at_points = [&](const MatrixX& fields) -> MatrixX {
+    return all.skin ? MatrixX(motion * fields) : MatrixX(fields(rows, Eigen::all));
+  };
+  mesh.modes.resize(mesh.points.size(), modes_);
+  if (modes_ > 0) mesh.modes = at_points(all.modes).leftCols(modes_);
   mesh.frequencies = all.frequencies.head(std::min<Eigen::Index>(all.frequencies.size(), modes_));
-  if (deflection_) mesh.pairs = flexible_drawing::pairs_of(all, *deflection_, rows);
+  if (deflection_)
+    mesh.pairs = flexible_drawing::pairs_of(*deflection_, at_points(all.modes), at_points(all.deflection->fields));
   if (with_stress && modes_ > 0) mesh.stress = flexible_drawing::stress_of(all, modes_, mesh.nodes);
   return mesh;
 }

@@ -46,8 +46,9 @@ struct ModalBasis {
   std::vector<int> node_ids;
   std::map<std::string, std::vector<int>> node_sets;
   std::vector<ElementBlock> elements;
-  Matrix3X nodes;                        // r0, 3 x n, body axes
-  std::vector<RotationalDof> rotations;  // rows 3n, 3n + 1, ... of the modes; about body axes
+  std::shared_ptr<const DrawnSkin> skin;  // body axes; null: drawn by its elements
+  Matrix3X nodes;                         // r0, 3 x n, body axes
+  std::vector<RotationalDof> rotations;   // rows 3n, 3n + 1, ... of the modes; about body axes
   SparseMatrix nodal_mass;     // m_ij, n x n: S_ij = m_ij E; for other S the nodes' masses (docs/equations.md 2.4)
   MatrixX modes;               // B, dofs x nm, body axes; empty when nodal
   bool nodal = false;          // B selects the free nodal coordinates: B = E(:, free_dofs)

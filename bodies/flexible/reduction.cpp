@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <numbers>
 
+#include "bodies/flexible/drawn_skin.h"
 #include "bodies/flexible/eigen_modes.h"
 #include "bodies/flexible/frames.h"
 #include "bodies/flexible/general_inertia.h"
@@ -293,6 +294,11 @@ std::shared_ptr<const ModalBasis> make_basis(const FiniteElementModel& model, co
   basis->node_ids = model.node_ids;
   basis->node_sets = model.node_sets;
   basis->elements = model.elements;
+  if (model.skin) {
+    auto skin = std::make_shared<DrawnSkin>(*model.skin);
+    skin->points = placed.rotation.transpose() * (skin->points.colwise() - placed.origin);
+    basis->skin = std::move(skin);
+  }
   basis->nodes = placed.nodes;
   basis->rotations = model.rotations;
   basis->nodal_mass = scalar ? scalar_mass(model.mass) : lumped_mass(model.mass, model.node_count());

@@ -121,6 +121,7 @@ SelectedBasis selected(const ModalBasis& whole, const Fidelity& fidelity) {
   part->node_ids = whole.node_ids;
   part->node_sets = whole.node_sets;
   part->elements = whole.elements;
+  part->skin = whole.skin;
   part->nodes = whole.nodes;
   part->rotations = whole.rotations;
   part->nodal_mass = whole.nodal_mass;

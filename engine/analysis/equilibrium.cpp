@@ -56,7 +56,8 @@ class Search {
 
   void run(int max_steps, Equilibrium& found) {
     double longest_share = 1;  // that is worth a try
-    for (int steps = 0; steps < max_steps && shift_ < kMost && out_of_balance_ > kPerfect * force_scale_; ++steps) {
+    int steps = 0;
+    for (; steps < max_steps && shift_ < kMost && out_of_balance_ > kPerfect * force_scale_; ++steps) {
       if (!find_step()) {
         if (balanced_) break;
         shift_ *= kGrowth * kGrowth;
@@ -95,12 +96,15 @@ class Search {
       const double longer = std::clamp(share * far, 1e-2, 1.0);
       shift_ = std::max(kLeast, (stiffness + shift_) * longer - stiffness);
     }
+    used_up_ = steps == max_steps;
     found.iterations = iterations_;
     found.out_of_balance = out_of_balance_;
     found.round_off = balance_.round_off().size() > 0 ? balance_.round_off().maxCoeff() : 0;
   }
 
   bool balanced() const { return balanced_; }
+  /// Whether more steps might get there.
+  bool used_up() const { return used_up_; }
   int worst() const { return worst_; }
   double gap() const { return balance_.largest_gap(); }
 
@@ -224,7 +228,7 @@ class Search {
   State& state_;
   const double force_scale_, tolerance_;
   double shift_ = kLeast, out_of_balance_ = 0, size_ = 1;  // of the scene, m
-  bool balanced_ = false;
+  bool balanced_ = false, used_up_ = false;
   int worst_ = 0, iterations_ = 0;
   VectorX force_, gap_, step_, step_lambda_, inertial_, last_q_, last_lambda_;
 };
@@ -268,7 +272,9 @@ Equilibrium find_equilibrium(const System& system, const State& start, const Equ
                               short_number(found.out_of_balance) + " (N or N m), joints are off by " +
                               short_number(search.gap()),
                           "find_equilibrium, " + time_text(state.time),
-                          "does anything hold it? Add a spring, a joint or a lock; or start nearer to the equilibrium");
+                          (search.used_up() ? "max_load_steps are used up: give more; " : "") +
+                              std::string("does anything hold it? Add a spring, a joint or a lock; or start nearer to "
+                                          "the equilibrium"));
   state.v.setZero();
   state.v_dot.setZero();
   equations.evaluate(state.time, state.q, state.v, Level::velocity);

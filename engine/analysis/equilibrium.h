@@ -9,7 +9,7 @@ namespace lithe {
 struct EquilibriumOptions {
   double tolerance = 1e-9;  // out-of-balance force, of the largest force or weight at play; it continues below it
                             // as far as round-off allows
-  int max_load_steps = 200;
+  int max_load_steps = 1000;
 };
 
 struct Equilibrium {

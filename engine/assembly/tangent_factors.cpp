@@ -63,13 +63,15 @@ void TangentFactors::add_contact_diagonals(const TangentWeights& weights) {
         by_u(contacts_->by_velocity().data() + at, n, n);
     at += n * n;
     for (const ContactRows::Side& side : row.sides) {
-      if (side.count == 0 || !contacts_->places()[row.element].slice(side.collider)->frame) continue;
-      const auto frame = std::lower_bound(frames.begin(), frames.end(), side.velocity,
-                                          [](const auto& f, int velocity) { return f.v < velocity; });
-      const Eigen::Map<const MatrixX> H(contacts_->rows().values(side), n, 6),
-          H_right(contacts_->right().data() + side.H, n, 6);
-      Eigen::Map<Matrix6>(work_.values.data() + frame->values).noalias() -=
-          H.transpose() * (weights.position * by_x + weights.velocity * by_u) * H_right;
+      if (side.frames == 0) continue;
+      auto frame = std::lower_bound(frames.begin(), frames.end(), side.velocity,
+                                    [](const auto& f, int velocity) { return f.v < velocity; });
+      for (int k = 0; k < side.frames; ++k, ++frame) {
+        const Eigen::Map<const MatrixX> H(contacts_->rows().values(side) + 6 * n * k, n, 6),
+            H_right(contacts_->right().data() + side.H + 6 * n * k, n, 6);
+        Eigen::Map<Matrix6>(work_.values.data() + frame->values).noalias() -=
+            H.transpose() * (weights.position * by_x + weights.velocity * by_u) * H_right;
+      }
     }
   }
 }

@@ -237,9 +237,10 @@ void ContactForces::form(const TangentWeights& weights, const VectorX* increment
   if (!increment) return;
   for (const ContactRows::Row& row : rows_.points())
     for (const ContactRows::Side& side : row.sides) {
-      if (side.body < 0 || !places_[row.element].slice(side.collider)->frame) continue;
-      Eigen::Map<MatrixX> columns(right_.data() + side.H + 3 * row.rows, row.rows, 3);
-      columns = (columns * right_jacobian_inverse(increment->segment<3>(side.velocity + 3))).eval();
+      for (int f = 0; f < side.frames; ++f) {
+        Eigen::Map<MatrixX> columns(right_.data() + side.H + (6 * f + 3) * row.rows, row.rows, 3);
+        columns = (columns * right_jacobian_inverse(increment->segment<3>(side.velocity + 6 * f + 3))).eval();
+      }
     }
 }
 

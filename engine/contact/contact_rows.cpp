@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace lithe {
 namespace {
@@ -47,6 +48,16 @@ void add_marker(const MarkerKinematics& k, const Matrix3& axes, const Vector3& a
   }
 }
 
+/// The same of a marker between two frames, for one of them.
+void add_share(const Matrix6& J, const Matrix3& axes, int first_row, int rows, double* H) {
+  const bool turns = first_row >= 3;
+  for (int i = 0; i < 3; ++i) {
+    const Vector3 world = axes.col(turns ? (i + 1) % 3 : i);
+    const Vector6 force = (turns ? J.bottomRows<3>() : J.topRows<3>()).transpose() * world;
+    for (int c = 0; c < 6; ++c) H[first_row + i + rows * c] += force[c];
+  }
+}
+
 }  // namespace
 
 Matrix3 contact_frame(const Vector3& n) {
@@ -70,7 +81,10 @@ void ContactRows::add(const ContactPlaces& places, const ContactPoint& point, in
   count_ += rows;
   const ContactSide* const sides[2] = {&point.A, &point.B};
   for (int s = 0; s < 2; ++s)
-    for (int i = 0; i < sides[s]->node_count; ++i) places.node(sides[s]->collider, sides[s]->nodes[i], nodes_[s][i]);
+    for (int i = 0; i < sides[s]->node_count; ++i) {
+      nodes_[s][i].between = nullptr, nodes_[s][i].elastic = nullptr;  // bodies that have neither say nothing
+      places.node(sides[s]->collider, sides[s]->nodes[i], nodes_[s][i]);
+    }
   // Both sides' loads act at one point, so that their moments balance: at a node where one touches.
   const int a = point.A.node_count, b = point.B.node_count;
   if (a > 0 && (b == 0 || a <= b))
@@ -88,27 +102,47 @@ void ContactRows::add_side(const ContactPlaces& places, const ContactSide& at, c
   side.body = places.record().bodies[at.collider];
   if (!slice) return;
   const MarkerKinematics& base = places.collider(at.collider);
-  bool elastic = base.elastic && (at.node_count == 0 || row.rows > 3);
-  for (int i = 0; i < at.node_count; ++i) elastic |= nodes[i].elastic != nullptr;
-  const bool frame = slice->frame;
+  // 1. Columns of all frames from the first to the last that carry the point.
+  const bool several = places.record().markers[at.collider].body->coordinates().frames > 1, turns = row.rows > 3;
+  const bool by_base = at.node_count == 0 || (turns && !several);
+  bool elastic = by_base && base.elastic;
+  int low = at.node_count == 0 ? base.frame : std::numeric_limits<int>::max(), high = at.node_count == 0 ? low : -1;
+  for (int i = 0; i < at.node_count; ++i) {
+    const MarkerKinematics& k = nodes[i];
+    elastic |= k.elastic != nullptr;
+    low = std::min(low, k.between ? std::min(k.between->shares[0].frame, k.between->shares[1].frame) : k.frame);
+    high = std::max(high, k.between ? std::max(k.between->shares[0].frame, k.between->shares[1].frame) : k.frame);
+  }
+  const Layout::BodySlice& first = several ? frame_slice(places, at.collider, low) : *slice;
   const int linear = elastic ? slice->linear : 0;
-  side.velocity = slice->v;
-  side.count = (frame ? 6 : 0) + linear;
+  side.velocity = first.v;
+  side.frames = !slice->frame ? 0 : several ? high - low + 1 : 1;
+  side.count = 6 * side.frames + linear;
   side.H = static_cast<int>(values_.size());
   values_.resize(values_.size() + static_cast<std::size_t>(row.rows * side.count), 0.0);
   double* H = values_.data() + side.H;
+  // 2. What each marker of the point adds.
+  const auto add = [&](const MarkerKinematics& k, const Matrix3& axes, const Vector3& arm, int first_row) {
+    if (k.between)
+      for (const auto& share : k.between->shares)
+        add_share(share.J, axes, first_row, row.rows, H + 6 * row.rows * (share.frame - low));
+    else
+      add_marker(k, axes, arm, first_row, slice->frame, linear, row.rows,
+                 several ? H + 6 * row.rows * (k.frame - low) : H);
+  };
   const Matrix3 axes = sign * row.frame;
   if (at.node_count == 0) {
-    add_marker(base, axes, row.point.position - base.p, 0, frame, linear, row.rows, H);
+    add(base, axes, row.point.position - base.p, 0);
   } else {
     Matrix3 forces[3];
     for (int i = 0; i < at.node_count; ++i) forces[i] = at.weights[i] * axes;
     const Vector3 arm = row.point.position - mean(at, nodes);
     if (at.node_count == 3 && !arm.isZero(0)) add_couple(nodes, skew(arm) * axes, forces);
-    for (int i = 0; i < at.node_count; ++i)
-      add_marker(nodes[i], forces[i], Vector3::Zero(), 0, frame, linear, row.rows, H);
+    for (int i = 0; i < at.node_count; ++i) add(nodes[i], forces[i], Vector3::Zero(), 0);
   }
-  if (row.rows > 3) add_marker(base, axes, Vector3::Zero(), 3, frame, linear, row.rows, H);  // turns with the collider
+  if (!turns) return;
+  if (by_base) return add(base, axes, Vector3::Zero(), 3);  // turns with the collider
+  for (int i = 0; i < at.node_count; ++i) add(nodes[i], at.weights[i] * axes, Vector3::Zero(), 3);
 }
 
 void ContactRows::velocity(const Row& row, const double* v, double* u) const {

@@ -7,6 +7,12 @@
 
 namespace lithe {
 
+/// A frame of a collider's body that has several.
+inline const Layout::BodySlice& frame_slice(const ContactPlaces& places, int collider, int frame) {
+  const Layout::BodySlice* own = places.slice(collider);
+  return *(own - own->part + frame);
+}
+
 /// Rotation whose columns are a contact's axes: the normal and two across, the same for the same normal.
 Matrix3 contact_frame(const Vector3& normal);
 
@@ -23,7 +29,8 @@ class ContactRows {
     int collider = -1;
     int body = -1;      // index into Layout::bodies(), -1: ground
     int velocity = -1;  // first velocity of the columns; -1: none
-    int count = 0;      // columns, side by side
+    int frames = 0;     // six columns each, of one body and side by side
+    int count = 0;      // columns in all: frames, then linear coordinates
     int H = 0;          // in values(): rows x count, column-major
   };
   struct Row {

@@ -21,6 +21,25 @@ RigidContacts::RigidContacts(Scene scene) : scene_(std::move(scene)) {
     located_.push_back(record.element->law() == ContactElement::Law::rigid && !record.element->located_pairs().empty());
   }
   group_bodies();
+  for (const ContactRecord& record : scene_.records) {
+    auto& frames = frames_.emplace_back();
+    for (std::size_t i = 0; i < record.markers.size(); ++i) frames.push_back(frames_under(record, static_cast<int>(i)));
+  }
+}
+
+/// How many frames carry a collider: all of its body's, if by its size as drawn it reaches another than its marker's.
+int RigidContacts::frames_under(const ContactRecord& record, int collider) const {
+  if (record.bodies[collider] < 0) return 0;
+  const ContactPlaces& places = scene_.contacts.places()[record.number];
+  const Coordinates c = record.markers[collider].body->coordinates();
+  const int frames = c.frames, own = places.slice(collider)->part;
+  if (frames <= 1) return 0;
+  VectorX q(c.q_count()), v(c.v_count());
+  record.markers[collider].body->initial_state(q, v);
+  const double extent = scene_.contacts.extent(record.number, collider);
+  for (int f = 0; f < frames; ++f)
+    if (f != own && (q.segment<3>(7 * f) - q.segment<3>(7 * own)).norm() <= extent) return frames;
+  return 0;
 }
 
 void RigidContacts::group_bodies() {
@@ -50,6 +69,8 @@ void RigidContacts::group_bodies() {
     tied[a] = tied[b] = 1;
     tie(a, b);
   }
+  for (int b = 0; b + 1 < n; ++b)  // frames of one body
+    if (bodies[b].body == bodies[b + 1].body) tied[b] = tied[b + 1] = 1, tie(b, b + 1);
   for (const int b : scene_.loaded) tied[b] = 1;  // its load has a tangent
   // 2. Components, by their first body.
   const std::vector<int> island = islands(topology);
@@ -96,7 +117,13 @@ void RigidContacts::find(ConstVectorRef v, double horizon) {
       reach[i] = kNear;
       if (record.bodies[i] < 0) continue;
       const MarkerKinematics& k = places.collider(static_cast<int>(i));
-      reach[i] += horizon * (k.v.norm() + k.w.norm() * contacts.extent(record.number, static_cast<int>(i))) + fall;
+      const double extent = contacts.extent(record.number, static_cast<int>(i));
+      double speed = k.v.norm() + k.w.norm() * extent;
+      for (int f = 0; f < frames_[record.number][i]; ++f) {
+        const auto twist = v.segment<6>(frame_slice(places, static_cast<int>(i), f).v);
+        speed = std::max(speed, twist.head<3>().norm() + twist.tail<3>().norm() * extent);
+      }
+      reach[i] += horizon * speed + fall;
     }
     found_.clear();
     contacts.find(record.number, reach, found_);

@@ -83,6 +83,7 @@ class RigidContacts {
  private:
   const ContactTrace* find_trace(const ContactMemory& memory, const ContactRows::Row& row) const;
   void group_bodies();
+  int frames_under(const ContactRecord& record, int collider) const;
   void add_groups();
   void respond_alone(const ContactRows::Row& row, const ContactRows::Side& side, ConeProblem::Side& to);
   void respond_together();
@@ -114,6 +115,7 @@ class RigidContacts {
   std::vector<char> located_;  // by element
   std::vector<Happening> happenings_;
   ConeProblem problem_;
+  std::vector<std::vector<int>> frames_;  // how many carry a collider; 0: that of its marker alone
 };
 
 }  // namespace lithe

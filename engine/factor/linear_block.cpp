@@ -27,6 +27,7 @@ void subtract_product(const S* A, int stride, int m, int n, const S* x, S* y) {
 template <class S>
 void subtract_product(const S* A, int stride, int m, int n, const S* x, S* y) {
   if (m == 6) return subtract_product<6>(A, stride, m, n, x, y);  // a frame
+  if (m == 3) return subtract_product<3>(A, stride, m, n, x, y);  // a pin
   subtract_product<0>(A, stride, m, n, x, y);
 }
 
@@ -133,8 +134,20 @@ void LinearBlock<Scalar>::load(const std::vector<Scalar>& values, const std::vec
 }
 
 template <class Scalar>
+void LinearBlock<Scalar>::find_used() {
+  const auto is_zero = [&](int column) { return X_.col(column).isZero(0); };
+  const int n = linear_.size;
+  int end = n;
+  used_ = 0;
+  while (used_ < n && is_zero(used_)) ++used_;
+  while (end > used_ && is_zero(end - 1)) --end;
+  used_count_ = end - used_;
+}
+
+template <class Scalar>
 void LinearBlock<Scalar>::factorize(const std::vector<Scalar>& values, const std::vector<char>& dropped) {
   load(values, dropped);
+  find_used();
   const int n = linear_.size, m = neighbour_size();
   const Scalar* D = values.data() + linear_.values;
   if (full()) {
@@ -158,7 +171,8 @@ void LinearBlock<Scalar>::factorize(const std::vector<Scalar>& values, const std
   }
   // schur = -X T by columns, each a sum of short contiguous vectors.
   schur_.setZero();
-  for (int b = 0; b < m; ++b) subtract_product(X_.data(), m, m, n, T_.data() + n * b, schur_.data() + m * b);
+  for (int b = 0; b < m; ++b)
+    subtract_product(X_.data() + m * used_, m, m, used_count_, T_.data() + n * b + used_, schur_.data() + m * b);
 }
 
 /// A pivot U_jj that is no larger than what rounding left of the sum it was made from, Σ |L_jk U_kj|, is no pivot.
@@ -253,7 +267,7 @@ void LinearBlock<Scalar>::forward(Scalar* x) const {
     solve_linear(own);
   const int m = neighbour_size();
   for (const Part& part : parts_)
-    subtract_product(X_.data() + part.column, m, part.size, linear_.size, own.data(), x + part.x);
+    subtract_product(X_.data() + part.column + m * used_, m, part.size, used_count_, own.data() + used_, x + part.x);
 }
 
 template <class Scalar>

@@ -46,6 +46,7 @@ class LinearBlock {
 
  private:
   void load(const std::vector<Scalar>& values, const std::vector<char>& dropped_rows);
+  void find_used();
   void solve_linear(Eigen::Ref<Matrix> columns) const;
   void factorize_full();
   void factorize_sparse();
@@ -56,7 +57,8 @@ class LinearBlock {
   BlockStructure::Linear linear_;
   std::vector<int> rows_, jacobians_;
   std::vector<Part> parts_;
-  Matrix X_, T_, schur_;  // m x n, n x m = D⁻¹ Y, m x m
+  Matrix X_, T_, schur_;           // m x n, n x m = D⁻¹ Y, m x m
+  int used_ = 0, used_count_ = 0;  // columns of X_ from the first to the last that is not zero: few of a long cable
   Vector inverse_diagonal_;
   struct Sparse {
     using Entries = Eigen::SparseMatrix<Scalar>;

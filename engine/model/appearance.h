@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/model/body.h"
+#include "engine/model/connector.h"
 
 namespace lithe {
 
@@ -70,12 +71,16 @@ class DrawableBody {
   virtual std::vector<std::pair<int, double>> nodes_of_marker(int marker) const = 0;
 };
 
-/// A connector that has shapes at its markers: a contact.
+/// A connector that has shapes at its markers, as a contact, or a line from marker to marker, as a rope.
 class DrawableConnector {
  public:
   virtual ~DrawableConnector() = default;
   /// Shapes at marker number `marker`, in its axes; none where the body draws itself.
   virtual std::vector<DrawnShape> drawn_shapes(int marker) const = 0;
+  /// The points of its line in world axes, m, always as many; none: it has no line.
+  virtual void drawn_line(std::span<const MarkerView> /*markers*/, const AngleMemory&, Matrix3X& points) const {
+    points.resize(3, 0);
+  }
 };
 
 }  // namespace lithe

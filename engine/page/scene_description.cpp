@@ -303,6 +303,13 @@ void SceneDescription::describe_connectors() {
                  {"role", role},           {"bodies", bodies_of},
                  {"markers", markers_of},  {"where", element.where()},
                  {"reaction", nullptr}};
+    part.drawable = dynamic_cast<const DrawableConnector*>(&element);
+    Matrix3X line;
+    if (part.drawable && part.contact < 0) plan_.line_of(now_, part, line);
+    if (line.size() > 0) {
+      part.line = add_columns(static_cast<int>(line.size()), "line of '" + element.name() + "'");
+      json["line"] = row_json(part.line, static_cast<int>(line.size()), "f32");
+    }
     if (is_detailed(i)) {
       if (options_.reactions && part.contact < 0 && !markers_of.empty()) {
         part.reaction = add_columns(9, "reaction of '" + element.name() + "'");
@@ -340,13 +347,15 @@ void SceneDescription::add_shapes(const std::vector<SceneRecorder::Drawn>& drawn
         shape_json(shape, role, "/shape/" + std::to_string(sets++)));
   };
   for (const auto& one : drawn) add(plan_.body_number.at(one.body), one.shape, "visual");
+  std::map<int, std::size_t> wheels;  // of ropes: a body with no other shape is drawn all the same
   for (const ConnectorPart& part : plan_.connectors) {
-    const auto* drawable = dynamic_cast<const DrawableConnector*>(&part.element());
-    for (std::size_t m = 0; drawable && m < part.markers->size(); ++m) {
+    for (std::size_t m = 0; part.drawable && m < part.markers->size(); ++m) {
       const Marker& marker = (*part.markers)[m];
       const ScenePlan::Pose pose = plan_.in_body(marker);
-      for (const DrawnShape& shape : drawable->drawn_shapes(static_cast<int>(m)))
+      for (const DrawnShape& shape : part.drawable->drawn_shapes(static_cast<int>(m))) {
         add(plan_.body_number.at(marker.body), shape.at(pose.p, pose.R), part.contact >= 0 ? "contact" : "visual");
+        if (part.line >= 0) wheels[plan_.body_number.at(marker.body)] += 1;
+      }
     }
   }
   // Sticks for the others: their markers are known only now.
@@ -360,7 +369,8 @@ void SceneDescription::add_shapes(const std::vector<SceneRecorder::Drawn>& drawn
   const double extent = around.diagonal().norm();
   for (const BodyPart& part : plan_.bodies) {
     const auto& json = scene_["bodies"][part.place];
-    if (part.place == 0 || !json["shapes"].empty() || !json["mesh"].is_null()) continue;
+    const std::size_t own = json["shapes"].size() - wheels[static_cast<int>(part.place)];
+    if (part.place == 0 || own > 0 || !json["mesh"].is_null()) continue;
     if (part.pose < 0) continue;
     std::vector<Vector3> ends;
     for (const auto& m : markers_)

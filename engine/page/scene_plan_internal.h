@@ -39,6 +39,8 @@ struct ScenePlan {
     int contact = -1;                                 // number among the contacts
     int reaction = -1, own_axes = -1, residual = -1;  // columns
     int summed = -1;                                  // of a contact: Σ |force|, number of points
+    int line = -1;                                    // of a rope: its points
+    const DrawableConnector* drawable = nullptr;
     const Connector& element() const {
       return joint ? static_cast<const Connector&>(*joint) : force ? static_cast<const Connector&>(*force) : *surfaces;
     }
@@ -63,6 +65,8 @@ struct ScenePlan {
 
   void look(Snapshot& now);
   MarkerKinematics marker(const Marker& m, Level level = Level::position) const;
+  /// The points of a connector's line.
+  void line_of(Snapshot& now, const ConnectorPart& part, Matrix3X& points) const;
   Pose pose_of(const BodyPart& part) const;
   /// A marker in the axes of its body, undeformed.
   Pose in_body(const Marker& m) const;

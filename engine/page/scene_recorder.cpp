@@ -1,5 +1,6 @@
 #include "engine/base/number_text.h"
 #include "engine/contact/contact_forces.h"
+#include "engine/model/marker_motions.h"
 #include "engine/page/scene_plan_internal.h"
 
 #include <algorithm>
@@ -16,6 +17,13 @@ MarkerKinematics ScenePlan::marker(const Marker& m, Level level) const {
   MarkerKinematics k;
   m.body->marker_kinematics(states[static_cast<std::size_t>(body_number.at(m.body))], m.index, level, k);
   return k;
+}
+
+void ScenePlan::line_of(Snapshot& now, const ConnectorPart& part, Matrix3X& points) const {
+  const MarkerMotions views(*part.markers, [&](const Marker& m) { return marker(m, Level::velocity); });
+  AngleMemory memory;
+  memory.recall(now.quarter_turns_of(part.element()));
+  part.drawable->drawn_line(views, memory, points);
 }
 
 ScenePlan::Pose ScenePlan::pose_of(const BodyPart& part) const {
@@ -169,6 +177,11 @@ void SceneRecorder::fill(Snapshot& now, int number, VectorX& row, std::vector<do
     put(plan.residuals, Eigen::Vector2d(position.lpNorm<Eigen::Infinity>(), velocity.lpNorm<Eigen::Infinity>()));
   }
   for (const auto& part : plan.connectors) {
+    if (part.line >= 0) {
+      Matrix3X points;
+      plan.line_of(now, part, points);
+      put(part.line, points.reshaped());
+    }
     if (part.residual >= 0)
       put(part.residual, Eigen::Vector2d(position.segment(part.first_row, part.rows).lpNorm<Eigen::Infinity>(),
                                          velocity.segment(part.first_row, part.rows).lpNorm<Eigen::Infinity>()));

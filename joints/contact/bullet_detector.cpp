@@ -160,7 +160,7 @@ class BulletDetector final : public ContactDetector {
       flatten(contact.colliders()[c].shape.data(), {}, false, parts_);
       endless.push_back(false);
       for (std::size_t p = first_[c]; p < parts_.size(); ++p)
-        if (parts_[p].radius < 0) endless[c] = endless[c] || !bounded(parts_[p]);
+        if (parts_[p].radius < 0) endless[c] = endless[c] || parts_[p].shape->kind != Kind::surface;
       if (!endless[c]) boxed.push_back(c);
     }
     first_.push_back(static_cast<int>(parts_.size()));
@@ -220,7 +220,8 @@ class BulletDetector final : public ContactDetector {
   static constexpr std::size_t kFew = 64;   // so many pairs need no tree
   static constexpr std::size_t kMany = 32;  // points that are worth a sort of their own
 
-  static bool bounded(const Part& part) { return part.shape->kind == Kind::surface && part.shape->reach.size() > 0; }
+  /// A deforming surface whose nodes may be anywhere.
+  static bool unbounded(const Part& part) { return part.shape->kind == Kind::surface && part.shape->reach.size() == 0; }
 
   /// Throws SceneError for kinds that have no contact.
   void check(int a, int b) const {
@@ -255,10 +256,16 @@ class BulletDetector final : public ContactDetector {
       if (part.shape->kind == Kind::sphere) {
         const btVector3 half(part.radius, part.radius, part.radius);
         l = part.centre - half, h = part.centre + half;
+      } else if (unbounded(part)) {
+        l = btVector3(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT), h = -l;
+        for (const Marker& node : part.shape->nodes) {
+          poses.node(collider, node.index, node_);
+          l.setMin(to_bullet(node_.p)), h.setMax(to_bullet(node_.p));
+        }
       } else {
         part.bullet()->getAabb(part.at, l, h);
       }
-      if (part.shape->kind == Kind::surface) {
+      if (part.shape->kind == Kind::surface && !unbounded(part)) {
         double moved = 0;
         for (double eta : poses.deformation(collider)) moved += std::abs(eta);
         moved *= part.shape->reach.maxCoeff();
@@ -344,6 +351,7 @@ class BulletDetector final : public ContactDetector {
   std::unique_ptr<BroadPhase> tree_;  // of the others; none where there are few
   std::vector<narrow::Touch> touches_;
   std::vector<ContactPoint> found_;
+  MarkerKinematics node_;
 };
 
 }  // namespace detector_parts

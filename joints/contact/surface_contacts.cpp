@@ -41,8 +41,8 @@ struct Nodes {
   double spread() const {
     const auto eta = poses->deformation(collider);
     const VectorX& reach = data->reach;
-    if (eta.empty()) return 0;
     if (reach.size() == 0) return kUnknown;
+    if (eta.empty()) return 0;
     double sum = 0;
     const bool each = reach.size() == static_cast<Eigen::Index>(eta.size());  // else some modes of these
     for (std::size_t i = 0; i < eta.size(); ++i)
@@ -93,11 +93,12 @@ struct Nodes {
         normals[std::lower_bound(nodes.begin(), nodes.end(), node) - nodes.begin()] += t.normal;
   }
   ContactSide side(int node) const { return {collider, 1, {data->nodes[node].index, 0, 0}, {1, 0, 0}}; }
-  ContactSide side(const PatchTouch& touch) const {
+  ContactSide side(const PatchTouch& touch) const { return side(touch.triangle, touch.weights); }
+  ContactSide side(int triangle, const Vector3& of_corners) const {
     ContactSide side{collider, 3, {}, {}};
-    const Vector3 weights = touch.weights.cwiseMax(0) / touch.weights.cwiseMax(0).sum();
+    const Vector3 weights = of_corners.cwiseMax(0) / of_corners.cwiseMax(0).sum();
     for (int i = 0; i < 3; ++i) {
-      side.nodes[i] = data->nodes[patch.triangles[touch.triangle].corners[i]].index;
+      side.nodes[i] = data->nodes[patch.triangles[triangle].corners[i]].index;
       side.weights[i] = weights[i];
     }
     return side;
@@ -109,6 +110,7 @@ struct Scratch {
   TrianglePatch mesh;
   std::vector<int> found;
   std::vector<PatchTouch> touches;
+  std::vector<EdgeTouch> crossings;
 };
 
 /// Where a collider, or a part of it, is.
@@ -251,6 +253,9 @@ struct Meeting {
         for (const PatchTouch& touch : work.touches)
           if (touch.touch.normal.dot(t.normal) < 0.5) add(touch.touch, s.side(touch), fixed());
       }
+    work.crossings.clear();
+    s.patch.meet_edges_of(work.mesh, reach, depth, work.crossings);
+    for (const EdgeTouch& edge : work.crossings) add(edge.touch, s.side(edge.triangle, edge.weights), fixed());
   }
 
   /// Bounds of all nodes in the axes of a mesh.
@@ -303,6 +308,10 @@ struct Meeting {
           touch.feature = feature_name(7, touch.feature, 0);
           add(touch, of_node, of_patch);
         });
+    work.crossings.clear();
+    s.patch.meet_edges_of(o.patch, reach, std::min(s.depth(), o.depth()), work.crossings);
+    for (const EdgeTouch& edge : work.crossings)
+      add(edge.touch, s.side(edge.triangle, edge.weights), o.side(edge.other, edge.other_weights));
   }
 
   void meet(const Shape::Data& other, const Pose& pose) {

@@ -208,4 +208,64 @@ bool TrianglePatch::leans(int triangle, int i, int other, const Vector3& d) cons
   return beyond(out(triangles[other])) && d.dot(t.normal + triangles[other].normal) > 0;
 }
 
+const std::vector<TrianglePatch::OpenEdge>& TrianglePatch::find_open_edges() {
+  open_.clear();
+  for (int k = 0; k < static_cast<int>(triangles.size()); ++k)
+    for (int i = 0; i < 3; ++i) {
+      if (!triangles[k].open[i]) continue;
+      const int other = twin(k, i);
+      if (other < 0 || other > k) open_.push_back({k, i, other});
+    }
+  return open_;
+}
+
+void TrianglePatch::meet_edges_of(TrianglePatch& other, double reach, double depth, std::vector<EdgeTouch>& touches) {
+  constexpr double kRound = triangle_parts::kRound;
+  const std::size_t start = touches.size();
+  const auto& of_other = other.find_open_edges();
+  const double range = std::max(reach, depth);
+  for (const OpenEdge& mine : find_open_edges()) {
+    const PatchTriangle& t = triangles[mine.triangle];
+    const int a = mine.edge, a_end = (a + 1) % 3;
+    const Vector3 &a0 = t.x[a], &a1 = t.x[a_end], along = a1 - a0;
+    const Vector3 low = a0.cwiseMin(a1).array() - range, high = a0.cwiseMax(a1).array() + range;
+    Vector3 facing = t.normal;
+    if (mine.other >= 0) facing += triangles[mine.other].normal;
+    for (const OpenEdge& theirs : of_other) {
+      const PatchTriangle& u = other.triangles[theirs.triangle];
+      const int b = theirs.edge, b_end = (b + 1) % 3;
+      const Vector3 &b0 = u.x[b], &b1 = u.x[b_end];
+      if ((b0.cwiseMin(b1).array() > high.array()).any() || (b0.cwiseMax(b1).array() < low.array()).any()) continue;
+      const Vector3 across = b1 - b0, between = b0 - a0, square = along.cross(across);
+      const double sine = square.norm();
+      if (sine <= 1e-6 * along.norm() * across.norm()) continue;
+      // a0 + s along and b0 + r across, joined by a line square to both
+      const double s = between.cross(across).dot(square) / (sine * sine);
+      const double r = between.cross(along).dot(square) / (sine * sine);
+      if (std::min(s, r) < -kRound || std::max(s, r) > 1 + kRound) continue;
+      const double sign = square.dot(facing) < 0 ? -1 : 1, gap = sign * between.dot(square) / sine;
+      const Vector3 d = (sign / sine) * square;
+      if (gap >= reach || gap < -depth || !leans(mine.triangle, a, mine.other, d) ||
+          !other.leans(theirs.triangle, b, theirs.other, -d))
+        continue;
+      const Vector3 place = a0 + s * along + 0.5 * gap * d;
+      const auto name = [](const PatchTriangle& of, int i, int k) {
+        return feature_name(3, of.corners[i], 0) + feature_name(3, of.corners[k], 0);
+      };
+      EdgeTouch touch{{place, d, gap, 0, feature_name(11, name(t, a, a_end), name(u, b, b_end))},
+                      mine.triangle,
+                      theirs.triangle,
+                      Vector3::Zero(),
+                      Vector3::Zero()};
+      touch.weights[a] = 1 - s, touch.weights[a_end] = s;
+      touch.other_weights[b] = 1 - r, touch.other_weights[b_end] = r;
+      // Edges that go on behind a corner cross there twice.
+      if (std::none_of(touches.begin() + static_cast<std::ptrdiff_t>(start), touches.end(), [&](const EdgeTouch& kept) {
+            return (kept.touch.position - place).norm() < kRound * (t.size + u.size);
+          }))
+        touches.push_back(touch);
+    }
+  }
+}
+
 }  // namespace lithe::narrow

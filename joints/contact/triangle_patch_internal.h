@@ -28,6 +28,13 @@ struct PatchTouch {
   Vector3 weights;
 };
 
+/// Where edges of two surfaces cross, A the first: its point is Σ weights x of the triangle, as that of B.
+struct EdgeTouch {
+  Touch touch;
+  int triangle, other;  // places in the patches
+  Vector3 weights, other_weights;
+};
+
 /// Part of a surface, and what of it a shape touches. Keeps scratch.
 class TrianglePatch {
  public:
@@ -45,8 +52,15 @@ class TrianglePatch {
                  std::vector<PatchTouch>& touches);
   void meet_convex(const btConvexShape& b, const btTransform& bt, double reach, Corners corners,
                    std::vector<PatchTouch>& touches);
+  /// Open edges of both that cross, no deeper than `depth`.
+  void meet_edges_of(TrianglePatch& other, double reach, double depth, std::vector<EdgeTouch>& touches);
 
  private:
+  struct OpenEdge {
+    int triangle, edge, other;  // and the triangle behind it; -1: none
+  };
+  /// Each once.
+  const std::vector<OpenEdge>& find_open_edges();
   struct Near {
     int triangle;
     Vector3 weights, place;
@@ -71,6 +85,7 @@ class TrianglePatch {
   std::vector<Vector3> corners_;  // of the convex shape, world axes
   std::vector<int> seen_;
   std::vector<PatchTouch> found_;
+  std::vector<OpenEdge> open_;
 };
 
 namespace triangle_parts {

@@ -28,7 +28,7 @@ void mesh_plane(const btTransform& plane, const Shape::Data& mesh, const btTrans
 ///   convex              as mesh_convex with the deformed triangles, and every node against the shape
 ///   mesh, height field  nodes against triangles, and corners of the mesh that stand out against deformed triangles
 ///   surface             nodes of either against triangles of the other
-/// Where edges cross between two surfaces there is no point: nodes should be as close as what they meet is sharp.
+/// With the last two also edges that stand out across each other.
 /// Looks only at the nodes that may be near by what η can have moved (Shape::Data::reach); at all where that is not
 /// known.
 void surface_contacts(const ContactPoses& poses, int surface_collider, const Shape::Data& surface, int other_collider,

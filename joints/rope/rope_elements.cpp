@@ -65,6 +65,47 @@ MeasuredSpan measure_span(const MarkerView& A, const MarkerView& B, const RopeSp
   return span;
 }
 
+// ---- DrawnSpan ----
+
+constexpr int kArcPoints = 13;
+
+void DrawnSpan::set(const RopeSpanDrawing& drawing, const MeasuredSpan& drawn) {
+  drawing_ = drawing;
+  if (drawing.R_A != 0) start_ = drawn.angle_A - drawing.arc_A / drawing.R_A;
+  if (drawing.R_B != 0) end_ = drawn.angle_B + drawing.arc_B / drawing.R_B;
+}
+
+int DrawnSpan::point_count() const {
+  return (drawing_.R_A != 0 ? kArcPoints : 1) + (drawing_.R_B != 0 ? kArcPoints : 1);
+}
+
+void DrawnSpan::add_points(const MarkerView& A, const MarkerView& B, const MeasuredSpan& now, Matrix3X& points,
+                           int& at) const {
+  // Where the rope runs in the direction φ it is a quarter turn behind on the rim; of long windings the last turn.
+  const auto add_arc = [&](const MarkerView& wheel, double R, double from, double to) {
+    const double sweep = std::clamp(to - from, -2 * std::numbers::pi, 2 * std::numbers::pi);
+    for (int i = 0; i < kArcPoints; ++i) {
+      const double phi = from + sweep * i / (kArcPoints - 1);
+      points.col(at++) = wheel.p + wheel.R * (R * Vector3(std::sin(phi), -std::cos(phi), 0));
+    }
+  };
+  if (drawing_.R_A != 0) {
+    const double phi = now.angle_A, turn = 2 * std::numbers::pi;
+    add_arc(A, drawing_.R_A, std::clamp(start_, phi - turn, phi + turn), phi);
+  } else {
+    points.col(at++) = A.p;
+  }
+  if (drawing_.R_B != 0)
+    add_arc(B, -drawing_.R_B, now.angle_B, end_);
+  else
+    points.col(at++) = B.p;
+}
+
+std::vector<DrawnShape> drawn_wheel(double radius) {
+  if (radius == 0) return {};
+  return {visual::cylinder(std::abs(radius), 0.3 * std::abs(radius))};
+}
+
 RopeStretch::RopeStretch(const RopeSection& section, double length, double rate, double material,
                          double material_rate) {
   if (length <= material) return;
@@ -130,11 +171,30 @@ std::vector<MeasuredAngle> IdealRope::angles() const {
 
 void IdealRope::initialize(std::span<const MarkerView> markers) {
   offset_ = rest_length_ = 0;
+  drawn_.resize(parameters_.spans.size());
   int place = 0;
   for (int i = 0; i + 1 < marker_count(); ++i) {
     const RopeSpanDrawing& drawing = parameters_.spans[i];
-    offset_ += drawing.drawn_length - measure_span(markers[i], markers[i + 1], drawing, {}, place).length;
+    const MeasuredSpan span = measure_span(markers[i], markers[i + 1], drawing, {}, place);
+    offset_ += drawing.drawn_length - span.length;
     rest_length_ += drawing.rest_length;
+    drawn_[i].set(drawing, span);
+  }
+}
+
+std::vector<DrawnShape> IdealRope::drawn_shapes(int marker) const {
+  const auto& spans = parameters_.spans;
+  const auto at = static_cast<std::size_t>(marker);
+  return drawn_wheel(at < spans.size() ? spans[at].R_A : spans.back().R_B);
+}
+
+void IdealRope::drawn_line(std::span<const MarkerView> markers, const AngleMemory& memory, Matrix3X& points) const {
+  int count = 0, place = 0, at = 0;
+  for (const DrawnSpan& span : drawn_) count += span.point_count();
+  points.resize(3, count);
+  for (std::size_t i = 0; i < drawn_.size(); ++i) {
+    const MarkerView &A = markers[i], &B = markers[i + 1];
+    drawn_[i].add_points(A, B, measure_span(A, B, parameters_.spans[i], memory, place), points, at);
   }
 }
 
@@ -164,7 +224,22 @@ std::vector<MeasuredAngle> RopeSpan::angles() const {
 void RopeSpan::initialize(std::span<const MarkerView> markers) {
   int place = 0;
   const RopeSpanDrawing& drawing = parameters_.drawing;
-  offset_ = drawing.drawn_length - measure_span(markers[0], markers[1], drawing, {}, place).length;
+  const MeasuredSpan span = measure_span(markers[0], markers[1], drawing, {}, place);
+  offset_ = drawing.drawn_length - span.length;
+  drawn_.set(drawing, span);
+}
+
+std::vector<DrawnShape> RopeSpan::drawn_shapes(int marker) const {
+  const auto& drawing = parameters_.drawing;
+  if (marker == 0) return drawn_wheel(drawing.R_A);
+  return marker == 1 && !parameters_.travels_B ? drawn_wheel(drawing.R_B) : std::vector<DrawnShape>{};
+}
+
+void RopeSpan::drawn_line(std::span<const MarkerView> markers, const AngleMemory& memory, Matrix3X& points) const {
+  points.resize(3, drawn_.point_count());
+  int place = 0, at = 0;
+  const MeasuredSpan now = measure_span(markers[0], markers[1], parameters_.drawing, memory, place);
+  drawn_.add_points(markers[0], markers[1], now, points, at);
 }
 
 void RopeSpan::evaluate(double, std::span<const MarkerView> markers, ForceRows& rows) const {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "engine/assembly/batch.h"
+#include "engine/model/appearance.h"
 #include "engine/model/force_element.h"
 #include "engine/model/joint_coordinate.h"
 #include "engine/model/placeless_body.h"
@@ -44,6 +45,23 @@ void add_span_angles(int A, int B, const RopeSpanDrawing& drawing, std::vector<M
 MeasuredSpan measure_span(const MarkerView& A, const MarkerView& B, const RopeSpanDrawing& drawing,
                           const AngleMemory& memory, int& place);
 
+/// A span's wheels and its line on pages: half of either arc, from a point that stays on the carrier, and the straight
+/// part.
+class DrawnSpan {
+ public:
+  /// By the span as drawn.
+  void set(const RopeSpanDrawing& drawing, const MeasuredSpan& drawn);
+  int point_count() const;
+  /// Fills that many columns of `points` from column `at`; moves `at` behind them.
+  void add_points(const MarkerView& A, const MarkerView& B, const MeasuredSpan& now, Matrix3X& points, int& at) const;
+
+ private:
+  RopeSpanDrawing drawing_;
+  double start_ = 0, end_ = 0;  // φ where its arcs begin and end, rad
+};
+/// A disc as large as a wheel; none without radius.
+std::vector<DrawnShape> drawn_wheel(double radius);
+
 /// Stretch of a span, ε = Λ/L - 1 of its material L.
 struct RopeStretch {
   double strain = 0;  // ε, 0 where it is slack
@@ -83,7 +101,7 @@ class RopeTravel final : public PlacelessBody {
 
 /// A whole rope without mass over pulleys without friction: one tension all along.
 ///   T = EA (Λ/L - 1) + c Λ̇/L,   Λ: sum over its spans,   V = ½ EA ε² L
-class IdealRope final : public ForceElement {
+class IdealRope final : public ForceElement, public DrawableConnector {
  public:
   static constexpr int kRows = 1;
   struct Parameters {
@@ -98,10 +116,13 @@ class IdealRope final : public ForceElement {
   std::vector<MeasuredAngle> angles() const override;
   void initialize(std::span<const MarkerView> markers) override;
   void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const override;
+  std::vector<DrawnShape> drawn_shapes(int marker) const override;
+  void drawn_line(std::span<const MarkerView> markers, const AngleMemory&, Matrix3X& points) const override;
 
  private:
   const Parameters parameters_;
   double offset_ = 0, rest_length_ = 0;
+  std::vector<DrawnSpan> drawn_;
 };
 
 /// A span between two wheels over which the rope travels: markers A, B, and those of the travels s at either, if any.
@@ -109,7 +130,7 @@ class IdealRope final : public ForceElement {
 ///   p_B)
 /// with its weight per length w half at either wheel, that of the arcs a at their own.
 /// Forces are -∂V: a travel feels T (1 + ε/2), its material's tension and energy (Eshelby).
-class RopeSpan final : public ForceElement {
+class RopeSpan final : public ForceElement, public DrawableConnector {
  public:
   static constexpr int kRows = 1;
   struct Parameters {
@@ -126,10 +147,14 @@ class RopeSpan final : public ForceElement {
   std::vector<MeasuredAngle> angles() const override;
   void initialize(std::span<const MarkerView> markers) override;
   void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const override;
+  /// The wheel at its beginning; that at its end if it is the rope's.
+  std::vector<DrawnShape> drawn_shapes(int marker) const override;
+  void drawn_line(std::span<const MarkerView> markers, const AngleMemory&, Matrix3X& points) const override;
 
  private:
   const Parameters parameters_;
   double offset_ = 0;
+  DrawnSpan drawn_;
 };
 
 /// Friction between a rope and the surface of a pulley (Euler, Eytelwein), with bristles that stick and slip:

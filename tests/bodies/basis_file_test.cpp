@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <random>
 
+#include "bodies/beam/beam_model.h"
 #include "bodies/flexible/basis_file.h"
 #include "bodies/flexible/flexible_body.h"
 #include "engine/output/hdf5_file.h"
@@ -127,6 +128,22 @@ TEST(BasisFile, RigidAndNodalBodiesComeBackToo) {
     expect_same(*read, *basis);
     EXPECT_NEAR(FlexibleBody({.basis = read}).mass(), 78, 1e-9);
   }
+}
+
+TEST(BasisFile, ABeamComesBackAsThickAsItWas) {
+  const Beam beam({.axis = BeamAxis::curved({}, {0.1, 0.5, 0.2}, 1),
+                   .sections = {{0, BeamSection::rectangle(0.04, 0.02, {2.1e11, 0.3, 7850})}},
+                   .elements = 3});
+  const auto basis = make_basis(beam, TangentFrame{{1}}, 4);
+  write_modal_basis(*basis, path_of("beam.basis"));
+  const auto read = read_modal_basis(path_of("beam.basis"));
+  expect_same(*basis, *read);
+  ASSERT_TRUE(read->skin);
+  expect_same(MatrixX(basis->skin->points), MatrixX(read->skin->points), "points of the skin");
+  EXPECT_EQ(basis->skin->nodes, read->skin->nodes);
+  EXPECT_EQ(basis->skin->shares, read->skin->shares);
+  EXPECT_EQ(basis->skin->triangles, read->skin->triangles);
+  EXPECT_EQ(basis->skin->edges, read->skin->edges);
 }
 
 TEST(BasisFile, CutAnywhereIsRefused) {

@@ -173,6 +173,42 @@ TEST(BeamModel, OwesWhatEveryBodyOwes) {
   }
 }
 
+/// Modes show it as thick as it is, its surface where the beam itself has it: at nodes up to the square of the motion,
+/// between them up to the bend of an element.
+TEST(BeamModel, IsDrawnAsTheBeamIs) {
+  SystemGraph graph;
+  const auto& beam = graph.add<Beam>("beam", twisted(Beam::Mass::lumped));
+  const auto basis = make_basis(beam, TangentFrame{{1}}, 6);
+  auto& body = graph.add<FlexibleBody>("modal", {.basis = basis});
+  const DrawnMesh exact = beam.drawn_mesh(false), mesh = body.drawn_mesh(false);
+  const auto in_mesh = [&](const Matrix3X& points) -> Matrix3X {
+    return (basis->rotation * points).colwise() + basis->origin;
+  };
+  EXPECT_LT((in_mesh(mesh.points) - exact.points).cwiseAbs().maxCoeff(), 1e-14);
+  EXPECT_EQ(mesh.triangles, exact.triangles);
+  EXPECT_EQ(mesh.nodes[3], 3);
+  const int n = beam.node_count();
+  const auto cache = beam.make_cache();
+  for (int k = 0; k < 6; ++k) {
+    const double size = 1e-4 / basis->modes.col(k).cwiseAbs().maxCoeff();
+    VectorX q(7 * n);
+    const VectorX v = VectorX::Zero(6 * n);
+    for (int i = 0; i < n; ++i) {
+      const Vector3 u = basis->rotation * size * basis->node_modes(i).col(k),
+                    turn = basis->rotation * size * basis->node_rotation_modes(i).col(k);
+      q.segment<7>(7 * i) << beam.pose(i).position + u, quaternion_of(rotation_exp(turn) * beam.pose(i).axes);
+    }
+    Matrix3X moved = exact.points;
+    beam.drawn_points({q.data(), v.data(), cache.get()}, exact, moved);
+    const VectorX shown = size * mesh.modes.col(k);
+    const Matrix3X off = moved - in_mesh(mesh.points + Eigen::Map<const Matrix3X>(shown.data(), 3, shown.size() / 3));
+    for (int point = 0; point < off.cols(); ++point) {
+      const bool at_node = point < n || (point - n) / 4 % 3 == 0;
+      EXPECT_LT(off.col(point).norm(), at_node ? 3e-8 : 1e-5) << "mode " << k << ", point " << point;
+    }
+  }
+}
+
 TEST(BeamModel, RefusesTheFourthOrder) {
   const Beam beam(cantilever());
   EXPECT_THROW(make_basis(beam, TangentFrame{{1}}, 4, {.deflection = Deflection::quadratic}), SceneError);

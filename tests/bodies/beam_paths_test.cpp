@@ -109,24 +109,58 @@ TEST(BeamPaths, DeepArchGoesPastItsLimitLoad) {
   EXPECT_GT(std::abs(coarse / critical - 1), 3 * std::abs(fine / critical - 1));
 }
 
+/// A column and a beam of 120, the load on the beam 24 from the corner. The reference knows no shear. Returns where the
+/// load acts.
+Marker draw_lee_frame(SystemGraph& graph, int elements) {
+  const BeamSection section = in_plane(4.32e7, 4.32e11, 1.44e7);
+  auto& column = graph.add<Beam>("column", {.axis = BeamAxis::straight({0, 0, 0}, {0, 120, 0}, {-1, 0, 0}),
+                                            .sections = {{0, section}},
+                                            .elements = elements});
+  auto& beam = graph.add<Beam>("beam", {.axis = BeamAxis::straight({0, 120, 0}, {120, 120, 0}, {0, 1, 0}),
+                                        .sections = {{0, section}},
+                                        .elements = elements,
+                                        .stations = {24}});
+  graph.add<FixedJoint>("corner", {column.marker(120), beam.marker(0, {}, beam.axes(0).transpose() * column.axes(0))});
+  graph.add<RevoluteJoint>("foot", {graph.ground().marker({0, 0, 0}, column.axes(0)), column.marker(0)});
+  graph.add<RevoluteJoint>("wall", {graph.ground().marker({120, 120, 0}), beam.marker(120)});
+  return beam.marker(24);
+}
+
+/// From one load to the next, beyond the upper limit too: where it is past there is an equilibrium elsewhere, and the
+/// stiff frame has to get there.
+TEST(BeamPaths, LeeFrameJumpsUnderALoadThatGrows) {
+  const auto file = data("S09_lee_frame.json");
+  const auto row =
+      std::find_if(file["path"].begin(), file["path"].end(), [](const auto& r) { return r[0] > 24000 && r[2] > 93; });
+  ASSERT_NE(row, file["path"].end());
+  const double most = (*row)[0];
+  SystemGraph graph{{.gravity = Vector3::Zero()}};
+  const Marker loaded = draw_lee_frame(graph, 20);
+  graph.add<UserForce>("load", {loaded}, {[most](double share, const MarkerView&) {
+                         return force({0, -most * share, 0});
+                       }});
+  const System system = assemble(graph);
+  State state = system.initial_state();
+  double before = 0, jump = 0;
+  for (int i = 0; i <= 25; ++i) {
+    state.time = i / 25.0;
+    state = find_equilibrium(system, state).state;
+    const double down = 120 - Snapshot(system, state).marker(loaded).p.y();
+    jump = std::max(jump, down - before), before = down;
+  }
+  const Vector3 at_end = Snapshot(system, state).marker(loaded).p;
+  expect_below("Lee's frame after its jump, right", std::abs(at_end.x() - 24 - (*row)[1].get<double>()) / 120, 5e-4);
+  expect_below("Lee's frame after its jump, down", std::abs(before - (*row)[2].get<double>()) / 120, 5e-4);
+  EXPECT_GT(jump, 40);
+}
+
 TEST(BeamPaths, LeeFrameSnapsThroughAndBack) {
   const auto file = data("S09_lee_frame.json");
-  const BeamSection section = in_plane(4.32e7, 4.32e11, 1.44e7);  // the reference knows no shear
   Path meshes[2];
   for (int k = 0; k < 2; ++k) {
     SystemGraph graph{{.gravity = Vector3::Zero()}};
-    auto& column = graph.add<Beam>("column", {.axis = BeamAxis::straight({0, 0, 0}, {0, 120, 0}, {-1, 0, 0}),
-                                              .sections = {{0, section}},
-                                              .elements = 15 << k});
-    auto& beam = graph.add<Beam>("beam", {.axis = BeamAxis::straight({0, 120, 0}, {120, 120, 0}, {0, 1, 0}),
-                                          .sections = {{0, section}},
-                                          .elements = 15 << k,
-                                          .stations = {24}});
-    graph.add<FixedJoint>("corner",
-                          {column.marker(120), beam.marker(0, {}, beam.axes(0).transpose() * column.axes(0))});
-    graph.add<RevoluteJoint>("foot", {graph.ground().marker({0, 0, 0}, column.axes(0)), column.marker(0)});
-    graph.add<RevoluteJoint>("wall", {graph.ground().marker({120, 120, 0}), beam.marker(120)});
-    meshes[k] = path_of(graph, beam.marker(24), 2e4);
+    const Marker loaded = draw_lee_frame(graph, 15 << k);
+    meshes[k] = path_of(graph, loaded, 2e4);
   }
   for (const auto& row : file["path"]) {
     const Vector3 exact(row[0], row[1], row[2]);

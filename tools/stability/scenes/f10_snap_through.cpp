@@ -73,8 +73,7 @@ class Frame : private LoadedMarker, private Bench {
     return states;
   }
   std::vector<State> along_the_path() {
-    return follow_equilibria(system, find_equilibrium(system, state).state, {.farthest_turn = 0.1, .longest_step = 1})
-        .states;
+    return follow_equilibria(system, find_equilibrium(system, state).state, {.max_turn = 0.1, .max_step = 1}).states;
   }
 };
 

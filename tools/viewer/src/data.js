@@ -124,6 +124,10 @@ function readConnector(json, index, arrays, where, frames) {
     force: arrays.maybe(json.reaction.force, `${what}: reaction force`, frames * 3),
     moment: arrays.maybe(json.reaction.moment, `${what}: reaction moment`, frames * 3),
   };
+  const line = arrays.maybe(json.line, `${what}: line`);
+  if (line && (line.length === 0 || line.length % (3 * frames) !== 0)) {
+    throw new PageError(`${what}: line has ${line.length} numbers for ${frames} frames.`, kWriteAgain);
+  }
   return {
     index,
     name: json.name,
@@ -133,6 +137,7 @@ function readConnector(json, index, arrays, where, frames) {
     markers: json.markers ?? [],
     where: json.where ?? '',
     reaction: reaction ?? null,
+    line, // of a rope: frames x points x 3
   };
 }
 

@@ -1,5 +1,8 @@
 // Connectors of one run: a glyph at the first marker, a link to the others, arrows of what they transmit.
 import { DoubleSide, Group, Mesh, MeshLambertMaterial, Quaternion, Vector3, GreaterDepth } from 'three';
+import { Line2 } from 'three/examples/jsm/lines/Line2.js';
+import { LineGeometry } from 'three/examples/jsm/lines/LineGeometry.js';
+import { LineMaterial } from 'three/examples/jsm/lines/LineMaterial.js';
 import { bodyPose, locate, markerPose, vectorAt } from '../motion.js';
 import { Arrows } from './arrows.js';
 import { glyphGeometry, linkGeometry } from './glyphs.js';
@@ -27,6 +30,24 @@ export function typicalSize(lists) {
   return sizes.length ? sizes[Math.floor(0.9 * (sizes.length - 1))] : 0;
 }
 
+/** A rope: the points of its line at a frame, or between two of them. */
+class RopeLine {
+  constructor(points, frames) {
+    this.points = points;
+    this.now = new Float32Array(points.length / frames);
+    this.material = new LineMaterial({ linewidth: 3.5, transparent: true });
+    this.line = new Line2(new LineGeometry(), this.material);
+    this.line.frustumCulled = false;
+    this.line.raycast = () => {}; // its glyph is picked
+  }
+
+  update({ i, j, w }) {
+    const n = this.now.length;
+    for (let k = 0; k < n; ++k) this.now[k] = (1 - w) * this.points[i * n + k] + w * this.points[j * n + k];
+    this.line.geometry.setPositions(this.now);
+  }
+}
+
 /** A solid that is drawn full where it is seen and faint where something hides it. */
 function ghosted(geometry, material, ghost) {
   const group = new Group();
@@ -48,10 +69,12 @@ export class ConnectorViews {
       const material = new MeshLambertMaterial({ side: DoubleSide });
       const ghost = new MeshLambertMaterial({ transparent: true, opacity: 0.35, depthFunc: GreaterDepth, depthWrite: false });
       const glyph = ghosted(glyphGeometry(connector.kind), material, ghost);
-      const links = connector.markers.slice(1).map(() => ghosted(linkGeometry(connector.kind), material, ghost));
+      const rope = connector.line ? new RopeLine(connector.line, run.frames) : null;
+      const links = rope ? [] : connector.markers.slice(1).map(() => ghosted(linkGeometry(connector.kind), material, ghost));
       group.add(glyph, ...links);
+      if (rope) group.add(rope.line);
       this.group.add(group);
-      return { connector, entry, group, glyph, links, material, ghost };
+      return { connector, entry, group, glyph, links, rope, material, ghost };
     });
     const n = Math.max(1, run.connectors.length);
     this.forces = new Arrows(n, false, dim);
@@ -72,9 +95,11 @@ export class ConnectorViews {
     this.#arrows(at, poses, view, sizes);
   }
 
-  #place({ connector, group, glyph, links }, at, poses, view, glyph_size) {
-    group.visible = view.show.joints;
-    if (!group.visible) return;
+  #place({ connector, group, glyph, links, rope }, at, poses, view, glyph_size) {
+    group.visible = view.show.joints || rope !== null;
+    glyph.visible = view.show.joints;
+    rope?.update(at);
+    if (!view.show.joints) return;
     const markers = connector.markers.map((i) => this.run.markers[i]);
     const ends = markers.map((marker) => markerPose(this.run, marker, at, poses[marker.body], view.magnification));
     glyph.position.set(...ends[0].position);
@@ -125,10 +150,14 @@ export class ConnectorViews {
   }
 
   dress(colours, selection, opacity) {
-    for (const { connector, entry, material, ghost } of this.views) {
+    for (const { connector, entry, rope, material, ghost } of this.views) {
       const selected = selection?.kind === 'connector' && selection.index === entry.index;
       const colour = selected ? colours.accent : (colours[connector.role] ?? colours.joint);
       for (const one of [material, ghost]) one.color.set(colour);
+      if (rope) {
+        rope.material.color.set(selected ? colours.accent : colours.rope);
+        rope.material.opacity = opacity;
+      }
       material.emissive.set(selected ? colours.accent : '#000');
       material.transparent = opacity < 1;
       material.opacity = opacity;

@@ -124,7 +124,7 @@ export class Stage {
     this.grid.visible = view.show.grid;
     const accent = colour('--accent');
     const roles = { accent };
-    for (const role of ['joint', 'force', 'drive', 'contact', 'reaction', 'moment']) roles[role] = colour(`--${role}`);
+    for (const role of ['joint', 'force', 'drive', 'contact', 'reaction', 'moment', 'rope']) roles[role] = colour(`--${role}`);
     const many = model.runs.length > 1;
     this.runs.forEach(({ run, bodies, connectors, traces, markers }, r) => {
       const own = view.runs[r];
