@@ -1,6 +1,7 @@
 #include "engine/model/appearance.h"
 
 #include "engine/base/checks.h"
+#include "engine/base/rotations.h"
 
 namespace lithe {
 
@@ -45,7 +46,7 @@ DrawnShape cone(double radius, double length) { return round_shape(DrawnShape::K
 DrawnShape rod(const Point& from, const Point& to, double radius) {
   const Vector3 along = to.at - from.at;
   require::positive(along.norm(), "distance of the rod's ends");
-  const Matrix3 turned = Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), along).toRotationMatrix();
+  const Matrix3 turned = axes_along(along);
   return cylinder(radius, along.norm()).at(Vector3((from.at + to.at) / 2), turned);
 }
 

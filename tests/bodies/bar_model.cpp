@@ -1,18 +1,20 @@
 #include "tests/bodies/bar_model.h"
 
-#include <Eigen/LU>
 #include <cmath>
 #include <numeric>
 #include <string>
 #include <utility>
 
+#include "engine/base/dense_inverse.h"
+#include "tests/support/linear_algebra.h"
+
 namespace lithe::test {
 namespace {
 
 /// Stiffness of one brick, corner c at offset (c & 1, c >> 1 & 1, c >> 2), its modes 1 - ξ_k² eliminated.
-Eigen::Matrix<double, 24, 24> brick_stiffness(const Vector3& edge, double young, double poisson) {
+MatrixX brick_stiffness(const Vector3& edge, double young, double poisson) {
   const double lame = young * poisson / ((1 + poisson) * (1 - 2 * poisson)), shear = young / (2 * (1 + poisson));
-  Eigen::Matrix<double, 33, 33> K = Eigen::Matrix<double, 33, 33>::Zero();
+  MatrixX K = MatrixX::Zero(33, 33);
   for (int point = 0; point < 8; ++point) {
     Vector3 xi;
     for (int a = 0; a < 3; ++a) xi[a] = ((point >> a & 1) ? 1 : -1) / std::sqrt(3.0);
@@ -30,8 +32,8 @@ Eigen::Matrix<double, 24, 24> brick_stiffness(const Vector3& edge, double young,
             edge.prod() / 8 * (lame * outer + shear * outer.transpose() + shear * outer.trace() * Matrix3::Identity());
       }
   }
-  return K.topLeftCorner<24, 24>() -
-         K.topRightCorner<24, 9>() * K.bottomRightCorner<9, 9>().inverse() * K.bottomLeftCorner<9, 24>();
+  const MatrixX coupling = K.bottomLeftCorner(9, 24);
+  return K.topLeftCorner(24, 24) - congruence(coupling, inverse_of(K.bottomRightCorner(9, 9)));
 }
 
 }  // namespace

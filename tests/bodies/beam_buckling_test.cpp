@@ -10,6 +10,7 @@
 #include "engine/analysis/linearization.h"
 #include "joints/fixed_joint.h"
 #include "joints/forces/user_force.h"
+#include "tests/support/json_file.h"
 #include "tests/support/methods.h"
 
 /// Critical loads: where the lowest stiffness of the loaded beam vanishes.
@@ -72,7 +73,7 @@ void expect_critical(const std::string& what, double exact, double bound,
 }
 
 TEST(BeamBuckling, RightAngleFrameBucklesSideways) {
-  const auto file = nlohmann::json::parse(std::ifstream(LITHE_TEST_DATA "/beams/S08_right_angle_frame.json"));
+  const auto file = read_json(LITHE_TEST_DATA "/beams/S08_right_angle_frame.json");
   const auto& d = file["data"];
   const double L = d["L"];
   const BeamSection section = rectangle(d["height"], d["thickness"], {d["E"], d["nu"], 2700});

@@ -13,6 +13,7 @@
 #include "joints/fixed_joint.h"
 #include "joints/forces/user_force.h"
 #include "joints/revolute_joint.h"
+#include "tests/support/json_file.h"
 #include "tests/support/methods.h"
 
 /// Frequencies of beams, at rest and turning, against closed forms and tests/data/beams, which README.md there
@@ -96,7 +97,7 @@ struct Rotor {
 
 /// All speeds of one hub, one set of modes.
 void check_turning(const std::string& hub, const std::string& set) {
-  const auto file = nlohmann::json::parse(std::ifstream(LITHE_TEST_DATA "/beams/D02b_rotating_timoshenko.json"));
+  const auto file = read_json(LITHE_TEST_DATA "/beams/D02b_rotating_timoshenko.json");
   const auto& c = file["cases"][hub];
   const double EA = c["EA"], GA = c["GA"], GJ = c["GJ"], EI = c["EI"], J = c["rhoI_bend"], other = c["rhoI_other"];
   // The lag set has the same bending, turned into the plane of rotation.

@@ -11,15 +11,14 @@
 #include "joints/fixed_joint.h"
 #include "joints/forces/user_force.h"
 #include "joints/revolute_joint.h"
+#include "tests/support/json_file.h"
 #include "tests/support/methods.h"
 
 /// Frames that snap through, followed by their arc length, against tests/data/beams, which README.md there explains.
 namespace lithe::test::beam_paths_test {
 namespace {
 
-nlohmann::json data(const std::string& name) {
-  return nlohmann::json::parse(std::ifstream(std::string(LITHE_TEST_DATA) + "/beams/" + name));
-}
+nlohmann::json data(const std::string& name) { return read_json(std::string(LITHE_TEST_DATA) + "/beams/" + name); }
 
 /// Out of its plane it is stiffer, so that it stays there.
 BeamSection in_plane(double EA, double GA, double EI) {

@@ -8,15 +8,14 @@
 #include "engine/analysis/equilibrium.h"
 #include "joints/fixed_joint.h"
 #include "joints/forces/user_force.h"
+#include "tests/support/json_file.h"
 #include "tests/support/methods.h"
 
 /// Beams at rest under large displacements, against closed forms and tests/data/beams, which README.md there explains.
 namespace lithe::test::beam_statics_test {
 namespace {
 
-nlohmann::json data(const std::string& name) {
-  return nlohmann::json::parse(std::ifstream(std::string(LITHE_TEST_DATA) + "/beams/" + name));
-}
+nlohmann::json data(const std::string& name) { return read_json(std::string(LITHE_TEST_DATA) + "/beams/" + name); }
 
 /// A clamped beam with a dead wrench at its end that grows with time from 0 to 1.
 struct Cantilever {

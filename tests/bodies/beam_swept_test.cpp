@@ -12,6 +12,7 @@
 #include "joints/fixed_joint.h"
 #include "joints/forces/user_force.h"
 #include "joints/revolute_joint.h"
+#include "tests/support/json_file.h"
 #include "tests/support/methods.h"
 
 /// A thin blade whose tip is swept in the plane of rotation, against measured frequencies (tests/data/beams, D07).
@@ -96,7 +97,7 @@ struct SweptBlade {
 /// Hodges, Shang and Cesnik's blade, four sweeps, three speeds, to 10 %. The first flap frequency at rest, 1.4 to 1.8
 /// Hz for blades that should differ little, was measured to some tenths of a hertz.
 TEST(BeamSwept, HasTheMeasuredFrequencies) {
-  const auto file = nlohmann::json::parse(std::ifstream(LITHE_TEST_DATA "/beams/D07_swept_tip_rotating_beam.json"));
+  const auto file = read_json(LITHE_TEST_DATA "/beams/D07_swept_tip_rotating_beam.json");
   const auto &geometry = file["geometry"], &s = file["section"], &measured = file["measured_Hz"],
              &higher = file["measured_Hz_750rpm"];
   const double width = s["width_in_plane"], thickness = s["thickness"], E = s["E"], nu = s["nu"], rho = s["rho"];

@@ -16,6 +16,7 @@
 #include "tests/joints/mechanisms.h"
 #include "tests/support/body_checks.h"
 #include "tests/support/dense.h"
+#include "tests/support/json_file.h"
 #include "tests/support/linear_algebra.h"
 #include "tests/support/motion.h"
 
@@ -112,8 +113,7 @@ struct Catenary {
 };
 
 Catenary catenary(const std::string& name) {
-  std::ifstream file(std::string(LITHE_TEST_DATA) + "/beams/S03_catenary.json");
-  const auto c = nlohmann::json::parse(file).at("cases").at(name);
+  const auto c = read_json(LITHE_TEST_DATA "/beams/S03_catenary.json").at("cases").at(name);
   return {c.at("L0"),         c.at("EA"), c.at("weight_per_length"), c.at("H"), Vector3(c.at("dx"), 0, c.at("dz")),
           c.at("table_s_x_z")};
 }

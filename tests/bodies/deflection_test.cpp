@@ -15,6 +15,7 @@
 #include "integrators/explicit_runge_kutta.h"
 #include "tests/bodies/fe_models.h"
 #include "tests/support/body_checks.h"
+#include "tests/support/json_file.h"
 
 namespace lithe::test::deflection_test {
 namespace {
@@ -50,7 +51,7 @@ MatrixX geometric_stiffness(const ModalBasis& basis, const VectorX& load) {
 class Oracle {
  public:
   Oracle() {
-    std::ifstream(std::string(LITHE_TEST_DATA) + "/oracle/g01_geo_stiffness.json") >> data;
+    data = read_json(LITHE_TEST_DATA "/oracle/g01_geo_stiffness.json");
     model.name = "g01";
     model.nodes = matrix(data["nodes"]).transpose();
     for (int i = 0; i < model.node_count(); ++i) model.node_ids.push_back(i + 1);

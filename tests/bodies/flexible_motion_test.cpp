@@ -9,6 +9,7 @@
 #include "engine/assembly/evaluator.h"
 #include "integrators/explicit_runge_kutta.h"
 #include "tests/bodies/flexible_models.h"
+#include "tests/support/json_file.h"
 #include "tests/support/linear_algebra.h"
 #include "tests/support/oracle.h"
 
@@ -98,8 +99,7 @@ class InertialModel {
 };
 
 TEST(FlexibleBody, with_all_nodal_coordinates_follows_the_inertial_frame_model) {
-  std::ifstream in(std::string(LITHE_TEST_DATA) + "/oracle/b01_hex_nodal.json");
-  const auto data = nlohmann::json::parse(in);
+  const auto data = read_json(LITHE_TEST_DATA "/oracle/b01_hex_nodal.json");
   auto basis = std::make_shared<ModalBasis>(*basis_from_modes(
       "hex", oracle::matrix(data.at("nodes")).transpose(), oracle::matrix(data.at("mass_scalar")).sparseView(),
       oracle::matrix(data.at("K_modal")).sparseView(), oracle::matrix(data.at("B"))));

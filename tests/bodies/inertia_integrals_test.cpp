@@ -4,18 +4,14 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/bodies/fe_models.h"
+#include "tests/support/json_file.h"
 
 namespace lithe::test::inertia_integrals_test {
 namespace {
 
 using nlohmann::json;
 
-json oracle(const std::string& name) {
-  const std::string path = std::string(LITHE_TEST_DATA) + "/oracle/" + name + ".json";
-  std::ifstream stream(path);
-  EXPECT_TRUE(stream) << path;
-  return json::parse(stream);
-}
+json oracle(const std::string& name) { return read_json(std::string(LITHE_TEST_DATA) + "/oracle/" + name + ".json"); }
 
 MatrixX matrix(const json& rows) {
   MatrixX A(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(rows.at(0).size()));

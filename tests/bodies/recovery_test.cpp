@@ -23,6 +23,7 @@
 #include "joints/spherical_joint.h"
 #include "tests/bodies/fe_models.h"
 #include "tests/engine/output/output_scratch_folder.h"
+#include "tests/support/linear_algebra.h"
 
 namespace lithe::test::recovery_test {
 namespace {
@@ -123,7 +124,7 @@ struct HangingBar {
       const int dof = basis->free_dofs[static_cast<size_t>(k)];
       weight[k] = dof % 3 == 0 ? kGravity * mass[dof / 3] : 0;
     }
-    const VectorX eta = share * Eigen::LDLT<MatrixX>(MatrixX(basis->stiffness)).solve(weight);
+    const VectorX eta = share * test::solve_positive(basis->stiffness, weight);
     bar = &graph.add<FlexibleBody>("bar", {.basis = basis, .modal_coordinates = eta});
     const Vector3 foot(0, 0.01, 0.015);
     graph.add<FixedJoint>("clamp", {graph.ground().marker(foot), bar->average(model.node_set("x_min"))});

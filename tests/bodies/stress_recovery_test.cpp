@@ -1,12 +1,12 @@
 #include "bodies/flexible/elements/stress_recovery.h"
 
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 
 #include "bodies/flexible/elements/meshes.h"
 #include "bodies/flexible/readers/calculix_deck.h"
 #include "bodies/flexible/reduction.h"
 #include "tests/bodies/fe_models.h"
+#include "tests/support/linear_algebra.h"
 
 namespace lithe::test::stress_recovery_test {
 namespace {
@@ -17,7 +17,7 @@ std::string stress_data(const std::string& file) { return std::string(LITHE_TEST
 VectorX solved(const FiniteElementModel& model, const VectorX& force, const std::vector<int>& held) {
   SparseMatrix K = model.stiffness;
   for (int dof : held) K.coeffRef(dof, dof) += 1e12 * test::largest(model.stiffness);
-  return Eigen::SimplicialLDLT<SparseMatrix>(K).solve(force);
+  return test::solve_sparse(K, force);
 }
 
 /// Largest difference of two tables, by the largest entry of the second.

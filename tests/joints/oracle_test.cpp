@@ -13,6 +13,7 @@
 #include "joints/spherical_joint.h"
 #include "joints/universal_joint.h"
 #include "tests/support/dense.h"
+#include "tests/support/json_file.h"
 #include "tests/support/marker_body.h"
 
 namespace lithe::test::oracle_test {
@@ -35,7 +36,7 @@ MatrixX matrix(const Json& j) {
 /// 120 digits (tests/data/oracle): the bodies' markers, the joint's rows and the engine's sums all at once.
 class JointOracle : public testing::Test {
  protected:
-  JointOracle() { std::ifstream(LITHE_TEST_DATA "/oracle/j01_joints.json") >> oracle_; }
+  JointOracle() { oracle_ = read_json(LITHE_TEST_DATA "/oracle/j01_joints.json"); }
 
   /// Body `i` of the oracle, drawn undeformed with its marker at `place` and along the world's axes.
   Marker draw(SystemGraph& graph, int i, const Vector3& place) const {

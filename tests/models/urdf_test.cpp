@@ -10,6 +10,7 @@
 #include "joints/forces/point_force.h"
 #include "models/draw_model.h"
 #include "models/read_model.h"
+#include "tests/support/json_file.h"
 
 namespace lithe {
 namespace {
@@ -88,7 +89,7 @@ class Urdf : public testing::TestWithParam<const char*> {};
 /// Reference: two formulations of their own, points at 60 digits and Newton-Euler, which agree to 1e-15
 /// (tests/data/robots; MuJoCo is a third).
 TEST_P(Urdf, MovesAsTwoIndependentMethodsSay) {
-  const Json reference = Json::parse(std::ifstream(data(std::string(GetParam()) + ".json")));
+  const Json reference = test::read_json(data(std::string(GetParam()) + ".json"));
   const ModelDescription model = read_model(data(reference["file"]));
   double mass = 0;
   for (const ModelLink& link : model.links) mass += link.mass;

@@ -12,6 +12,7 @@
 #include "joints/revolute_joint.h"
 #include "joints/rolling_disc.h"
 #include "tests/reference/accuracy.h"
+#include "tests/support/json_file.h"
 #include "tests/support/linear_algebra.h"
 
 namespace lithe::test::r16_bicycle_test {
@@ -22,8 +23,7 @@ using Complex = std::complex<double>;
 constexpr double kWheelBase = 1.02, kTrail = 0.08, kTilt = M_PI / 10, kRearRadius = 0.3, kFrontRadius = 0.35;
 
 nlohmann::json benchmark() {
-  std::ifstream file(std::string(LITHE_TEST_DATA) + "/benchmarks/R16_bicycle_linear/reference.json");
-  return nlohmann::json::parse(file);
+  return read_json(std::string(LITHE_TEST_DATA) + "/benchmarks/R16_bicycle_linear/reference.json");
 }
 double number(const nlohmann::json& text) { return std::stod(text.get<std::string>()); }
 Eigen::Matrix2d matrix2(const nlohmann::json& rows) {

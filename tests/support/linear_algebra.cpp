@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <Eigen/QR>
 #include <Eigen/SVD>
+#include <Eigen/SparseCholesky>
 
 namespace lithe::test {
 
@@ -15,6 +16,10 @@ MatrixX congruence(const MatrixX& T, const MatrixX& A) { return product(T.transp
 MatrixX solve(const MatrixX& A, const MatrixX& B) { return A.partialPivLu().solve(B); }
 
 MatrixX solve_positive(const MatrixX& A, const MatrixX& B) { return A.llt().solve(B); }
+
+VectorX solve_sparse(const Eigen::SparseMatrix<double>& A, const VectorX& b) {
+  return Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(A).solve(b);
+}
 
 VectorX least_norm(const MatrixX& A, const VectorX& b, double tolerance) {
   Eigen::JacobiSVD<MatrixX> svd(A, Eigen::ComputeThinU | Eigen::ComputeThinV);

@@ -8,9 +8,11 @@
 
 #include "bodies/flexible/elements/meshes.h"
 #include "bodies/flexible/flexible_body.h"
+#include "engine/base/rotations.h"
 #include "engine/observe/observer.h"
 #include "joints/revolute_joint.h"
 #include "tests/engine/output/output_scratch_folder.h"
+#include "tests/support/json_file.h"
 
 /// Pages read back as a viewer reads them, and a scene to show.
 namespace lithe::test::page {
@@ -28,7 +30,7 @@ struct Page {
       const std::size_t from = html.find(opening) + opening.size();
       return html.substr(from, html.find("</script>", from) - from);
     };
-    scene = Json::parse(element("<script type=\"application/json\" id=\"lithe-scene\">"));
+    scene = parse_json(element("<script type=\"application/json\" id=\"lithe-scene\">"));
     const std::string packed = from_base64(element("<script type=\"text/plain\" id=\"lithe-data\">"));
     for (uLongf size = 1 << 20;; size *= 2) {
       bytes.resize(size);
@@ -141,7 +143,7 @@ struct RodScene {
   }
   static Matrix3 hinge_axes(const FiniteElementModel& model, const std::vector<int>& root) {
     const Vector3 along = model.nodes.col(model.node_index(root[1])) - model.nodes.col(model.node_index(root[0]));
-    return Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), along).toRotationMatrix();
+    return axes_along(along);
   }
 };
 
