@@ -28,10 +28,8 @@ void MoreauJean::prepare(EquationsOfMotion& equations, State& state) {
   if (!resumes()) statistics_ = {}, impulses_.forget();
   for (VectorX* x : {&v_, &d_, &rv_, &mean_}) x->setZero(nv);
   for (VectorX* x : {&rl_, &more_, &total_}) x->setZero(rows);
-  const auto& bodies = equations.layout().bodies();
   deforms_ = false;
-  for (std::size_t b = 0; b < bodies.size(); ++b)
-    deforms_ |= (bodies[b].frame ? 6 : 0) + bodies[b].linear > 6 || (b > 0 && bodies[b].body == bodies[b - 1].body);
+  for (const auto& body : equations.layout().bodies()) deforms_ |= (body.frame ? 6 : 0) + body.linear > 6;
   q_ = state.q;
   if (state.v_dot.size() != nv) state.v_dot.setZero(nv);
   if (state.lambda.size() != rows) state.lambda.setZero(rows);
@@ -104,9 +102,10 @@ StepResult MoreauJean::advance(EquationsOfMotion& equations, State& state, doubl
   return {};
 }
 
-/// Of bodies that deform: Newton's iteration goes on, along the same factor, to the implicit midpoint rule. Its first
+/// Of bodies that deform by linear coordinates: Newton's iteration goes on, along the same factor, to the implicit midpoint rule. Its first
 /// iterate alone turns stiff elements by the rotation that the step began with and stretches them; where the step does
-/// not resolve them, that feeds their vibrations until they burst (a solid in nodal coordinates: in 0.2 s).
+/// not resolve them, that feeds their vibrations until they burst (a solid in nodal coordinates: in 0.2 s). A beam's frames
+/// turn with it; iterated, a beam of 20 elements that bounces at 1 ms lost 72 % of its energy, not 0.05 %.
 void MoreauJean::correct(EquationsOfMotion& equations, const State& state, double h) {
   total_ = rl_;
   if (equations.reacts()) total_ += h * lambda_;

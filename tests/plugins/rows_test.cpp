@@ -105,7 +105,8 @@ void expect_same_equations(SystemGraph& compiled, SystemGraph& loaded) {
       keep(evaluators[k].workspace().force_energy);
       results[k] = Eigen::Map<VectorX>(all.data(), static_cast<Eigen::Index>(all.size()));
     }
-    ASSERT_TRUE(same_bits(results[0], results[1]))
+    // By value: zeros of rows that hold a point have signs of their own (engine/assembly/connector_blocks.h).
+    ASSERT_EQ(results[0], results[1])
         << "largest difference " << (results[0] - results[1]).cwiseAbs().maxCoeff();
   }
 }
