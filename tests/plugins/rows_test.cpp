@@ -23,9 +23,6 @@ bool same_bits(const Wrench& a, const Wrench& b) {
     if (!same_bits(a.force[i], b.force[i]) || !same_bits(a.torque[i], b.torque[i])) return false;
   return true;
 }
-bool same_bits(const VectorX& a, const VectorX& b) {
-  return a.size() == b.size() && (a.size() == 0 || std::memcmp(a.data(), b.data(), 8 * a.size()) == 0);
-}
 
 /// Two markers anywhere, moving anyhow; the second at some 2 m from the first.
 struct RandomMarkers {
