@@ -11,6 +11,9 @@ namespace lithe::kernels {
 
 inline constexpr int kFixed = 6;
 
+// Sums begin with a product: GCC 12 copies what an array begins with in halves of a register and stalls as it reads the
+// whole.
+
 /// C -= A B with A m x k, B k x n.
 template <class S>
 using Product = void (*)(S* C, const S* A, const S* B, int m, int k, int n);
@@ -33,10 +36,10 @@ void product(S* C, const S* A, const S* B, int m, int k, int n) {
   for (int j = 0; j < n; ++j) {
     if constexpr (M > 0) {
       S sum[M];
-      for (int i = 0; i < M; ++i) sum[i] = C[i + M * j];
-      for (int l = 0; l < K; ++l)
-        for (int i = 0; i < M; ++i) sum[i] -= A[i + M * l] * B[l + K * j];
-      for (int i = 0; i < M; ++i) C[i + M * j] = sum[i];
+      for (int i = 0; i < M; ++i) sum[i] = A[i] * B[K * j];
+      for (int l = 1; l < K; ++l)
+        for (int i = 0; i < M; ++i) sum[i] += A[i + M * l] * B[l + K * j];
+      for (int i = 0; i < M; ++i) C[i + M * j] -= sum[i];
     } else {
       for (int l = 0; l < k; ++l)
         for (int i = 0; i < m; ++i) C[i + m * j] -= A[i + m * l] * B[l + k * j];
@@ -62,10 +65,10 @@ void multiply_vector(S* y, const S* A, const S* x, int m, int k) {
   if constexpr (M > 0) m = M, k = K;
   if constexpr (M > 0) {
     S sum[M];
-    for (int i = 0; i < M; ++i) sum[i] = y[i];
-    for (int l = 0; l < K; ++l)
-      for (int i = 0; i < M; ++i) sum[i] -= A[i + M * l] * x[l];
-    for (int i = 0; i < M; ++i) y[i] = sum[i];
+    for (int i = 0; i < M; ++i) sum[i] = A[i] * x[0];
+    for (int l = 1; l < K; ++l)
+      for (int i = 0; i < M; ++i) sum[i] += A[i + M * l] * x[l];
+    for (int i = 0; i < M; ++i) y[i] -= sum[i];
   } else {
     for (int l = 0; l < k; ++l)
       for (int i = 0; i < m; ++i) y[i] -= A[i + m * l] * x[l];
