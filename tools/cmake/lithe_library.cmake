@@ -11,10 +11,10 @@ target_compile_options(lithe_flags INTERFACE -Wno-missing-field-initializers)
 # Registers of four numbers (engine/base/lanes.h) stay within one source: how they would be passed elsewhere is no matter.
 target_compile_options(lithe_flags INTERFACE -Wno-psabi)
 # GCC 12 reports false positives at -O3: the first two inside Eigen, the third inside std::string (GCC bug 105651), the
-# last two in its AVX-512 header.
+# last three in its AVX-512 header.
 target_compile_options(lithe_flags INTERFACE
                        $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized -Wno-array-bounds -Wno-restrict
-                       -Wno-stringop-overflow -Wno-stringop-overread>)
+                       -Wno-stringop-overflow -Wno-stringop-overread -Wno-uninitialized>)
 
 function(lithe_library name)
   cmake_parse_arguments(ARG "" "" "DEPENDS;PRIVATE;HEADERS_ONLY" ${ARGN})
