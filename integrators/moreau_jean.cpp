@@ -102,10 +102,10 @@ StepResult MoreauJean::advance(EquationsOfMotion& equations, State& state, doubl
   return {};
 }
 
-/// Of bodies that deform by linear coordinates: Newton's iteration goes on, along the same factor, to the implicit midpoint rule. Its first
-/// iterate alone turns stiff elements by the rotation that the step began with and stretches them; where the step does
-/// not resolve them, that feeds their vibrations until they burst (a solid in nodal coordinates: in 0.2 s). A beam's frames
-/// turn with it.
+/// Of bodies that deform by linear coordinates: Newton's iteration goes on, along the same factor, to the implicit
+/// midpoint rule. Its first iterate alone turns stiff elements by the rotation that the step began with and stretches
+/// them; where the step does not resolve them, that feeds their vibrations until they burst (a solid in nodal
+/// coordinates: in 0.2 s). A beam's frames turn with it.
 void MoreauJean::correct(EquationsOfMotion& equations, const State& state, double h) {
   total_ = rl_;
   if (equations.reacts()) total_ += h * lambda_;

@@ -10,10 +10,10 @@ namespace lithe {
 /// without contact is the linearly implicit midpoint rule in the stabilized index-2 form,
 ///   [S Gᵀ; G 0] (v_free - v, Λ) = (h f, -ġ),   S = M + h/2 D + h²/4 K  at q ⊕ h/2 v,   d = h/2 (v + v_free),
 /// then contact (integrators/contact_impulses.h), then joints are closed along the same factor. Fixed step, no Newton
-/// iteration but for bodies with linear coordinates, one to four, since stiff elements that turn are not linear in a step. A step
-/// ends early where few rigid bodies meet, so that their impact is at its end. Order 2 between impacts, for bodies that
-/// turn while they are held too, and over impacts, but for those of many that share bodies within one step.
-/// Stable for stiff springs and modes at any step; it does not damp.
+/// iteration but for bodies with linear coordinates, one to four, since stiff elements that turn are not linear in a
+/// step. A step ends early where few rigid bodies meet, so that their impact is at its end. Order 2 between impacts,
+/// for bodies that turn while they are held too, and over impacts, but for those of many that share bodies within one
+/// step. Stable for stiff springs and modes at any step; it does not damp.
 class MoreauJean final : public Integrator {
  public:
   struct Parameters {

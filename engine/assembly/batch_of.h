@@ -137,6 +137,13 @@ int marker_count(const ConnectorRecord& record) {
   return kMarkersOf<T> > 0 ? kMarkersOf<T> : record.marker_count;
 }
 
+/// Of a joint whose markers the compiler knows, which act one and all: without asking which of them do.
+template <class T>
+const Wrench& wrench_of(const ConstraintRows& rows, int row, int marker) {
+  constexpr bool all_act = (kMarkersOf<T>) > 0;
+  return all_act ? rows.plain_wrench(row, marker) : rows.wrench(row, marker);
+}
+
 /// Views of the connector's markers, for a number of markers that the compiler may know.
 template <class T = Constraint>
 class Views {
@@ -176,10 +183,7 @@ class ConstraintBatchOf final : public ConstraintBatch {
       rows.recall(work.quarter_turns.data() + record.first_angle);
       connector::Views<T> views(work.markers.data(), record);
       constraints_[i]->T::evaluate(work.time, views, rows);
-      const auto wrench = [&](int r, int m) -> const Wrench& {
-        if constexpr (connector::kMarkersOf < T >> 0) return rows.plain_wrench(r, m);
-        return rows.wrench(r, m);
-      };
+      const auto wrench = [&](int r, int m) -> const Wrench& { return connector::wrench_of<T>(rows, r, m); };
       const int count = kRows > 0 ? kRows : rows.count();
       for (int r = 0; r < count; ++r) {
         work.residual[record.first_row + r] = rows.residual(r);
@@ -232,7 +236,7 @@ class ConstraintBatchOf final : public ConstraintBatch {
           out[m] = {Vector3::Zero(), Vector3::Zero()};
           if (first > 0) out[m].force = (m == 0 ? -1 : 1) * Eigen::Map<const Vector3>(multipliers);
           for (int r = first; r < count; ++r) {
-            const Wrench& w = connector::kMarkersOf<T> > 0 ? into.plain_wrench(r, m) : into.wrench(r, m);
+            const Wrench& w = connector::wrench_of<T>(into, r, m);
             out[m].force += multipliers[r] * w.force;
             out[m].torque += multipliers[r] * w.torque;
           }
@@ -381,7 +385,7 @@ class ForceBatchOf final : public ForceBatch {
     ConstraintRows own(reaction.record.marker_count);
     ConstraintRows& joint = joint_rows ? *joint_rows : own;
     joint.recall(work.quarter_turns.data() + reaction.record.first_angle);
-    reaction.joint->evaluate(work.time, connector::Views<Constraint>(work.markers.data(), reaction.record), joint);
+    reaction.joint->evaluate(work.time, connector::Views(work.markers.data(), reaction.record), joint);
     Wrench sum{Vector3::Zero(), Vector3::Zero()};
     for (int j = 0; j < joint.count(); ++j) {
       sum.force -= lambda[reaction.record.first_row + j] * joint.wrench(j, 1).force;

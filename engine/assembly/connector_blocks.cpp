@@ -59,7 +59,7 @@ bool couples(const Constraint& constraint, const std::vector<MarkerKinematics>& 
   double multipliers[kMaxRows];
   for (int r = 0; r < kMaxRows; ++r) multipliers[r] = 1 + 0.37 * r;  // no accidental cancellation
   rows.collect_stiffness(multipliers, &K);
-  constraint.evaluate(0, Views<Constraint>(markers.data(), n), rows);
+  constraint.evaluate(0, Views(markers.data(), n), rows);
   if (rows.written()) return true;
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j)

@@ -103,8 +103,7 @@ void expect_same_equations(SystemGraph& compiled, SystemGraph& loaded) {
       results[k] = Eigen::Map<VectorX>(all.data(), static_cast<Eigen::Index>(all.size()));
     }
     // By value: zeros of rows that hold a point have signs of their own (engine/assembly/connector_blocks.h).
-    ASSERT_EQ(results[0], results[1])
-        << "largest difference " << (results[0] - results[1]).cwiseAbs().maxCoeff();
+    ASSERT_EQ(results[0], results[1]) << "largest difference " << (results[0] - results[1]).cwiseAbs().maxCoeff();
   }
 }
 
