@@ -73,9 +73,11 @@ StepResult MoreauJean::advance(EquationsOfMotion& equations, State& state, doubl
   d_ = h / 2 * (state.v + v_);
   if (deforms_) {
     correct(equations, state, h);
-    mean_ = h / 2 * state.v;
-    layout.retract(state.q, mean_, q_);
-    if (rigid) equations.evaluate(state.time + h / 2, q_, state.v, Level::velocity);  // where points are found
+    if (rigid) {  // back to where points are found
+      mean_ = h / 2 * state.v;
+      layout.retract(state.q, mean_, q_);
+      equations.evaluate(state.time + h / 2, q_, state.v, Level::velocity);
+    }
   }
 
   // 2. With contact, then with closed joints.

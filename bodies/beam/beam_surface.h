@@ -17,8 +17,8 @@ using SectionOutline = std::vector<std::array<double, 2>>;
 ///   const SurfaceMesh skin = surface(beam, SectionShape::rectangle(0.04, 0.02));
 ///   {skin.frame, shape::surface(skin.nodes, skin.points, skin.triangles)}
 /// Flat between its rings of corners: exact on a straight beam, off by κ s²/8 where the axis has the curvature κ and
-/// rings are s apart. `rings`: of each element, one or more; one is at a node, those between two nodes cost ten times
-/// as much to place. SceneError for fewer, for an outline with fewer than three corners, without area, clockwise, or
+/// rings are s apart. `rings`: of each element, one or more; one is at a node, those between two nodes cost more to
+/// place. SceneError for fewer, for an outline with fewer than three corners, without area, clockwise, or
 /// one that crosses itself.
 SurfaceMesh surface(Beam& beam, const SectionOutline& outline, int rings = 1);
 /// Of round ones a polygon of 32 corners on the rim, flatter than the true one by 0.5 % of its radius at most.

@@ -13,7 +13,6 @@ namespace lanes {
 inline Lanes of(double x, double y, double z) { return Lanes{x, y, z, 0}; }
 inline Lanes of(const Vector3& a) { return Lanes{a[0], a[1], a[2], 0}; }
 inline Lanes from(const double* a) { return Lanes{a[0], a[1], a[2], 0}; }
-inline Lanes all(double s) { return Lanes{s, s, s, s}; }
 inline Lanes none() { return Lanes{0, 0, 0, 0}; }
 inline void store(const Lanes& a, double* to) { to[0] = a[0], to[1] = a[1], to[2] = a[2]; }
 inline Vector3 vector(const Lanes& a) { return {a[0], a[1], a[2]}; }
