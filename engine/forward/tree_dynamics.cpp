@@ -40,6 +40,19 @@ Matrix3 matrix(const lanes::Columns& A) {
   return M;
 }
 
+/// Of a body that no joint holds, (a, ω̇) = -I⁻¹ p by its 3 x 3 blocks; the reference is its centre of mass.
+Spatial free_acceleration(const Spatial* I, const Spatial& p) {
+  Matrix3 M, H, J;
+  for (int k = 0; k < 3; ++k)
+    M.col(k) = lanes::vector(I[k].linear), H.col(k) = lanes::vector(I[3 + k].linear),
+    J.col(k) = lanes::vector(I[3 + k].angular);
+  const Matrix3 inverse = inverse_of_symmetric(M), gain = inverse * H;
+  const Vector3 rest = inverse * lanes::vector(p.linear);
+  const Vector3 alpha =
+      inverse_of_symmetric(J - H.transpose() * gain) * (H.transpose() * rest - lanes::vector(p.angular));
+  return {lanes::of(-rest - gain * alpha), lanes::of(alpha)};
+}
+
 }  // namespace
 
 inline void TreeDynamics::Articulated::clear() {
@@ -283,19 +296,6 @@ void TreeDynamics::eliminate(int i, const double* q, const double* v, const doub
     handed_[link.handed] = subtree;
   else
     parent.subtree.add(subtree);
-}
-
-/// Of a body that no joint holds, (a, ω̇) = -I⁻¹ p by its 3 x 3 blocks; the reference is its centre of mass.
-static Spatial free_acceleration(const Spatial* I, const Spatial& p) {
-  Matrix3 M, H, J;
-  for (int k = 0; k < 3; ++k)
-    M.col(k) = lanes::vector(I[k].linear), H.col(k) = lanes::vector(I[3 + k].linear),
-    J.col(k) = lanes::vector(I[3 + k].angular);
-  const Matrix3 inverse = inverse_of_symmetric(M), gain = inverse * H;
-  const Vector3 rest = inverse * lanes::vector(p.linear);
-  const Vector3 alpha =
-      inverse_of_symmetric(J - H.transpose() * gain) * (H.transpose() * rest - lanes::vector(p.angular));
-  return {lanes::of(-rest - gain * alpha), lanes::of(alpha)};
 }
 
 /// Accelerations of a link whose parent has its own.

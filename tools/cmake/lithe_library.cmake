@@ -14,7 +14,8 @@ target_compile_options(lithe_flags INTERFACE -Wno-psabi)
 # last three in its AVX-512 header.
 target_compile_options(lithe_flags INTERFACE
                        $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized -Wno-array-bounds -Wno-restrict
-                       -Wno-stringop-overflow -Wno-stringop-overread -Wno-uninitialized>)
+                       -Wno-stringop-overflow -Wno-stringop-overread>
+                       $<$<AND:$<CXX_COMPILER_ID:GNU>,$<OR:$<BOOL:${LITHE_NATIVE}>,$<STREQUAL:${LITHE_ARCH},x86-64-v4>>>:-Wno-uninitialized>)
 
 function(lithe_library name)
   cmake_parse_arguments(ARG "" "" "DEPENDS;PRIVATE;HEADERS_ONLY" ${ARGN})
