@@ -371,7 +371,7 @@ void SceneDescription::add_shapes(const std::vector<SceneRecorder::Drawn>& drawn
     const auto& json = scene_["bodies"][part.place];
     const std::size_t own = json["shapes"].size() - wheels[static_cast<int>(part.place)];
     if (part.place == 0 || own > 0 || !json["mesh"].is_null()) continue;
-    if (part.pose < 0) continue;
+    if (part.pose < 0 || dynamic_cast<const PlacelessBody*>(part.body)) continue;
     std::vector<Vector3> ends;
     for (const auto& m : markers_)
       if (m["body"] == part.place) ends.emplace_back(m["position"][0], m["position"][1], m["position"][2]);

@@ -91,6 +91,9 @@ TEST(RopePage, LinesLieOnTheirWheels) {
       for (const Json& shape : page.body(body)["shapes"]) found += shape["role"] == role;
       return found;
     };
+    for (const Json& body : page.scene["runs"][0]["bodies"])  // what is nowhere is not drawn
+      EXPECT_TRUE(body["name"].get<std::string>().rfind("rope travel", 0) != 0 || body["shapes"].empty())
+          << body["name"];
     EXPECT_EQ(count("drum", "visual"), 1);
     EXPECT_GE(count("drum", "inferred"), 1);
     const std::string ground = page.scene["runs"][0]["bodies"][0]["name"];
