@@ -30,7 +30,9 @@ obstacle() {
       return
     fi
   done
-  if [[ $1 == clang ]] && ! command -v clang++-16 > /dev/null; then echo "clang-16 is not installed"; fi
+  if [[ $1 == clang && ! -e /usr/lib/llvm-16/lib/clang/16/include/omp.h ]]; then
+    echo "it needs clang-16 and, for SUNDIALS, libomp-16-dev"
+  fi
 }
 
 # The row's last cells: processor, tests, what failed.

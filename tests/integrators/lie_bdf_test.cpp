@@ -34,14 +34,15 @@ TEST(LieBdfOrder, HoldsWithFlexibleBodiesRollingDrivesAndFriction) {
                         {"drive and friction", driven_with_friction, 0.3, 2e-3}}) {
     Scene exact = c.make();
     exact.run(*runge_kutta(1e-13), c.end);
-    for (int k = 1; k <= 4; ++k) {
-      const double h = k == 1 ? c.step / 8 : k == 2 ? c.step / 2 : c.step;
+    for (int k = 1; k <= 4; ++k) {  // nearer to k than to another order: a wrong coefficient lowers it by one at least
+      // Of order 4 the error in q falls below 3e-11 m at the step of order 3, where 3e-12 m of it are round-off.
+      const double h = k == 1 ? c.step / 8 : k == 2 ? c.step / 2 : k == 3 ? c.step : 1.5 * c.step;
       const auto errors = [&](double step) {
         Scene scene = c.make();
         scene.run(*bdf_fixed(step, k), c.end);
         return difference(scene.state, exact.state);
       };
-      expect_order(std::string(c.name) + ", BDF " + std::to_string(k), order(errors(2 * h), errors(h)), k, 0.35);
+      expect_order(std::string(c.name) + ", BDF " + std::to_string(k), order(errors(2 * h), errors(h)), k, 0.5);
     }
   }
 }

@@ -287,9 +287,11 @@ TEST(EquilibriumOfSlenderStructures, ANetDrawnFlatHangsSoThatEveryKnotIsInBalanc
 }
 
 TEST(EquilibriumOfSlenderStructures, ANetOfStringsThatPullAloneFindsRestThoughDrawnSlack) {
-  // Drawn 5 % shorter than they are no string has a stiffness; on the way, strings tighten and slacken one by one.
+  // Drawn 5 % shorter than they are no string has a stiffness; on the way, strings tighten and slacken one by one, in an
+  // order that hangs on rounding: 36 iterations with one compiler are 79 with another. Where rest lies does not, for the
+  // energy of strings that pull alone is convex.
   for (const auto& [count, stretch, most] :
-       {std::tuple(6, 0.05, 15), std::tuple(6, 0.0, 60), std::tuple(4, -0.05, 80), std::tuple(6, -0.05, 110)}) {
+       {std::tuple(6, 0.05, 30), std::tuple(6, 0.0, 400), std::tuple(4, -0.05, 400), std::tuple(6, -0.05, 400)}) {
     Net net(count, stretch, true);
     const auto rest = net.rest(
         "net of " + std::to_string(count) + " meshes that pulls alone, stretched by " + std::to_string(stretch), most);
