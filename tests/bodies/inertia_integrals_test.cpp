@@ -1,3 +1,4 @@
+#include "bodies/flexible/flexible_inertia.h"
 #include "bodies/flexible/inertia_integrals.h"
 #include "bodies/flexible/reduction.h"
 
@@ -138,6 +139,25 @@ TEST(InertiaIntegrals, AModalBasisSeesTheNodalOneThroughItsModes) {
   EXPECT_LT(largest(a.C0 - b.C0 * B) / (mode * 0.1), 1e-13);
   EXPECT_LT(largest(a.J1 - b.J1 * B) / (mode * 0.1), 1e-13);
   EXPECT_LT(largest(MatrixX(B.transpose() * b.Mff * B) - a.Mff), 1e-12);
+}
+
+TEST(InertiaIntegrals, TheRateOfTheInertiaTensorIsItsDerivative) {
+  // J is quadratic in η, so central differences are exact; with J2 counted once instead of twice they are off by J2 η.
+  const FiniteElementModel model = test::pendulum("hex8i");
+  const ModalInertia inertia(inertia_integrals(*make_basis(model, ThreeNodeFrame{1, 13, 2}, 6)));
+  VectorX eta(6);
+  for (int k = 0; k < 6; ++k) eta[k] = 2e-2 * std::cos(2.0 * k);
+  InertiaTerms terms(6), more(6), less(6);
+  for (int k = 0; k < 6; ++k) {
+    const VectorX along = VectorX::Unit(6, k), up = eta + along, down = eta - along;
+    inertia.evaluate(eta.data(), along.data(), Vector3::Zero(), Level::velocity, terms);
+    inertia.evaluate(up.data(), along.data(), Vector3::Zero(), Level::position, more);
+    inertia.evaluate(down.data(), along.data(), Vector3::Zero(), Level::position, less);
+    expect_close(terms.J_rate, 0.5 * (more.J - less.J), largest(more.J), "mode " + std::to_string(k + 1));
+    const VectorX two = eta + 2 * along;
+    inertia.evaluate(two.data(), along.data(), Vector3::Zero(), Level::velocity, more);
+    EXPECT_GT(largest(more.J_rate - terms.J_rate), 1e-3 * largest(terms.J_rate));  // there is a J2 to be wrong about
+  }
 }
 
 }  // namespace
