@@ -23,6 +23,7 @@ int main(int argument_count, char** words) {
     JsonLine line;
     line.add("program", "chain").add("joint", joint).add("n", count);
     line.add("us_per_link_step", cost.microseconds_per_step() / count, 5);
+    line.add("peak_bytes", peak_memory());
     cost.add_to(line).print();
   });
 }

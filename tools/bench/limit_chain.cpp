@@ -227,6 +227,7 @@ int main(int argument_count, char** words) {
     JsonLine line;
     line.add("program", "limit_chain").add("n", count);
     line.add("us_per_link_step", cost.microseconds_per_step() / count, 5);
+    line.add("peak_bytes", peak_memory());
     cost.add_to(line).print();
   });
 }

@@ -1,5 +1,6 @@
 // limit_flexible: the same question for a flexible body. The hex8i rod of examples/data swings for T seconds about its
-// hinge edge with nine modes; every size is known to the compiler. pendulum.cpp is measured beside it.
+// hinge edge with nine modes, or 30 (limit_flexible_30); every size is known to the compiler. pendulum.cpp is measured
+// beside it.
 //
 //   --dt 1e-3  step, s   --T 20  time, s   --rho 0.9  at infinity   --newton 1e-10  largest last correction   --repeat
 //   5
@@ -21,7 +22,7 @@
 namespace lithe::bench {
 namespace {
 
-constexpr int kModes = 9;
+constexpr int kModes = LITHE_LIMIT_MODES;
 using Modal = Eigen::Matrix<double, kModes, 1>;
 using Modal3 = Eigen::Matrix<double, 3, kModes>;
 using Modal6 = Eigen::Matrix<double, 6, kModes>;

@@ -69,6 +69,7 @@ def fixed_costs(programs, rounds, say):
         "chain": ("chain", (*chain, "--joint", "spherical")),
         "chain_revolute": ("chain", (*chain, "--joint", "revolute")),
         "limit_flexible": ("limit_flexible", pendulum),
+        "limit_flexible_30": ("limit_flexible_30", pendulum),
         "pendulum": ("pendulum", (*pendulum, "--mesh", "coarse")),
         "pendulum_fine": ("pendulum", (*pendulum, "--mesh", "fine")),
         "pendulum_30": ("pendulum", (*pendulum, "--modes", 30)),
@@ -77,6 +78,16 @@ def fixed_costs(programs, rounds, say):
         "beam_consistent": ("beam", (*beam, "--as", "consistent")),
         "cable": ("beam", (*beam, "--as", "cable")),
     }, cost, rounds)
+
+
+def bytes_per_link(programs, say):
+    """Memory held a link: peak resident size of 20,000 and of 60,000 links, after three steps."""
+    say("memory of chains")
+
+    def peak(program, n):
+        return programs.run(program, "--n", n, "--dt", 1e-3, "--T", 3e-3, "--repeat", 1)["peak_bytes"]
+
+    return {name: (peak(name, 60000) - peak(name, 20000)) / 40000 for name in ("chain", "limit_chain")}
 
 
 def same_answers(programs):
@@ -89,6 +100,7 @@ def same_answers(programs):
 
     return {"chain": distance(end("chain", "--n", 16), end("limit_chain", "--n", 16)),
             "flexible": distance(end("pendulum"), end("limit_flexible")),
+            "flexible_30": distance(end("pendulum", "--modes", 30), end("limit_flexible_30")),
             "beam": distance(end("beam", "--n", 20), end("limit_beam", "--n", 20))}
 
 
