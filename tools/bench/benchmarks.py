@@ -16,6 +16,7 @@ import time
 import chains
 import charts
 import check
+import exudyn_peer
 import loops
 import machine
 import report
@@ -49,6 +50,7 @@ def measure(programs, counted, quick):
         "loop_rows": loops.measure(programs, PROBLEMS, rounds, quick, say),
         "raw_andrews": loops.raw_andrews(programs),
         "robots": robots.measure(programs, rounds, say),
+        "exudyn": exudyn_peer.measure(programs, rounds, quick, say),
         "instructions": {},
     }
     if counted:

@@ -1,8 +1,11 @@
 """Runs the measured programs, pinned to one core, one after the other, and reads their JSON lines."""
 import json
+import os
 import pathlib
 import shutil
 import subprocess
+
+PEERS = pathlib.Path(__file__).resolve().parent / "peers"
 
 
 class Refused(Exception):
@@ -10,14 +13,20 @@ class Refused(Exception):
 
 
 class Programs:
-    """Those of a build folder (tools/bench of it) and of its subfolder peers."""
+    """Those of a build folder (tools/bench of it) and of its subfolder peers; scripts (.py) of peers/, which run by the
+    interpreter LITHE_PEERS_PYTHON (python3 without it)."""
 
     def __init__(self, folder, core=0):
         self.folder = pathlib.Path(folder)
         self.pin = ["taskset", "-c", str(core)] if shutil.which("taskset") else []
+        self.python = os.environ.get("LITHE_PEERS_PYTHON", "python3")
+
+    def imports(self, module):
+        """Whether the interpreter of peers has it."""
+        return subprocess.run([self.python, "-c", f"import {module}"], capture_output=True).returncode == 0
 
     def find(self, name):
-        for path in (self.folder / name, self.folder / "peers" / name):
+        for path in (self.folder / name, self.folder / "peers" / name, PEERS / name):
             if path.exists():
                 return path
         return None
@@ -27,7 +36,7 @@ class Programs:
         path = self.find(name)
         if path is None:
             raise Refused("not built: its package is missing" if name.endswith("_driver") else "not built")
-        command = [*self.pin, str(path), *map(str, arguments)]
+        command = [*self.pin, *([self.python] if path.suffix == ".py" else []), str(path), *map(str, arguments)]
         try:
             done = subprocess.run(command, capture_output=True, text=True, timeout=timeout)
         except subprocess.TimeoutExpired:

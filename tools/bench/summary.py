@@ -1,5 +1,6 @@
 """The figures of results/bench/summary.json, from what was measured."""
 import chains
+import exudyn_peer
 import loops
 import robots
 from search import fastest, ratio
@@ -43,6 +44,7 @@ def summary(measured):
         "acceleration_over_limit": own / by_hand if by_hand else None,
         "robots_over_best": robots.over_best(measured.get("robots", {})),
     }
+    out["ratio_exudyn"], out["ratios_exudyn"] = exudyn_peer.ratios(measured.get("exudyn", []))
     for target, name in zip(chains.TARGETS, ("1e4", "1e6")):
         found = chains.ratios(rows, sizes, target)
         out[f"ratio_fastest_peer_{name}"] = chains.least(found, [n for n in sizes if n > 16])
