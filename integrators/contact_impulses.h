@@ -51,7 +51,7 @@ class ContactImpulses {
   bool apply(EquationsOfMotion& equations, const State& start, double h, VectorX& v_end, VectorX& d);
   /// Zero, or a time before the step's end: apply() has not finished, the step is to be taken anew up to there. Of few
   /// pairs of rigid bodies that meet, which are to have their impact at a step's end; where a gap that an impact of
-  /// several pairs has left closes again.
+  /// several pairs has left closes again; where a fast body would pass through a thin one.
   double cut() const { return cut_; }
   /// The step was to end there: until then no step is longer, so that cuts leave the grid of steps as it is.
   void finish_by(double time) { end_ = std::max(end_, time); }
@@ -89,6 +89,7 @@ class ContactImpulses {
   Closing closing(const RigidContacts::Point& point, double gap, double velocity, double h) const;
   Aim aim(const RigidContacts::Point& point, const Closing& closing, double free_velocity, double gap, double free_gap,
           double h) const;
+  bool would_pass(EquationsOfMotion& equations, const State& start, double h);
   void hold(RigidContacts& contacts, double h, VectorX& v_end, VectorX& d);
   void solve(const ConeProblem& problem, VectorX& r);
   void collide(RigidContacts& contacts, double h, VectorX& v_end, VectorX& d);
@@ -127,6 +128,7 @@ class ContactImpulses {
   VectorX last_, growth_;             // RigidContacts::recall
   VectorX of_groups_;                 // their velocities
   VectorX times_;                     // of what acts across or late, by point
+  VectorX middle_;                    // q in the middle of the step
   VectorX u_, r_, total_, weights_, dv_, moved_, gaps_, free_gaps_, least_gaps_, now_, impulse_;
   ConeProblem alone_;
   // What the step's impulses r are in the end: y = Y (placed + late) is what they have moved.

@@ -43,6 +43,7 @@ class ContactForces {
     return detectors_[element]->gap(places_[element], a, b, reach);
   }
   double extent(int element, int collider) const { return detectors_[element]->extent(collider); }
+  double half_thickness(int element, int collider) const { return detectors_[element]->half_thickness(collider); }
   const std::vector<ContactPlaces>& places() const { return places_; }
   /// A material point of a side: where `on`, in the side's axes, is now; and back.
   Vector3 place_of(int element, const ContactSide& side, const Vector3& on) const;

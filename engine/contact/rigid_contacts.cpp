@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 #include "engine/factor/graph_topology.h"
@@ -18,6 +19,9 @@ constexpr double kNear = 1e-6;  // m: looked at whatever the speed
 RigidContacts::RigidContacts(Scene scene) : scene_(std::move(scene)) {
   for (const ContactRecord& record : scene_.records) {
     reach_.emplace_back(record.markers.size(), 0.0);
+    auto& half = half_thickness_.emplace_back();
+    for (std::size_t i = 0; i < record.markers.size(); ++i)
+      half.push_back(scene_.contacts.half_thickness(record.number, static_cast<int>(i)));
     located_.push_back(record.element->law() == ContactElement::Law::rigid && !record.element->located_pairs().empty());
   }
   group_bodies();
@@ -102,29 +106,71 @@ void RigidContacts::group_bodies() {
   }
 }
 
+/// How far the surfaces of a contact can move within the horizon.
+void RigidContacts::find_reach(const ContactRecord& record, ConstVectorRef v, double horizon) {
+  const ContactPlaces& places = scene_.contacts.places()[record.number];
+  auto& reach = reach_[record.number];
+  for (std::size_t i = 0; i < reach.size(); ++i) {
+    reach[i] = kNear;
+    if (record.bodies[i] < 0) continue;
+    const MarkerKinematics& k = places.collider(static_cast<int>(i));
+    const double extent = scene_.contacts.extent(record.number, static_cast<int>(i));
+    double speed = k.v.norm() + k.w.norm() * extent;
+    for (int f = 0; f < frames_[record.number][i]; ++f) {
+      const auto twist = v.segment<6>(frame_slice(places, static_cast<int>(i), f).v);
+      speed = std::max(speed, twist.head<3>().norm() + twist.tail<3>().norm() * extent);
+    }
+    reach[i] += horizon * speed + horizon * horizon * scene_.gravity;
+  }
+}
+
+double RigidContacts::step_without_passing(ConstVectorRef v, double step) {
+  constexpr double kDepth = 0.5;   // in the middle of the step, of the depth that is still pushed out
+  constexpr double kLeast = 1e-3;  // of the step: a body that grazes a thin edge is not to stop the run
+  double shortest = step;
+  for (const ContactRecord& record : scene_.records) {
+    if (record.element->law() != ContactElement::Law::rigid) continue;
+    find_reach(record, v, step);
+    found_.clear();
+    scene_.contacts.find(record.number, reach_[record.number], found_);
+    const auto& half = half_thickness_[record.number];
+    rows_.clear();
+    for (const ContactPoint& point : found_) {
+      const double deepest = half[point.A.collider] + half[point.B.collider];
+      if (!(point.gap > -kDepth * deepest) || record.bodies[point.A.collider] == record.bodies[point.B.collider])
+        continue;
+      rows_.add(scene_.contacts.places()[record.number], point, 3);
+      double u[6] = {};
+      rows_.velocity(rows_.points().back(), v.data(), u);
+      const double closing = -u[0];
+      if (!(step / 2 * closing - point.gap > deepest)) continue;
+      shortest = std::min(shortest, 2 * (point.gap + kDepth * deepest) / closing);
+    }
+  }
+  return std::max(shortest, kLeast * step);
+}
+
 void RigidContacts::find(ConstVectorRef v, double horizon) {
   rows_.clear();
   points_.clear();
   pairs_.clear();
   happenings_.clear();
+  fast_ = false;
   ContactForces& contacts = scene_.contacts;
-  const double fall = horizon * horizon * scene_.gravity;
   for (const ContactRecord& record : scene_.records) {
     if (record.element->law() != ContactElement::Law::rigid) continue;
     const ContactPlaces& places = contacts.places()[record.number];
-    auto& reach = reach_[record.number];
+    find_reach(record, v, horizon);
+    const auto& reach = reach_[record.number];
+    double beyond[2] = {-std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};  // largest
     for (std::size_t i = 0; i < reach.size(); ++i) {
-      reach[i] = kNear;
-      if (record.bodies[i] < 0) continue;
-      const MarkerKinematics& k = places.collider(static_cast<int>(i));
-      const double extent = contacts.extent(record.number, static_cast<int>(i));
-      double speed = k.v.norm() + k.w.norm() * extent;
-      for (int f = 0; f < frames_[record.number][i]; ++f) {
-        const auto twist = v.segment<6>(frame_slice(places, static_cast<int>(i), f).v);
-        speed = std::max(speed, twist.head<3>().norm() + twist.tail<3>().norm() * extent);
-      }
-      reach[i] += horizon * speed + fall;
+      const double by = (reach[i] - kNear) / 2 - half_thickness_[record.number][i];
+      if (by > beyond[0])
+        beyond[1] = beyond[0], beyond[0] = by;
+      else
+        beyond[1] = std::max(beyond[1], by);
     }
+    fast_ |= beyond[0] + beyond[1] > 0;
     found_.clear();
     contacts.find(record.number, reach, found_);
     const RigidContact law = record.element->rigid();

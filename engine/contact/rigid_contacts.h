@@ -44,6 +44,13 @@ class RigidContacts {
   /// last.
   void find(ConstVectorRef v, double horizon);
   bool empty() const { return points_.empty(); }
+  /// Whether some collider moves so far in half of find()'s horizon that, looked at in the middle of a step of that
+  /// length, it may have passed another.
+  bool fast() const { return fast_; }
+  /// The step that no surface passes through another in: `step`, or a shorter one in whose middle those that meet at v
+  /// are not deeper in each other than half their thickness. At the start of the step, evaluated last; find() is to
+  /// follow.
+  double step_without_passing(ConstVectorRef v, double step);
   const std::vector<Point>& points() const { return points_; }
   const std::vector<Pair>& pairs() const { return pairs_; }
 
@@ -81,6 +88,7 @@ class RigidContacts {
   bool located(int element) const { return located_[element]; }
 
  private:
+  void find_reach(const ContactRecord& record, ConstVectorRef v, double horizon);
   const ContactTrace* find_trace(const ContactMemory& memory, const ContactRows::Row& row) const;
   void group_bodies();
   int frames_under(const ContactRecord& record, int collider) const;
@@ -108,7 +116,8 @@ class RigidContacts {
   std::vector<std::vector<Column>> columns_;  // by group
   VectorX rv_, rl_;
   std::vector<ContactPoint> found_;
-  std::vector<std::vector<double>> reach_;
+  std::vector<std::vector<double>> reach_, half_thickness_;  // by collider
+  bool fast_ = false;
   ContactRows rows_;
   std::vector<Point> points_;
   std::vector<Pair> pairs_;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -53,6 +54,9 @@ class ContactDetector {
   virtual double gap(const ContactPoses& poses, int a, int b, double reach) = 0;
   /// How far the collider's surface is from its marker at most, m; 0 for one that has no end. Bounds how fast it moves.
   virtual double extent(int /*collider*/) const { return 0; }
+  /// How deep another surface may be in the collider and still be pushed out on the side it came from, m: half its
+  /// least thickness; infinite where it has no other side.
+  virtual double half_thickness(int /*collider*/) const { return std::numeric_limits<double>::infinity(); }
 };
 
 }  // namespace lithe

@@ -3,6 +3,7 @@
 #include <BulletCollision/BroadphaseCollision/btDbvt.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "engine/base/error.h"
 #include "joints/contact/contact.h"
@@ -71,6 +72,45 @@ std::uint64_t mixed(std::uint64_t feature, std::uint64_t part_a, std::uint64_t p
   x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
   x = (x ^ x >> 27) * 0x94d049bb133111ebu;
   return x ^ x >> 31;
+}
+
+double width(const Shape::Data& shape, const btVector3& direction) {
+  const btVector3 far = shape.convex->localGetSupportingVertexWithoutMargin(direction),
+                  near = shape.convex->localGetSupportingVertexWithoutMargin(-direction);
+  return (far - near).dot(direction);
+}
+
+/// The least width: of a polyhedron between a face and the corner farthest from it, of round shapes along or across
+/// their axis. Triangles of a mesh have one side and no thickness, those of a deforming surface what they enclose.
+double thickness(const Shape::Data& shape) {
+  double least = std::numeric_limits<double>::infinity();
+  switch (shape.kind) {
+    case Kind::half_space:
+      return least;
+    case Kind::sphere:
+      return 2 * static_cast<const btSphereShape*>(shape.convex.get())->getRadius();
+    case Kind::capsule:
+      return 2 * static_cast<const btCapsuleShape*>(shape.convex.get())->getRadius();
+    case Kind::mesh:
+    case Kind::height_field:
+      return 0;
+    case Kind::surface: {
+      Vector3 low = shape.points.front(), high = low;
+      for (const Vector3& p : shape.points) low = low.cwiseMin(p), high = high.cwiseMax(p);
+      return (high - low).minCoeff();
+    }
+    default:
+      break;
+  }
+  if (shape.polyhedron && !shape.polyhedron->normals.empty())
+    for (const Vector3& normal : shape.polyhedron->normals) least = std::min(least, width(shape, to_bullet(normal)));
+  else
+    for (int axis = 0; axis < 3; ++axis) {
+      btVector3 along(0, 0, 0);
+      along[axis] = 1;
+      least = std::min(least, width(shape, along));
+    }
+  return least;
 }
 
 struct Pair {
@@ -214,6 +254,13 @@ class BulletDetector final : public ContactDetector {
         farthest = std::max(farthest, (part.placement.position + part.placement.orientation * p).norm());
     }
     return farthest;
+  }
+
+  double half_thickness(int collider) const override {
+    double least = std::numeric_limits<double>::infinity();
+    for (int i = first_[collider]; i < first_[collider + 1]; ++i)
+      least = std::min(least, thickness(*parts_[i].shape) / 2);
+    return least;
   }
 
  private:

@@ -180,19 +180,6 @@ TEST(ContactMotion, a_simplified_scene_meets_alike) {
   }
 }
 
-TEST(ContactMotion, a_fast_ball_is_stopped_by_a_thin_box_while_half_a_step_is_less_than_half_of_both) {
-  // 50 m/s against 2 mm, by a ball of 40 mm: from 42 mm a step on it may be found on the other side.
-  for (double start = 0.0215; start < 0.1; start += 2.3e-3) {
-    ContactScene scene{{0, 0, 0}};
-    auto& ball = scene.sphere("ball", 0.02, 0.1, {0, 0, start}, {0, 0, -50});
-    scene.contact(
-        {{scene.graph.ground().marker(), shape::box({0.2, 0.2, 0.002})}, {ball.marker(), shape::sphere(0.02)}}, 0, 0.5);
-    scene.start(Stepper::moreau_jean, 8e-4);
-    scene.run(0.008);
-    EXPECT_NEAR(scene.state().v[2], 25, 1e-9) << start;
-  }
-}
-
 TEST(ContactMotion, what_cannot_be_is_refused) {
   const auto refused = [](auto&& make, const std::string& word) {
     try {
