@@ -333,7 +333,7 @@ class Reader {
     const auto curves =
         std::count_if(s.arguments.begin(), s.arguments.end(), [](const Argument& x) { return x.name == "Y"; });
     if (curves > 1) a.fail("is a family of curves, which is not read.", "give one Y.");
-    const std::vector<double> x = a.numbers("X", 4, 1 << 24), y = a.numbers("Y", 4, 1 << 24);
+    const std::vector<double> x = a.numbers("X", 4, 1 << 24), y = a.numbers("Y", 1, 1 << 24);
     if (x.size() != y.size())
       a.fail("has " + std::to_string(x.size()) + " X and " + std::to_string(y.size()) + " Y.", "give as many of both.");
     for (std::size_t i = 1; i < x.size(); ++i)
