@@ -6,10 +6,15 @@
 #include "engine/base/rotations.h"
 #include "engine/model/system_graph.h"
 #include "joints/coordinate_coupling.h"
+#include "joints/fixed_joint.h"
 #include "joints/forces/coordinate_spring.h"
 #include "joints/planar_joint.h"
 #include "joints/prismatic_joint.h"
 #include "joints/revolute_joint.h"
+#include "joints/spherical_joint.h"
+#include "joints/universal_joint.h"
+#include "models/adams/draw_adams_internal.h"
+#include "models/armature_internal.h"
 
 namespace lithe {
 namespace {
@@ -25,6 +30,10 @@ struct Motion {
 
 bool has_coordinate(const ModelJoint& joint) { return joint.type == Type::revolute || joint.type == Type::prismatic; }
 
+ModelPose inverse(const ModelPose& pose) {
+  return {-(pose.rotation.transpose() * pose.position), pose.rotation.transpose()};
+}
+
 /// One value a joint: as given, by the leader, or zero.
 std::vector<double> joint_values(const ModelDescription& model, const std::map<std::string, double>& given,
                                  const char* what, bool rates) {
@@ -33,10 +42,11 @@ std::vector<double> joint_values(const ModelDescription& model, const std::map<s
     const int at = model.joint(name);
     const ModelJoint& joint = model.joints[at];
     require::finite(value, std::string(what) + " of '" + name + "'");
-    if (!has_coordinate(joint) || joint.mimic)
+    if (!has_coordinate(joint) || joint.mimic || joint.closes_loop)
       throw SceneError("the joint '" + name + "' takes no " + what + ".", model.path,
-                       joint.mimic ? "it follows '" + model.joints[joint.mimic->leader].name + "': give that one."
-                                   : "only revolute and prismatic joints do.");
+                       joint.closes_loop ? "it closes a loop: give the joints of the tree."
+                       : joint.mimic     ? "it follows '" + model.joints[joint.mimic->leader].name + "': give that one."
+                                         : "only revolute and prismatic joints do.");
     values[at] = value;
   }
   for (std::size_t j = 0; j < values.size(); ++j)
@@ -48,7 +58,8 @@ std::vector<double> joint_values(const ModelDescription& model, const std::map<s
 /// Joints from the root outwards: the parent of each has its motion before it.
 std::vector<int> outwards(const ModelDescription& model) {
   std::vector<std::vector<int>> below(model.links.size());
-  for (std::size_t j = 0; j < model.joints.size(); ++j) below[model.joints[j].parent].push_back(static_cast<int>(j));
+  for (std::size_t j = 0; j < model.joints.size(); ++j)
+    if (!model.joints[j].closes_loop) below[model.joints[j].parent].push_back(static_cast<int>(j));
   std::vector<int> order, open = {model.root};
   while (!open.empty()) {
     const int link = open.back();
@@ -66,23 +77,25 @@ std::vector<Motion> motions(const ModelDescription& model, const DrawnModel::Opt
   const std::vector<double> rate = joint_values(model, o.velocities, "velocity", true);
   std::vector<Motion> all(model.links.size());
   Motion& root = all[model.root];
-  root.pose = o.root;
+  root.pose = o.root * model.root_pose;
   root.v = o.floating ? o.velocity : Vector3(Vector3::Zero());
   root.w = o.floating ? Vector3(o.root.rotation * o.angular_velocity) : Vector3(Vector3::Zero());
   for (const int j : outwards(model)) {
     const ModelJoint& joint = model.joints[j];
     const Motion& parent = all[joint.parent];
     Motion& child = all[joint.child];
-    child.pose = parent.pose * joint.origin;
-    const Vector3 axis = child.pose.rotation * joint.axis;
+    ModelPose at = parent.pose * joint.origin;  // the joint's frame on the child
+    const Vector3 axis = at.rotation * joint.axis;
     child.w = parent.w;
-    if (joint.type == Type::prismatic) child.pose.position += x[j] * axis;
+    if (joint.type == Type::prismatic) at.position += x[j] * axis;
     if (joint.type == Type::revolute) {
-      child.pose.rotation = child.pose.rotation * Eigen::AngleAxisd(x[j], joint.axis).toRotationMatrix();
+      at.rotation = at.rotation * Eigen::AngleAxisd(x[j], joint.axis).toRotationMatrix();
       child.w += rate[j] * axis;
     }
-    child.v = parent.velocity_at(child.pose.position);
-    if (joint.type == Type::prismatic) child.v += rate[j] * axis;
+    Vector3 v = parent.velocity_at(at.position);
+    if (joint.type == Type::prismatic) v += rate[j] * axis;
+    child.pose = at * inverse(joint.child_origin);
+    child.v = v + child.w.cross(child.pose.position - at.position);
   }
   return all;
 }
@@ -108,17 +121,44 @@ struct Compound {
   }
 };
 
-ModelPose seen_from(const ModelPose& from, const ModelPose& frame) {
-  return {from.rotation.transpose() * (frame.position - from.position), from.rotation.transpose() * frame.rotation};
+ModelPose seen_from(const ModelPose& from, const ModelPose& frame) { return inverse(from) * frame; }
+
+/// z along the axis; of a universal joint x along the first, y along the second.
+Matrix3 axes_of(const ModelJoint& joint) {
+  if (joint.type == Type::spherical || joint.type == Type::fixed) return Matrix3::Identity();
+  if (joint.type != Type::universal) return axes_along(joint.axis);
+  Matrix3 axes;
+  axes << joint.axis, joint.second_axis, joint.axis.cross(joint.second_axis);
+  return axes;
 }
 
 }  // namespace
+
+DrawnModel draw_adams_model(SystemGraph& graph, const ModelDescription& model, const DrawnModel::Options& options) {
+  if (options.floating || !options.positions.empty() || !options.velocities.empty() ||
+      options.root.position != Vector3::Zero() || options.root.rotation != Matrix3::Identity())
+    throw SceneError("an Adams data set takes no other place, positions or velocities than its own.", model.path,
+                     "change QG, REULER and the velocities of its parts.");
+  adams::Drawn made = adams::draw(graph, model, options.prefix);
+  DrawnModel drawn(graph, model);
+  drawn.bodies_ = std::move(made.bodies);
+  drawn.places_ = std::move(made.places);
+  drawn.joints_ = std::move(made.joints);
+  drawn.coordinates_ = std::move(made.coordinates);
+  drawn.adams_markers_ = std::move(made.markers);
+  drawn.outputs_ = std::move(made.outputs);
+  return drawn;
+}
 
 DrawnModel draw_model(SystemGraph& graph, const ModelDescription& model, const DrawnModel::Options& options) {
   require::finite(options.root.position, "root.position");
   require::rotation(options.root.rotation, "root.rotation");
   require::finite(options.velocity, "velocity");
   require::finite(options.angular_velocity, "angular_velocity");
+  if (model.adams) return draw_adams_model(graph, model, options);
+  if (options.floating && model.root_is_world)
+    throw SceneError("the root of the model is the world: it cannot be free.", model.path,
+                     "leave .floating out; what is free in the file is free.");
   const std::vector<Motion> motion = motions(model, options);
   const std::vector<int> welded = model.welded_to();
   const std::size_t n = model.links.size();
@@ -156,16 +196,20 @@ DrawnModel draw_model(SystemGraph& graph, const ModelDescription& model, const D
     drawn.places_[i].position -= compounds[welded[i]].centre();
   }
 
+  const std::vector<double> rates = joint_values(model, options.velocities, "velocity", true);
   // 2. Joints, their z axes along the axis of the file; angles and displacements count from where the file has zero.
   drawn.joints_.assign(model.joints.size(), nullptr);
   drawn.coordinates_.resize(model.joints.size());
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
     const ModelJoint& joint = model.joints[j];
-    const Matrix3 axes = axes_along(joint.axis);
+    if (joint.type == Type::fixed && !joint.closes_loop) continue;
+    const Matrix3 axes = axes_of(joint);
     const std::string &parent = model.links[joint.parent].name, &child = model.links[joint.child].name;
-    const std::vector<Marker> markers = {drawn.marker(parent, joint.origin.position, joint.origin.rotation * axes),
-                                         drawn.marker(child, Vector3::Zero(), axes)};
+    const std::vector<Marker> markers = {
+        drawn.marker(parent, joint.origin.position, joint.origin.rotation * axes),
+        drawn.marker(child, joint.child_origin.position, joint.child_origin.rotation * axes)};
     const std::string name = options.prefix + joint.name;
+    if (markers[0].body == markers[1].body) continue;  // welded to each other: nothing moves there
     if (joint.type == Type::revolute) {
       auto& made = graph.add<RevoluteJoint>(name, markers);
       drawn.joints_[j] = &made;
@@ -176,9 +220,23 @@ DrawnModel draw_model(SystemGraph& graph, const ModelDescription& model, const D
       drawn.coordinates_[j] = made.displacement();
     } else if (joint.type == Type::planar) {
       drawn.joints_[j] = &graph.add<PlanarJoint>(name, markers);
+    } else if (joint.type == Type::spherical) {
+      drawn.joints_[j] = &graph.add<SphericalJoint>(name, markers);
+    } else if (joint.type == Type::universal) {
+      drawn.joints_[j] = &graph.add<UniversalJoint>(name, markers);
+    } else if (joint.type == Type::fixed) {
+      drawn.joints_[j] = &graph.add<FixedJoint>(name, markers);
     }
-    if (options.damping && joint.damping > 0 && has_coordinate(joint))
-      graph.add<CoordinateSpring>(name + "_damping", {drawn.coordinates_[j]}, {.damping = joint.damping});
+    if (!has_coordinate(joint)) continue;
+    if (options.damping && (joint.damping > 0 || joint.stiffness > 0))
+      graph.add<CoordinateSpring>(
+          name + (joint.stiffness > 0 ? "_spring" : "_damping"), {drawn.coordinates_[j]},
+          {.stiffness = joint.stiffness, .damping = joint.damping, .free_value = joint.spring_reference});
+    if (options.armature && joint.armature > 0) {
+      const auto& rotor = graph.add<Armature>(name + "_armature", {.inertia = joint.armature, .rate = rates[j]});
+      graph.add<CoordinateCoupling>(name + "_armature_gear", {drawn.coordinates_[j], rotor.coordinate()},
+                                    {.factors = {1, -1}});
+    }
   }
 
   // 3. Followers: x - multiplier * leader = offset.
@@ -212,9 +270,17 @@ const Constraint& DrawnModel::joint(const std::string& name) const {
   return *found;
 }
 
+Marker DrawnModel::adams_marker(int id) const {
+  const auto found = adams_markers_.find(id);
+  if (found == adams_markers_.end())
+    throw SceneError("the model has no MARKER/" + std::to_string(id) + ".", model_.path,
+                     model_.adams ? "name one of the file's markers." : "only an Adams data set has numbered markers.");
+  return found->second;
+}
+
 JointCoordinate DrawnModel::coordinate(const std::string& joint) const {
   const int j = model_.joint(joint);
-  if (!has_coordinate(model_.joints[j]))
+  if (!coordinates_[j].A.body)
     throw SceneError("the joint '" + joint + "' has no coordinate of its own.", model_.path,
                      "only revolute and prismatic joints have; take the markers of its links for others.");
   return coordinates_[j];

@@ -7,6 +7,7 @@
 
 #include "engine/model/joint_coordinate.h"
 #include "engine/model/marker.h"
+#include "engine/observe/sensors.h"
 #include "models/model_description.h"
 
 namespace lithe {
@@ -25,7 +26,8 @@ class DrawnModel {
     Vector3 angular_velocity{0, 0, 0};           // of it, in its own axes, rad/s
     std::map<std::string, double> positions{};   // of joints by name, rad or m; others 0, followers follow
     std::map<std::string, double> velocities{};  // likewise, rad/s or m/s
-    bool damping = true;                         // viscous damping of joints acts
+    bool damping = true;                         // springs and viscous damping of joints act
+    bool armature = true;                        // rotors of joints act
     std::string prefix{};                        // before all names, for several models in one graph
   };
 
@@ -42,8 +44,14 @@ class DrawnModel {
   /// The file's primitive shapes and the bodies that bear them, in the bodies' axes: for Run::draw().
   std::vector<std::pair<const RigidBody*, DrawnShape>> shapes() const;
   const ModelDescription& description() const { return model_; }
+  /// Of an Adams data set: MARKER/id. SceneError for one that is not there.
+  Marker adams_marker(int id) const;
+  /// Of an Adams data set: its REQUESTs and VARIABLEs in their order, in the units of the file; columns as
+  /// REQUEST/1_x. Of others: none.
+  const std::vector<Sensor>& outputs() const { return outputs_; }
 
  private:
+  friend DrawnModel draw_adams_model(SystemGraph&, const ModelDescription&, const Options&);
   friend DrawnModel draw_model(SystemGraph&, const ModelDescription&, const Options&);
   DrawnModel(SystemGraph& graph, ModelDescription model) : graph_(&graph), model_(std::move(model)) {}
 
@@ -53,13 +61,17 @@ class DrawnModel {
   std::vector<ModelPose> places_;          // of each link: in its body's frame; on ground: in the world
   std::vector<const Constraint*> joints_;  // of each joint, null where it makes none
   std::vector<JointCoordinate> coordinates_;
+  std::map<int, Marker> adams_markers_;
+  std::vector<Sensor> outputs_;
 };
 
 /// Draws a model into a graph: links welded by fixed joints as one rigid body of their common mass, other joints as
-/// constraints of the catalogue, followers as CoordinateCoupling, damping as CoordinateSpring. Bodies have the name of
-/// the link that stands for them (ModelDescription::welded_to), joints their own. Throws SceneError for a link that
-/// moves and has no mass, an inertia that no real body has, a name in use, and for a position or velocity of a joint
-/// that is unknown, follows another one or has no coordinate.
+/// constraints of the catalogue, loops closed likewise, followers as CoordinateCoupling, springs and damping as
+/// CoordinateSpring. Bodies have the name of the link that stands for them (ModelDescription::welded_to), joints their
+/// own. An Adams data set: bodies "PART/2", everything else by its statement, "JOINT/1". The graph's gravity is the
+/// scene's: give it that of the model. Throws SceneError for a link that moves and has no mass, an inertia that no real
+/// body has, a name in use, and for a position or velocity of a joint that is unknown, follows another one or has no
+/// coordinate; FileError, naming the line, for an element of an Adams data set that cannot be drawn.
 DrawnModel draw_model(SystemGraph& graph, const ModelDescription& model, const DrawnModel::Options& options = {});
 
 }  // namespace lithe

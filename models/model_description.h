@@ -6,6 +6,7 @@
 
 #include "engine/base/math.h"
 #include "engine/model/appearance.h"
+#include "models/adams/adams_model.h"
 
 namespace lithe {
 
@@ -30,9 +31,10 @@ struct ModelLink {
   int line = 0;                       // of the file
 };
 
-/// A joint as a model file describes it: the child's frame is the parent's, moved by `origin`, then by the motion.
+/// A joint as a model file describes it. The joint's frame on the child lies on that of the parent, moved by the
+/// motion; z, x ... of both are the same axes where the coordinates are zero.
 struct ModelJoint {
-  enum class Type { fixed, revolute, prismatic, planar, floating };
+  enum class Type { fixed, revolute, prismatic, planar, floating, spherical, universal, other };
   /// The joint follows another one: its value is multiplier * that of the leader + offset.
   struct Mimic {
     int leader = 0;  // place in ModelDescription::joints
@@ -40,12 +42,19 @@ struct ModelJoint {
   };
   std::string name;
   Type type = Type::fixed;
-  int parent = 0, child = 0;  // places in ModelDescription::links
-  ModelPose origin{};         // of the joint in the parent's frame
-  Vector3 axis{1, 0, 0};      // unit vector in the joint's frame: of rotation, of translation, normal of a plane
-  double damping = 0;         // N m s/rad or N s/m
+  int parent = 0, child = 0;     // places in ModelDescription::links
+  ModelPose origin{};            // of the joint in the parent's frame
+  ModelPose child_origin{};      // of the joint in the child's frame
+  Vector3 axis{1, 0, 0};         // unit vector in the joint's frame: of rotation, of translation, normal of a plane
+  Vector3 second_axis{0, 1, 0};  // likewise: of a universal joint, fixed in the child
+  double damping = 0;            // N m s/rad or N s/m
+  double stiffness = 0;          // N m/rad or N/m
+  double spring_reference = 0;   // rad or m: where the spring is free of force
+  double armature = 0;           // inertia of a rotor that turns with the coordinate, kg m² or kg
+  bool closes_loop = false;      // beside the tree of the others
   std::optional<Mimic> mimic{};
   int line = 0;
+  std::string kind{};  // of type `other`: the file's own word
 };
 
 /// Something in the file that does not act, and why.
@@ -62,7 +71,15 @@ struct ModelDescription {
   std::vector<ModelJoint> joints;
   std::vector<ModelNote> notes;
 
-  int root = 0;  // the link that is no joint's child
+  int root = 0;                       // the link that is no joint's child: `world`, ground, or the base of a robot
+  bool root_is_world = false;         // it cannot be free
+  ModelPose root_pose{};              // of the root link in the world
+  Vector3 gravity{0, 0, -9.81};       // m/s², world axes; the file's, or the earth's where it has none
+  std::optional<double> tolerance{};  // of the file's integrator
+  std::optional<double> duration{};   // s, of the file's simulation
+  std::optional<double> every{};      // s, between its outputs
+  std::optional<AdamsModel>
+      adams{};  // what only an Adams data set has; its links are parts, its joints all that ties them
 
   /// Places of links and joints by name; SceneError that lists what there is.
   int link(const std::string& name) const;
@@ -72,6 +89,8 @@ struct ModelDescription {
   std::vector<int> welded_to() const;
   /// One page of text: bodies, joints, freedoms, mass, what was merged, what does not act and why.
   std::string sheet() const;
+  /// Every link with its mass and centre, every joint with its kind and links: one line each.
+  std::string table() const;
 };
 
 }  // namespace lithe

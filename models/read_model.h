@@ -6,8 +6,8 @@
 
 namespace lithe {
 
-/// Reads a model file, whatever its format. Known: URDF. Throws FileError for a file that cannot be read, for a format
-/// that is not known, and like the reader of the format.
+/// Reads a model file, whatever its format. Known: URDF, SDF, MJCF (by the root element), Adams data sets (.adm).
+/// Throws FileError for a file that cannot be read, for a format that is not known, and like the reader of the format.
 ModelDescription read_model(const std::filesystem::path& path);
 
 /// Reads a URDF (Unified Robot Description Format, ROS): links, joints (revolute, continuous, prismatic, planar,
@@ -17,5 +17,14 @@ ModelDescription read_model(const std::filesystem::path& path);
 /// joint of unknown type, a parent or child that is no link, an axis without direction, a negative mass, a link that is
 /// the child of two joints, links that form a cycle, several roots, and a mimic of nothing or of itself.
 ModelDescription read_urdf(const std::filesystem::path& path);
+
+/// Reads a data set of Adams/Solver (.adm): PART, MARKER, JOINT, JPRIM, MOTION, SFORCE, VFORCE, VTORQUE, GFORCE,
+/// SPRINGDAMPER, BUSHING, BEAM, FIELD, COUPLER, GEAR, GCON, REQUEST, VARIABLE, SPLINE, UNITS, ACCGRAV, INTEGRATOR,
+/// SIMULATE, and their functions (models/adams/adams_function.h). Other statements do not act; the notes list them.
+/// Without ACCGRAV there is no gravity. Throws FileError, naming file and line, for a data set without UNITS or END, a
+/// word that is no statement or argument, identifiers that are used twice or missing, markers, joints, parts and
+/// splines that are not there, numbers that are none, an impossible inertia, a part that moves without mass, functions
+/// that are cut or read what is unknown, and for user routines, flexible bodies and surfaces, which are not read.
+ModelDescription read_adams(const std::filesystem::path& path);
 
 }  // namespace lithe

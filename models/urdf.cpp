@@ -3,28 +3,12 @@
 
 #include "engine/base/error.h"
 #include "engine/base/rotations.h"
+#include "models/notes_internal.h"
 #include "models/read_model.h"
 #include "models/xml_file_internal.h"
 
 namespace lithe {
 namespace {
-
-/// Notes of the same kind are one, with their number.
-class Notes {
- public:
-  void add(int line, const std::string& what, const std::string& why) {
-    const auto [at, added] = places_.try_emplace(what, notes_.size());
-    if (added)
-      notes_.push_back({.line = line, .what = what, .why = why});
-    else
-      ++notes_[at->second].count;
-  }
-  std::vector<ModelNote> take() { return std::move(notes_); }
-
- private:
-  std::map<std::string, std::size_t> places_;
-  std::vector<ModelNote> notes_;
-};
 
 class UrdfReader {
  public:
@@ -221,6 +205,9 @@ class UrdfReader {
 ModelDescription read_urdf(const std::filesystem::path& path) { return UrdfReader(XmlFile(path)).read(); }
 
 ModelDescription read_model(const std::filesystem::path& path) {
+  std::string ending = path.extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (ending == ".adm") return read_adams(path);
   const XmlFile file(path);
   const std::string root = file.root().name();
   if (root == "robot") return UrdfReader(file).read();
