@@ -5,6 +5,7 @@
 #include "engine/archive/archive.h"
 #include "engine/base/checks.h"
 #include "engine/base/error.h"
+#include "engine/base/lane_rotations.h"
 
 namespace lithe {
 namespace {
@@ -162,33 +163,42 @@ void GeneralizedAlpha::predict(EquationsOfMotion& equations, const State& state,
 /// Takes the Newton correction -rv_ over: d, v, v̇ and q, body by body in one pass over memory. The size of the largest
 /// entry of the chart's change; not finite if one is not.
 double GeneralizedAlpha::correct(const Layout& layout, const VectorX& q_start, double of_v, double of_v_dot) {
-  double size = 0, finite = 0;
+  using lanes::load3;
+  using lanes::store3;
   double *d = d_.data(), *v = v_.data(), *v_dot = v_dot_.data(), *q = q_.data(), *delta = delta_.data();
   const double *x = rv_.data(), *q0 = q_start.data();
-  const auto take = [&](int i, double change) {
-    delta[i] = change;
-    d[i] += change;
-    v[i] += of_v * change;
-    v_dot[i] += of_v_dot * change;
-    size = std::max(size, std::abs(change));
-    finite += 0 * change;
+  double size = 0, finite = 0;
+  Lanes sizes = lanes::none(), all_finite = lanes::none();
+  const auto take3 = [&](int i, const Lanes& change) {
+    const Lanes moved = load3(d + i) + change, opposite = -change, absolute = change > opposite ? change : opposite;
+    store3(change, delta + i);
+    store3(moved, d + i);
+    store3(load3(v + i) + of_v * change, v + i);
+    store3(load3(v_dot + i) + of_v_dot * change, v_dot + i);
+    sizes = absolute > sizes ? absolute : sizes;
+    all_finite += 0.0 * change;
+    return moved;
   };
   for (const Layout::BodySlice& b : layout.bodies()) {
     int iq = b.q, iv = b.v;
     if (b.frame) {
-      const Vector3 turn = -chart_rate(Eigen::Map<const Vector3>(d + iv + 3), Eigen::Map<const Vector3>(x + iv + 3));
-      for (int i = 0; i < 3; ++i) take(iv + i, -x[iv + i]), take(iv + 3 + i, turn[i]);
-      for (int i = 0; i < 3; ++i) q[iq + i] = q0[iq + i] + d[iv + i];
-      Eigen::Map<Vector4>(q + iq + 3) =
-          rotated(Eigen::Map<const Vector4>(q0 + iq + 3), Eigen::Map<const Vector3>(d + iv + 3));
+      const Lanes turn = -lanes::chart_rate(load3(d + iv + 3), load3(x + iv + 3));
+      store3(load3(q0 + iq) + take3(iv, -load3(x + iv)), q + iq);
+      lanes::store4(lanes::rotated(lanes::load4(q0 + iq + 3), take3(iv + 3, turn)), q + iq + 3);
       iq += 7, iv += 6;
     }
     for (int i = 0; i < b.linear; ++i) {
-      take(iv + i, -x[iv + i]);
+      const double change = -x[iv + i];
+      delta[iv + i] = change;
+      d[iv + i] += change;
+      v[iv + i] += of_v * change;
+      v_dot[iv + i] += of_v_dot * change;
+      size = std::max(size, std::abs(change));
+      finite += 0 * change;
       q[iq + i] = q0[iq + i] + d[iv + i];
     }
   }
-  return size + finite;
+  return std::max({size, sizes[0], sizes[1], sizes[2]}) + finite + lanes::sum(all_finite);
 }
 
 GeneralizedAlpha::Newton GeneralizedAlpha::solve(EquationsOfMotion& equations, const State& start, double time,

@@ -2,6 +2,7 @@
 
 #include "engine/assembly/batch.h"
 #include "engine/model/constraint.h"
+#include "engine/model/rigid_rows.h"
 
 namespace lithe {
 
@@ -9,6 +10,7 @@ namespace lithe {
 ///   g = (p_B - p_A, x_A · y_B, y_A · z_B, z_A · x_B), six rows. (docs/equations.md 7.3)
 class FixedJoint final : public Joint</*markers=*/2, /*rows=*/6> {
  public:
+  static constexpr RigidRows kRigidRows{.point = true, .angles = 3, .perpendicular = {{{0, 1}, {1, 2}, {2, 0}}}};
   void evaluate(double, std::span<const MarkerView> markers, ConstraintRows& rows) const override {
     const auto &A = markers[0], &B = markers[1];
     coincident(A, B, rows);

@@ -3,6 +3,7 @@
 #include "engine/assembly/batch.h"
 #include "engine/model/constraint.h"
 #include "engine/model/joint_coordinate.h"
+#include "engine/model/rigid_rows.h"
 
 namespace lithe {
 
@@ -11,6 +12,7 @@ namespace lithe {
 ///   axes)
 class OrientationJoint final : public Joint</*markers=*/2, /*rows=*/3> {
  public:
+  static constexpr RigidRows kRigidRows{.angles = 3, .perpendicular = {{{0, 1}, {1, 2}, {2, 0}}}};
   /// Displacement of B along the axes of A.
   JointCoordinate displacement_x() const { return displacement(0); }
   JointCoordinate displacement_y() const { return displacement(1); }

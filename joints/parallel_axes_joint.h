@@ -3,6 +3,7 @@
 #include "engine/assembly/batch.h"
 #include "engine/model/constraint.h"
 #include "engine/model/joint_coordinate.h"
+#include "engine/model/rigid_rows.h"
 
 namespace lithe {
 
@@ -10,6 +11,7 @@ namespace lithe {
 ///   g = (x_A · z_B, y_A · z_B), two rows. (docs/equations.md 7.3, the rows of a hinge that hold its axis)
 class ParallelAxesJoint final : public Joint</*markers=*/2, /*rows=*/2> {
  public:
+  static constexpr RigidRows kRigidRows{.angles = 2, .perpendicular = {{{0, 2}, {1, 2}}}};
   /// From x_A to x_B about z_A.
   JointCoordinate angle() const { return {JointCoordinate::Kind::angle, markers()[0], markers()[1]}; }
   std::vector<MeasuredAngle> angles() const override { return {{0, 1, 2}}; }

@@ -3,6 +3,7 @@
 #include "engine/assembly/batch.h"
 #include "engine/model/constraint.h"
 #include "engine/model/joint_coordinate.h"
+#include "engine/model/rigid_rows.h"
 
 namespace lithe {
 
@@ -10,6 +11,7 @@ namespace lithe {
 ///   g = z_A · z_B, one row.
 class PerpendicularAxesJoint final : public Joint</*markers=*/2, /*rows=*/1> {
  public:
+  static constexpr RigidRows kRigidRows{.angles = 1, .perpendicular = {{{2, 2}}}};
   bool depends_on_time() const override { return false; }
   void evaluate(double, std::span<const MarkerView> markers, ConstraintRows& rows) const override {
     const auto &A = markers[0], &B = markers[1];

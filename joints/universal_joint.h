@@ -3,6 +3,7 @@
 #include "engine/assembly/batch.h"
 #include "engine/model/constraint.h"
 #include "engine/model/joint_coordinate.h"
+#include "engine/model/rigid_rows.h"
 
 namespace lithe {
 
@@ -11,6 +12,7 @@ namespace lithe {
 ///   g = (p_B - p_A, x_A · y_B), four rows. (docs/equations.md 7.3)
 class UniversalJoint final : public Joint</*markers=*/2, /*rows=*/4> {
  public:
+  static constexpr RigidRows kRigidRows{.point = true, .angles = 1, .perpendicular = {{{0, 1}}}};
   /// Turn about x_A, from y_A to y_B, and turn about y_B, from z_A to z_B.
   JointCoordinate first_angle() const { return {JointCoordinate::Kind::angle, markers()[0], markers()[1], 0}; }
   JointCoordinate second_angle() const { return {JointCoordinate::Kind::angle, markers()[1], markers()[0], 1, -1}; }

@@ -9,6 +9,7 @@
 #include "engine/model/body.h"
 #include "engine/model/constraint.h"
 #include "engine/model/force_element.h"
+#include "engine/model/rigid_rows.h"
 
 namespace lithe {
 
@@ -48,6 +49,8 @@ struct ConnectorRecord {
   int first_angle = 0;  // of the connector's measured angles, in Workspace::quarter_turns
   int marker_count = 0, slot_count = 0;
   const MarkerSlot* slots = nullptr;  // the system's; those of the markers in their order first
+  bool rigid = false;                 // a joint of RigidRows between plain frames, or one and ground
+  int ab = -1, ba = -1;               // of such: values of the blocks of S between their frames, if they have any
 };
 
 /// All constraints of one type.
@@ -55,6 +58,8 @@ class ConstraintBatch {
  public:
   virtual ~ConstraintBatch() = default;
   virtual void add(const Constraint& constraint, ConnectorRecord record) = 0;
+  /// Null unless the type says that its rows are such.
+  virtual const RigidRows* rigid_rows() const = 0;
   virtual void evaluate(Workspace&, const BlockStructure&, Level) const = 0;
   /// Adds weight · ∂(Gᵀ lambda)/∂q to the bodies' blocks: the stiffness of loaded joints.
   virtual void add_stiffness(Workspace&, const BlockStructure&, double weight, const double* lambda) const = 0;

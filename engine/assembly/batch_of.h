@@ -4,10 +4,20 @@
 
 #include "engine/assembly/batch.h"
 #include "engine/assembly/connector_blocks.h"
+#include "engine/assembly/rigid_pairs.h"
 #include "engine/model/element_error.h"
+#include "engine/model/rigid_frame_body.h"
 
 /// The loops over all elements of one type. Include this where a new type is first added to a graph.
 namespace lithe {
+
+/// Whether the tangent of a body type is that of a rigid body.
+template <class T>
+inline constexpr bool kRigidTangent = [] {
+  if constexpr (std::is_base_of_v<RigidFrameBody, T>)
+    return std::is_same_v<decltype(&T::add_tangent), decltype(&RigidFrameBody::add_tangent)>;
+  return false;
+}();
 
 template <class T>
 class BodyBatchOf final : public BodyBatch {
@@ -58,6 +68,13 @@ class BodyBatchOf final : public BodyBatch {
     double* values = work.values.data();
     for_each_named(bodies_, work.time, [&](std::size_t i) {
       const BodyRecord& record = records_[i];
+      if constexpr (kRigidTangent<T>) {
+        const auto& [mass, inertia] = bodies_[i]->rigid_inertia();
+        rigid_pairs::write_tangent(values + blocks.frames[record.frame].values, mass, inertia,
+                                   work.v.data() + record.v + 3, weights,
+                                   increment ? increment + record.v + 3 : nullptr);
+        return;
+      }
       double *frame = nullptr, *frame_linear = nullptr, *linear_frame = nullptr, *linear = nullptr;
       int size = 0, entries = 0;
       if (record.frame >= 0) frame = values + blocks.frames[record.frame].values;
@@ -133,6 +150,11 @@ inline constexpr int kRowsOf = [] {
 }();
 
 template <class T>
+inline constexpr bool kHasRigidRows = requires {
+  T::kRigidRows;
+};
+
+template <class T>
 int marker_count(const ConnectorRecord& record) {
   return kMarkersOf<T> > 0 ? kMarkersOf<T> : record.marker_count;
 }
@@ -172,11 +194,18 @@ class ConstraintBatchOf final : public ConstraintBatch {
     constraints_.push_back(static_cast<const T*>(&constraint));
     records_.push_back(record);
   }
+  const RigidRows* rigid_rows() const override {
+    if constexpr (connector::kHasRigidRows<T>) return &T::kRigidRows;
+    return nullptr;
+  }
 
   void evaluate(Workspace& work, const BlockStructure& blocks, Level level) const override {
     constexpr int kRows = connector::kRowsOf<T>;
     for_each_named(constraints_, work.time, [&](std::size_t i) {
       const ConnectorRecord& record = records_[i];
+      if constexpr (connector::kHasRigidRows<T>)
+        if (record.rigid && level != Level::acceleration)
+          return rigid_pairs::evaluate<T::kRigidRows>(work, blocks, record);
       const int markers = connector::marker_count<T>(record);
       ConstraintRows rows(markers);
       rows.want_bias(level == Level::acceleration);
@@ -223,6 +252,8 @@ class ConstraintBatchOf final : public ConstraintBatch {
       const int markers = connector::marker_count<T>(record);
       if (markers > kMaxMarkers) return;  // left out: Newton finds its way without
       const double* multipliers = lambda + record.first_row;
+      if constexpr (connector::kHasRigidRows<T>)
+        if (record.rigid) return rigid_pairs::add_stiffness<T::kRigidRows>(work, blocks, record, weight, multipliers);
       ConstraintRows::Stiffness K;  // rows that have any set it to zero first
       ConstraintRows rows(markers);
       rows.want_bias(false);

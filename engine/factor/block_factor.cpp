@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <type_traits>
 
 #include "engine/factor/block_kernels.h"
 #include "engine/factor/graph_topology.h"
@@ -26,17 +26,29 @@ BlockFactorOf<Scalar>::BlockFactorOf(const BlockStructure& structure) : structur
 template <class Scalar>
 void BlockFactorOf<Scalar>::plan() {
   const auto& s = structure_;
-  const int frames = static_cast<int>(s.frames.size()), rows = static_cast<int>(s.rows.size()), n = frames + rows;
-  std::vector<int> dimension(n), x(n);
-  for (int f = 0; f < frames; ++f) dimension[f] = 6, x[f] = s.frames[f].v;
-  for (int r = 0; r < rows; ++r)
-    dimension[frames + r] = s.rows[r].count, x[frames + r] = s.velocity_count + s.rows[r].first;
+  const int frames = static_cast<int>(s.frames.size()), rows = static_cast<int>(s.rows.size());
+  // Vertices: frames (of plain ones the turns alone), rows, then the translations of plain frames.
+  std::vector<int> dimension, x, translations(frames, -1);
+  for (const auto& f : s.frames) dimension.push_back(f.plain ? 3 : 6), x.push_back(f.plain ? f.v + 3 : f.v);
+  for (const auto& r : s.rows) dimension.push_back(r.count), x.push_back(s.velocity_count + r.first);
+  for (int f = 0; f < frames; ++f) {
+    if (!s.frames[f].plain) continue;
+    translations[f] = static_cast<int>(masses_.size());
+    masses_.push_back({s.frames[f].values, s.frames[f].v, 0, 0, 0, 0});
+  }
+  std::vector<std::vector<int>> held(masses_.size()), signs(masses_.size());  // rows that hold points of each
+  const int others = frames + rows;
 
   // The graph: who has a block with whom before elimination.
   Topology topology{frames, std::vector<std::vector<int>>(rows)};
   std::vector<std::pair<int, int>> couplings;
-  for (const auto& G : s.jacobians)
-    if (G.frame >= 0) topology.ties[G.rows].push_back(G.frame);
+  for (const auto& G : s.jacobians) {
+    if (G.frame < 0) continue;
+    topology.ties[G.rows].push_back(G.frame);
+    if (translations[G.frame] < 0 || G.point == 0) continue;
+    held[translations[G.frame]].push_back(frames + G.rows);
+    signs[translations[G.frame]].push_back(G.point);
+  }
   for (auto& tie : topology.ties)
     if (tie.size() < 2) tie.push_back(-1);  // what else it holds is ground, or a body without frame: as good as ground
   for (const auto& c : s.couplings) couplings.emplace_back(c.a, c.b);
@@ -50,89 +62,131 @@ void BlockFactorOf<Scalar>::plan() {
   for (int r = 0; r < rows; ++r)
     if (s.rows[r].compliant < 0) joints.ties.push_back(topology.ties[r]);
   guarded_ = has_loops(joints);
-  const Elimination elimination = plan_elimination(topology, dimension, couplings);
+  const Elimination elimination = plan_elimination(topology, dimension, couplings, held);
 
-  // Factor storage, found by (row vertex, column vertex) while planning only.
-  std::vector<std::map<int, int>> at(n);
-  int size = 0;
-  const auto block = [&](int i, int k) {
-    const auto [place, added] = at[i].try_emplace(k, size);
-    if (added) size += dimension[i] * dimension[k];
-    return place->second;
+  // 1. The blocks of each row vertex: where they lie in the factor, where their values come from.
+  struct Place {
+    int column, at = -1, source = -1;
+    bool ready = false;
   };
-  diagonal_.resize(n);
-  for (int v : elimination.order) diagonal_[v] = block(v, v);
-  for (int f = 0; f < frames; ++f) copies_.push_back({s.frames[f].values, diagonal_[f], -1, 6});
-  row_copies_.resize(rows);
+  std::vector<std::vector<Place>> places(others);
+  std::vector<Copy> sources;
+  int size = 0;
+  const auto place = [&](int i, int k) -> Place& {
+    auto& row = places[i];
+    auto found =
+        std::lower_bound(row.begin(), row.end(), k, [](const Place& p, int column) { return p.column < column; });
+    if (found == row.end() || found->column != k) found = row.insert(found, Place{k});
+    return *found;
+  };
+  const auto block = [&](int i, int k) {
+    Place& p = place(i, k);
+    if (p.at < 0) p.at = size, size += kernels::stride<Scalar>(dimension[i]) * dimension[k];
+    return p.at;
+  };
+  const auto source = [&](int i, int k, int from, int stride) {
+    place(i, k).source = static_cast<int>(sources.size());
+    sources.push_back(
+        {kernels::choose_copy<Scalar>(dimension[i], dimension[k]), from, -1, -1, dimension[i], dimension[k], stride});
+  };
+  const auto turns = [&](int frame) { return s.frames[frame].plain ? 3 : 0; };  // where a frame's vertex begins
+  for (int f = 0; f < frames; ++f) source(f, f, s.frames[f].values + 7 * turns(f), 6);
   for (const auto& G : s.jacobians) {
     if (G.frame < 0) continue;
     const int r = s.rows[G.rows].count;
-    const int row_block = block(frames + G.rows, G.frame);
-    copies_.push_back({G.values, row_block, block(G.frame, frames + G.rows), r});
-    row_copies_[G.rows].push_back(copies_.back());
+    source(frames + G.rows, G.frame, G.values + r * turns(G.frame), r);
   }
   for (const auto& c : s.couplings) {
-    copies_.push_back({c.ab, block(c.a, c.b), -1, 6});
-    copies_.push_back({c.ba, block(c.b, c.a), -1, 6});
+    source(c.a, c.b, c.ab + turns(c.a) + 6 * turns(c.b), 6);
+    source(c.b, c.a, c.ba + turns(c.b) + 6 * turns(c.a), 6);
   }
-  for (auto [a, b] : couplings) block(a, b), block(b, a);
-  for (const auto& c : s.row_couplings)
-    row_coupling_copies_.push_back(
-        {c.values, block(frames + c.rows, frames + c.on), s.rows[c.rows].count * s.rows[c.on].count});
-  for (int r = 0; r < rows; ++r)
-    if (s.rows[r].compliant >= 0)
-      compliant_.insert(compliant_.end(), {diagonal_[frames + r], s.rows[r].compliant, s.rows[r].count});
+  for (const auto& c : s.row_couplings) source(frames + c.rows, frames + c.on, c.values, s.rows[c.rows].count);
 
+  // 2. A block is copied, or cleared, by the step that touches it first, of G with its transpose; where that step is to
+  // subtract from it and nothing is there yet, it writes. Whether it does.
+  const auto touch = [&](int i, int k, bool subtracts) {
+    if (place(i, k).ready) return false;
+    place(i, k).ready = true;
+    const bool transpose = i < frames && k >= frames;
+    const int row = transpose ? k : i, column = transpose ? i : k;
+    const int from = place(row, column).source;
+    if (from >= 0) {
+      Copy copy = sources[from];
+      copy.to = block(row, column);
+      if (row >= frames && column < frames) {
+        copy.to_transposed = block(column, row);
+        place(row, column).ready = place(column, row).ready = true;
+      }
+      copies_.push_back(copy);
+      return false;
+    }
+    const int to = block(i, k);
+    if (!subtracts) cleared_.push_back({to, kernels::stride<Scalar>(dimension[i]) * dimension[k]});
+    return subtracts;
+  };
+  // Before all steps: what the bodies' linear coordinates add to, and compliances.
+  for (std::size_t l = 0; l < linear_.size(); ++l) {
+    std::vector<int> vertices;
+    if (s.linears[l].frame >= 0) vertices.push_back(s.linears[l].frame);
+    for (int r : linear_[l].rows()) vertices.push_back(frames + r);
+    schur_targets_.emplace_back();
+    for (int k : vertices)
+      for (int i : vertices) touch(i, k, false), schur_targets_.back().push_back(block(i, k));
+  }
+  for (int r = 0; r < rows; ++r) {
+    if (s.rows[r].compliant < 0) continue;
+    touch(frames + r, frames + r, false);
+    compliant_.insert(compliant_.end(), {block(frames + r, frames + r), s.rows[r].compliant, s.rows[r].count});
+  }
+  first_copies_ = static_cast<int>(copies_.size()), first_cleared_ = static_cast<int>(cleared_.size());
+
+  // 3. The steps.
   for (int v : elimination.order) {
-    const std::vector<int>& rest = elimination.neighbours[v];
-    const int d = dimension[v];
-    Step step{d,
-              diagonal_[v],
-              x[v],
-              static_cast<int>(neighbours_.size()),
-              0,
-              static_cast<int>(updates_.size()),
-              0,
-              v < frames ? -1 : s.rows[v - frames].first,
-              kernels::choose_invert<Scalar>(d),
-              kernels::choose_apply_vector<Scalar>(d)};
-    for (int i : rest)
-      neighbours_.push_back({block(i, v), block(v, i), x[i], dimension[i],
-                             kernels::choose_apply<Scalar>(d, dimension[i]),
-                             kernels::choose_multiply_vector<Scalar>(dimension[i], d),
-                             kernels::choose_multiply_vector<Scalar>(d, dimension[i])});
-    for (int k : rest)
-      for (int i : rest)
-        updates_.push_back({kernels::choose_product<Scalar>(dimension[i], d, dimension[k]), block(i, k), block(i, v),
-                            block(v, k), dimension[i], dimension[k]});
+    Step step{};
+    step.first_neighbour = static_cast<int>(neighbours_.size()), step.first_update = static_cast<int>(updates_.size());
+    step.first_copy = static_cast<int>(copies_.size()), step.first_cleared = static_cast<int>(cleared_.size());
+    step.mass = v < others ? -1 : v - others;
+    step.first_row = v >= frames && v < others ? s.rows[v - frames].first : -1;
+    if (step.mass >= 0) {
+      Mass& mass = masses_[step.mass];
+      const auto &pinned = held[step.mass], &sign = signs[step.mass];
+      mass.first_pin = static_cast<int>(pins_.size()), mass.first_pair = static_cast<int>(pairs_.size());
+      for (std::size_t i = 0; i < pinned.size(); ++i)
+        pins_.push_back({x[pinned[i]], s.rows[pinned[i] - frames].first, sign[i]});
+      for (std::size_t k = 0; k < pinned.size(); ++k)
+        for (std::size_t i = 0; i < pinned.size(); ++i) {
+          const bool fresh = touch(pinned[i], pinned[k], true);
+          pairs_.push_back({block(pinned[i], pinned[k]), mass.first_pin + static_cast<int>(i),
+                            mass.first_pin + static_cast<int>(k), dimension[pinned[i]], dimension[pinned[k]], fresh});
+        }
+      mass.last_pin = static_cast<int>(pins_.size()), mass.last_pair = static_cast<int>(pairs_.size());
+    } else {
+      const int d = dimension[v];
+      const std::vector<int>& rest = elimination.neighbours[v];
+      step.dimension = d, step.x = x[v];
+      step.invert = kernels::choose_invert<Scalar>(d), step.apply = kernels::choose_apply_vector<Scalar>(d);
+      touch(v, v, false);
+      step.diagonal = block(v, v);
+      for (int i : rest) {
+        touch(i, v, false), touch(v, i, false);
+        neighbours_.push_back({block(i, v), block(v, i), x[i], dimension[i],
+                               kernels::choose_apply<Scalar>(d, dimension[i]),
+                               kernels::choose_multiply_vector<Scalar>(dimension[i], d),
+                               kernels::choose_multiply_vector<Scalar>(d, dimension[i])});
+      }
+      for (int k : rest)
+        for (int i : rest) {
+          const bool fresh = touch(i, k, true);
+          updates_.push_back({kernels::choose_product<Scalar>(dimension[i], d, dimension[k], fresh), block(i, k),
+                              block(i, v), block(v, k), dimension[i], dimension[k]});
+        }
+    }
     step.last_neighbour = static_cast<int>(neighbours_.size());
     step.last_update = static_cast<int>(updates_.size());
+    step.last_copy = static_cast<int>(copies_.size()), step.last_cleared = static_cast<int>(cleared_.size());
     steps_.push_back(step);
   }
-  blocks_.resize(size);
-  // Where each body's Schur complement is subtracted.
-  for (const auto& linear : linear_) {
-    std::vector<int> vertices;
-    const auto& l = s.linears[&linear - linear_.data()];
-    if (l.frame >= 0) vertices.push_back(l.frame);
-    for (int r : linear.rows()) vertices.push_back(frames + r);
-    schur_targets_.emplace_back();
-    for (std::size_t k = 0; k < vertices.size(); ++k)
-      for (std::size_t i = 0; i < vertices.size(); ++i)
-        schur_targets_.back().push_back(block(vertices[i], vertices[k]));
-  }
-  if (static_cast<int>(blocks_.size()) < size) blocks_.resize(size);
-
-  // What elimination fills in starts from zero.
-  std::vector<char> filled(size, 0);
-  for (const Copy& c : copies_)
-    for (int to : {c.to, c.to_transposed})
-      if (to >= 0) std::fill_n(filled.begin() + to, 6 * c.rows, 1);
-  for (int i = 0; i < size; ++i) {
-    if (filled[i]) continue;
-    if (i == 0 || filled[i - 1]) cleared_.emplace_back(i, 0);
-    ++cleared_.back().second;
-  }
+  blocks_.assign(size, Scalar(0));
   is_dropped_.assign(s.row_count, 0);
   compliance_.setZero(s.row_count);
   weak_rows_.reserve(s.row_count);
@@ -146,22 +200,18 @@ void BlockFactorOf<Scalar>::drop_rows(const std::vector<int>& rows) {
 }
 
 template <class Scalar>
-void BlockFactorOf<Scalar>::load(const std::vector<Scalar>& values) {
-  for (const auto& [first, count] : cleared_)
-    for (Scalar *to = blocks_.data() + first, *end = to + count; to != end; ++to) *to = 0;
-  for (const Copy& c : copies_) {
-    const Scalar* from = values.data() + c.from;
-    Scalar* to = blocks_.data() + c.to;
-    if (c.to_transposed < 0)
-      Eigen::Map<Eigen::Matrix<Scalar, 6, 6>>{to} = Eigen::Map<const Eigen::Matrix<Scalar, 6, 6>>(from);
-    else
-      kernels::copy_both(from, to, blocks_.data() + c.to_transposed, c.rows);
-  }
+Scalar& BlockFactorOf<Scalar>::entry(int block, int row, int column, int rows) {
+  return blocks_[block + kernels::place<Scalar>(row, rows) + kernels::stride<Scalar>(rows) * column];
+}
+
+/// What is there before all steps.
+template <class Scalar>
+void BlockFactorOf<Scalar>::load_first(const std::vector<Scalar>& values) {
+  Step first{};
+  first.last_copy = first_copies_, first.last_cleared = first_cleared_;
+  load(first, values);
   for (std::size_t i = 0; i < compliant_.size(); i += 3)
-    for (int r = 0, n = compliant_[i + 2]; r < n; ++r)
-      blocks_[compliant_[i] + r * (n + 1)] = values[compliant_[i + 1] + r];
-  for (const RowCopy& c : row_coupling_copies_) std::copy_n(values.data() + c.from, c.count, blocks_.data() + c.to);
-  if (!dropped_.empty()) clear_dropped();
+    for (int r = 0, n = compliant_[i + 2]; r < n; ++r) entry(compliant_[i], r, r, n) = values[compliant_[i + 1] + r];
   for (std::size_t l = 0; l < linear_.size(); ++l) {
     LinearBlock<Scalar>& linear = linear_[l];
     linear.factorize(values, is_dropped_);
@@ -170,26 +220,84 @@ void BlockFactorOf<Scalar>::load(const std::vector<Scalar>& values) {
     std::size_t target = 0;
     for (const auto& k : parts)
       for (const auto& i : parts) {
-        Scalar* to = blocks_.data() + schur_targets_[l][target++];
+        const int to = schur_targets_[l][target++];
         for (int b = 0; b < k.size; ++b)
-          for (int a = 0; a < i.size; ++a) to[a + i.size * b] += schur(i.column + a, k.column + b);
+          for (int a = 0; a < i.size; ++a) entry(to, a, b, i.size) += schur(i.column + a, k.column + b);
       }
   }
 }
 
-/// A dropped row becomes  -1 · y = 0.
+/// The blocks that a step is the first to touch.
 template <class Scalar>
-void BlockFactorOf<Scalar>::clear_dropped() {
-  const int frames = static_cast<int>(structure_.frames.size());
-  for (std::size_t v = 0; v < structure_.rows.size(); ++v) {
-    const auto& rows = structure_.rows[v];
-    for (int r = 0; r < rows.count; ++r) {
-      if (!is_dropped_[rows.first + r]) continue;
-      for (const Copy& c : row_copies_[v])
-        for (int k = 0; k < 6; ++k) blocks_[c.to + r + rows.count * k] = blocks_[c.to_transposed + k + 6 * r] = 0;
-      blocks_[diagonal_[frames + v] + r * (rows.count + 1)] = -1;
+void BlockFactorOf<Scalar>::load(const Step& s, const std::vector<Scalar>& values) {
+  Scalar* b = blocks_.data();
+  for (int i = s.first_cleared; i < s.last_cleared; ++i)
+    std::fill_n(b + cleared_[i].first, cleared_[i].count, Scalar(0));
+  for (int i = s.first_copy; i < s.last_copy; ++i) {
+    const Copy& c = copies_[i];
+    c.copy(values.data() + c.from, b + c.to, c.to_transposed < 0 ? nullptr : b + c.to_transposed, c.m, c.n, c.stride);
+  }
+}
+
+/// Takes dropped rows out of the blocks of a step before it eliminates: a dropped row becomes  -1 · y = 0.
+template <class Scalar>
+void BlockFactorOf<Scalar>::drop(const Step& s) {
+  const auto clear = [&](int row_block, int column_block, int rows, int columns, int row) {
+    for (int k = 0; k < columns; ++k) entry(row_block, row, k, rows) = 0, entry(column_block, k, row, columns) = 0;
+  };
+  for (int r = 0; s.first_row >= 0 && r < s.dimension; ++r) {
+    if (!is_dropped_[s.first_row + r]) continue;
+    for (int k = 0; k < s.dimension; ++k)
+      entry(s.diagonal, r, k, s.dimension) = entry(s.diagonal, k, r, s.dimension) = 0;
+    entry(s.diagonal, r, r, s.dimension) = -1;
+    for (int i = s.first_neighbour; i < s.last_neighbour; ++i) {
+      const Neighbour& n = neighbours_[i];
+      clear(n.column_block, n.row_block, s.dimension, n.dimension, r);
     }
   }
+  for (int i = s.first_neighbour; i < s.last_neighbour; ++i) {
+    const Neighbour& n = neighbours_[i];
+    const int first = n.x - structure_.velocity_count;
+    for (int r = 0; first >= 0 && r < n.dimension; ++r)
+      if (is_dropped_[first + r]) clear(n.row_block, n.column_block, n.dimension, s.dimension, r);
+  }
+}
+
+/// C -= ±E / m in rows and columns 0 to 2 of the block of each pair of pins.
+template <class Scalar>
+void BlockFactorOf<Scalar>::eliminate_mass(const Step& s, const std::vector<Scalar>& values) {
+  Mass& mass = masses_[s.mass];
+  mass.inverse = 1.0 / values[mass.value];
+  for (int i = mass.first_pair; i < mass.last_pair; ++i) {
+    const Pair& p = pairs_[i];
+    const Scalar c = -static_cast<double>(pins_[p.a].sign * pins_[p.b].sign) * mass.inverse;
+    Scalar* to = blocks_.data() + p.target;
+    const int stride = kernels::stride<Scalar>(p.rows);
+    if constexpr (std::is_same_v<Scalar, double>) {
+      if (p.rows <= kernels::kFixed) {
+        // Whole registers, as all other kernels read and write them.
+        const lanes::Columns unit = lanes::scalar(c);
+        if (p.fresh) {
+          for (int k = 3; k < stride * p.columns / 4; ++k) lanes::store4(lanes::none(), to + 4 * k);
+          if (stride == 8) lanes::store4(lanes::none(), to + 4);
+          lanes::store4(unit.c[0], to);
+          lanes::store4(unit.c[1], to + stride);
+          lanes::store4(unit.c[2], to + 2 * stride);
+        } else {
+          lanes::store4(lanes::load4(to) + unit.c[0], to);
+          lanes::store4(lanes::load4(to + stride) + unit.c[1], to + stride);
+          lanes::store4(lanes::load4(to + 2 * stride) + unit.c[2], to + 2 * stride);
+        }
+        continue;
+      }
+    }
+    if (p.fresh) std::fill_n(to, stride * p.columns, Scalar(0));
+    for (int k = 0; k < 3; ++k) to[k * (stride + 1)] += c;
+  }
+  // What rows feel of the scale on which their pivots are judged.
+  if (!guarded_) return;
+  for (int i = mass.first_pin; i < mass.last_pin; ++i)
+    for (int k = 0; k < 3; ++k) compliance_[pins_[i].row + k] += std::abs(mass.inverse);
 }
 
 template <class Scalar>
@@ -208,23 +316,24 @@ void BlockFactorOf<Scalar>::eliminate(const Step& s) {
 
 template <class Scalar>
 void BlockFactorOf<Scalar>::factorize(const std::vector<Scalar>& values) {
-  load(values);
+  load_first(values);
   weak_rows_.clear();
-  if (!guarded_) {
-    for (const Step& s : steps_) {
-      s.invert(blocks_.data() + s.diagonal, s.dimension);
-      eliminate(s);
-    }
-    return;
-  }
-  compliance_.setZero();
+  if (guarded_) compliance_.setZero();
+  const bool drops = !dropped_.empty();
   for (const Step& s : steps_) {
-    if (s.first_row >= 0)
+    load(s, values);
+    if (s.mass >= 0) {
+      eliminate_mass(s, values);
+      continue;
+    }
+    if (drops) drop(s);
+    const bool watched = guarded_ && s.first_row >= 0;
+    if (watched)
       invert_guarded(s);
     else
       s.invert(blocks_.data() + s.diagonal, s.dimension);
     eliminate(s);
-    if (s.first_row < 0) add_compliances(s);
+    if (guarded_ && !watched) add_compliances(s);
   }
 }
 
@@ -234,10 +343,10 @@ void BlockFactorOf<Scalar>::add_compliances(const Step& s) {
   for (int i = s.first_neighbour; i < s.last_neighbour; ++i) {
     const Neighbour& n = neighbours_[i];
     if (n.x < structure_.velocity_count) continue;
-    const Scalar *g = blocks_.data() + n.row_block, *moved = blocks_.data() + n.column_block;
     double* sum = compliance_.data() + n.x - structure_.velocity_count;
     for (int r = 0; r < n.dimension; ++r)
-      for (int k = 0; k < 6; ++k) sum[r] += std::abs(g[r + n.dimension * k] * moved[k + 6 * r]);
+      for (int k = 0; k < s.dimension; ++k)
+        sum[r] += std::abs(entry(n.row_block, r, k, n.dimension) * entry(n.column_block, k, r, s.dimension));
   }
 }
 
@@ -249,13 +358,15 @@ void BlockFactorOf<Scalar>::invert_guarded(const Step& s) {
   Scalar* P = blocks_.data() + s.diagonal;
   if (n > kLargestGuarded) return s.invert(P, n);
   Scalar before[kLargestGuarded * kLargestGuarded];
-  std::copy_n(P, n * n, before);
+  const int size = kernels::stride<Scalar>(n) * n;
+  std::copy_n(P, size, before);
   s.invert(P, n);
   const double* reference = compliance_.data() + s.first_row;
   bool sound = true;
-  for (int p = 0; p < n; ++p) sound &= std::abs(P[p + n * p]) * kWeak * reference[p] <= 1;  // not where it is no number
+  for (int p = 0; p < n; ++p)
+    sound &= std::abs(entry(s.diagonal, p, p, n)) * kWeak * reference[p] <= 1;  // not where it is no number
   if (sound) return;
-  std::copy_n(before, n * n, P);
+  std::copy_n(before, size, P);
   guard(s);
   s.invert(P, n);
 }
@@ -270,8 +381,8 @@ template <class Scalar>
 void BlockFactorOf<Scalar>::guard(const Step& s) {
   const int n = s.dimension;
   Scalar A[kLargestGuarded * kLargestGuarded];
-  Scalar* P = blocks_.data() + s.diagonal;
-  for (int i = 0; i < n * n; ++i) A[i] = -P[i];
+  for (int k = 0; k < n; ++k)
+    for (int i = 0; i < n; ++i) A[i + n * k] = -entry(s.diagonal, i, k, n);
   for (int p = 0; p < n; ++p) {
     const int row = s.first_row + p;
     const double reference = compliance_[row];
@@ -279,7 +390,7 @@ void BlockFactorOf<Scalar>::guard(const Step& s) {
     if (!is_dropped_[row] && pivot < kWeak * reference) {
       if (!dropped_.empty()) weak_rows_.push_back(row);
       if (pivot < kRoundOff * reference) {
-        P[p + n * p] -= kGives * reference - A[p + n * p];
+        entry(s.diagonal, p, p, n) -= kGives * reference - A[p + n * p];
         A[p + n * p] = kGives * reference;
       }
     }
@@ -295,13 +406,20 @@ template <class Scalar>
 std::vector<int> BlockFactorOf<Scalar>::factorize_revealing(const std::vector<Scalar>& values, const VectorX& reference,
                                                             double tolerance) {
   using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
-  load(values);
+  load_first(values);
   std::vector<int> dependent;
   for (const Step& s : steps_) {
-    Eigen::Map<Matrix> P(blocks_.data() + s.diagonal, s.dimension, s.dimension);
+    load(s, values);
+    if (s.mass >= 0) {
+      eliminate_mass(s, values);
+      continue;
+    }
+    drop(s);
     if (s.first_row >= 0) {
       // Gaussian elimination on a copy, largest relative pivot first; what is left below tolerance is dependent.
-      Matrix A = -P;
+      Matrix A(s.dimension, s.dimension);
+      for (int k = 0; k < s.dimension; ++k)
+        for (int i = 0; i < s.dimension; ++i) A(i, k) = -entry(s.diagonal, i, k, s.dimension);
       std::vector<int> open(s.dimension);
       for (int r = 0; r < s.dimension; ++r) open[r] = r;
       std::vector<int> bad;
@@ -326,17 +444,11 @@ std::vector<int> BlockFactorOf<Scalar>::factorize_revealing(const std::vector<Sc
       for (int r : bad) {
         if (is_dropped_[s.first_row + r]) continue;
         dependent.push_back(s.first_row + r);
-        P.row(r).setZero();
-        P.col(r).setZero();
-        P(r, r) = -1;
-        for (int i = s.first_neighbour; i < s.last_neighbour; ++i) {
-          const Neighbour& n = neighbours_[i];
-          Eigen::Map<Matrix>(blocks_.data() + n.row_block, n.dimension, s.dimension).col(r).setZero();
-          Eigen::Map<Matrix>(blocks_.data() + n.column_block, s.dimension, n.dimension).row(r).setZero();
-        }
+        is_dropped_[s.first_row + r] = 1;
       }
+      if (!bad.empty()) drop(s);
     }
-    s.invert(P.data(), s.dimension);
+    s.invert(blocks_.data() + s.diagonal, s.dimension);
     eliminate(s);
   }
   std::vector<int> all = dropped_;
@@ -351,10 +463,21 @@ std::vector<int> BlockFactorOf<Scalar>::factorize_revealing(const std::vector<Sc
 template <class Scalar>
 void BlockFactorOf<Scalar>::solve(Scalar* x) const {
   const Scalar* b = blocks_.data();
+  const bool drops = !dropped_.empty();
   for (int r : dropped_) x[structure_.velocity_count + r] = 0;
   for (const auto& linear : linear_) linear.forward(x);
   for (int r : dropped_) x[structure_.velocity_count + r] = 0;
   for (const Step& s : steps_) {
+    if (s.mass >= 0) {
+      const Mass& mass = masses_[s.mass];
+      for (int i = mass.first_pin; i < mass.last_pin; ++i) {
+        const Pin& pin = pins_[i];
+        kernels::subtract3(x + pin.x, static_cast<double>(pin.sign) * mass.inverse, x + mass.x);
+        for (int k = 0; drops && k < 3; ++k)
+          if (is_dropped_[pin.row + k]) x[pin.x + k] = 0;
+      }
+      continue;
+    }
     Scalar* y = x + s.x;
     s.apply(b + s.diagonal, y, s.dimension);
     for (int i = s.first_neighbour; i < s.last_neighbour; ++i) {
@@ -362,11 +485,19 @@ void BlockFactorOf<Scalar>::solve(Scalar* x) const {
       n.forward(x + n.x, b + n.row_block, y, n.dimension, s.dimension);
     }
   }
-  for (auto s = steps_.rbegin(); s != steps_.rend(); ++s)
+  for (auto s = steps_.rbegin(); s != steps_.rend(); ++s) {
+    if (s->mass >= 0) {
+      const Mass& mass = masses_[s->mass];
+      for (int i = mass.first_pin; i < mass.last_pin; ++i)
+        kernels::subtract3(x + mass.x, static_cast<double>(pins_[i].sign), x + pins_[i].x);
+      kernels::scale3(x + mass.x, mass.inverse);
+      continue;
+    }
     for (int i = s->first_neighbour; i < s->last_neighbour; ++i) {
       const Neighbour& n = neighbours_[i];
       n.backward(x + s->x, b + n.column_block, x + n.x, s->dimension, n.dimension);
     }
+  }
   for (const auto& linear : linear_) linear.backward(x);
 }
 

@@ -11,7 +11,8 @@ namespace lithe {
 
 /// Block LU of [S Gᵀ; G -C] in an order taken from the graph. First every body's linear coordinates (LinearBlock), then
 /// frames and rows by a flat list of small fixed-size operations: linear cost for trees, no dense matrix of the
-/// system's size, no allocation after construction.
+/// system's size, no allocation after construction. Of a plain frame (BlockStructure) the translations are a scalar,
+/// eliminated before its turns, a 3 x 3: between ball joints 3 x 3 blocks are left.
 template <class Scalar>
 class BlockFactorOf {
  public:
@@ -52,18 +53,36 @@ class BlockFactorOf {
     int first_row;  // number of the first row if this is a constraint, else -1
     void (*invert)(Scalar*, int);
     void (*apply)(const Scalar*, Scalar*, int);
+    int first_copy, last_copy, first_cleared, last_cleared;  // blocks that this step is the first to touch
+    int mass;  // index in masses_ if it is that of a plain frame's translations, else -1
   };
-  struct Copy {  // of a block of the values: rows x 6 at `to`, its transpose at `to_transposed` (-1: not needed)
-    int from, to, to_transposed, rows;
+  /// The translations of a plain frame: a scalar, and rows that hold its points with ±E. They go first, as scalars.
+  struct Mass {
+    int value, x;  // where the scalar is among the values; its first unknown
+    int first_pin, last_pin, first_pair, last_pair;
+    Scalar inverse{};
   };
-
-  struct RowCopy {  // of a coupling of rows: `count` values
-    int from, to, count;
+  struct Pin {
+    int x, row, sign;  // unknowns and number of the first of three rows
+  };
+  struct Pair {  // of pins a, b: the block of their rows, of so many rows and columns
+    int target, a, b, rows, columns;
+    bool fresh;  // nothing is there yet
+  };
+  struct Copy {  // of a block of the values, m x n, columns `stride` apart, and its transpose (-1: not needed)
+    void (*copy)(const Scalar*, Scalar*, Scalar*, int, int, int);
+    int from, to, to_transposed, m, n, stride;
+  };
+  struct Cleared {
+    int first, count;
   };
 
   void plan();
-  void load(const std::vector<Scalar>& values);
-  void clear_dropped();
+  Scalar& entry(int block, int row, int column, int rows);
+  void load_first(const std::vector<Scalar>& values);
+  void load(const Step& step, const std::vector<Scalar>& values);
+  void drop(const Step& step);
+  void eliminate_mass(const Step& step, const std::vector<Scalar>& values);
   void eliminate(const Step& step);
   void add_compliances(const Step& step);
   void invert_guarded(const Step& step);
@@ -75,8 +94,11 @@ class BlockFactorOf {
   std::vector<Neighbour> neighbours_;
   std::vector<Update> updates_;
   std::vector<Copy> copies_;
-  std::vector<std::pair<int, int>> cleared_;  // first, count: what no copy fills
-  std::vector<RowCopy> row_coupling_copies_;
+  std::vector<Cleared> cleared_;
+  int first_copies_ = 0, first_cleared_ = 0;  // those before any step
+  std::vector<Mass> masses_;
+  std::vector<Pin> pins_;
+  std::vector<Pair> pairs_;
   std::vector<int> compliant_;                   // factor diagonal, values index, count: triples
   std::vector<std::vector<int>> schur_targets_;  // of each linear block, by pairs of its parts
   std::vector<Scalar> blocks_;
@@ -85,8 +107,6 @@ class BlockFactorOf {
   std::vector<int> weak_rows_;
   std::vector<int> dropped_;
   std::vector<char> is_dropped_;
-  std::vector<int> diagonal_;                  // of each vertex
-  std::vector<std::vector<Copy>> row_copies_;  // of each rows vertex, to drop rows
 };
 
 using BlockFactor = BlockFactorOf<double>;

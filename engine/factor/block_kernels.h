@@ -1,26 +1,37 @@
 #pragma once
 
 #include <array>
+#include <type_traits>
 #include <utility>
 
 #include "engine/base/math.h"
+#include "engine/factor/lane_kernels.h"
 
 /// Small dense kernels on column-major blocks of real or complex numbers, chosen by size once, when the elimination is
-/// planned. Sizes 1 to 6 are known to the compiler; larger blocks (rare: long rows) take the plain loops.
+/// planned. Blocks of real numbers with up to six rows have columns of whole registers (lane_kernels.h); larger blocks
+/// (rare: long rows) and complex ones take the plain loops.
 namespace lithe::kernels {
 
 inline constexpr int kFixed = 6;
+inline constexpr int kRoom = 64;  // rows of a joint or force: no block is larger
 
-// Sums begin with a product: GCC 12 copies what an array begins with in halves of a register and stalls as it reads the
-// whole.
+/// Where an entry lies in a block of m rows: at place(i, m) + stride(m) · j.
+template <class S>
+int stride(int m) {
+  return std::is_same_v<S, double> && m <= kFixed ? (m <= 3 ? 4 : 8) : m;
+}
+template <class S>
+int place(int i, int m) {
+  return std::is_same_v<S, double> && m <= kFixed ? lane::place(i) : i;
+}
 
-/// C -= A B with A m x k, B k x n.
+/// C -= A B with A m x k, B k x n; or C = -A B.
 template <class S>
 using Product = void (*)(S* C, const S* A, const S* B, int m, int k, int n);
 /// B <- P B with P k x k, B k x n.
 template <class S>
 using Apply = void (*)(const S* P, S* B, int k, int n);
-/// y -= A x with A m x k.
+/// y -= A x with A m x k; y and x without gaps.
 template <class S>
 using MultiplyVector = void (*)(S* y, const S* A, const S* x, int m, int k);
 /// y = P y with P k x k.
@@ -30,60 +41,121 @@ using ApplyVector = void (*)(const S* P, S* y, int k);
 template <class S>
 using Invert = void (*)(S* P, int k);
 
-template <class S, int M, int K, int N>
-void product(S* C, const S* A, const S* B, int m, int k, int n) {
-  if constexpr (M > 0) m = M, k = K, n = N;
+// ---- any size ----
+
+/// y -= A x, where x and y may be columns of blocks, with their gaps.
+template <class S>
+void subtract_column(S* y, const S* A, const S* x, int m, int k, bool x_of_block, bool y_of_block) {
+  const int head = std::min(m, 3), gap = place<S>(3, m) - 3, y_gap = y_of_block ? gap : 0;
+  for (int l = 0; l < k; ++l) {
+    const S* a = A + stride<S>(m) * l;
+    const S f = x[x_of_block ? place<S>(l, k) : l];
+    for (int i = 0; i < head; ++i) y[i] -= a[i] * f;
+    for (int i = head; i < m; ++i) y[i + y_gap] -= a[i + gap] * f;
+  }
+}
+template <class S, bool Fresh>
+void product_any(S* C, const S* A, const S* B, int m, int k, int n) {
   for (int j = 0; j < n; ++j) {
-    if constexpr (M > 0) {
-      S sum[M];
-      for (int i = 0; i < M; ++i) sum[i] = A[i] * B[K * j];
-      for (int l = 1; l < K; ++l)
-        for (int i = 0; i < M; ++i) sum[i] += A[i + M * l] * B[l + K * j];
-      for (int i = 0; i < M; ++i) C[i + M * j] -= sum[i];
-    } else {
-      for (int l = 0; l < k; ++l)
-        for (int i = 0; i < m; ++i) C[i + m * j] -= A[i + m * l] * B[l + k * j];
+    S* c = C + stride<S>(m) * j;
+    if (Fresh) std::fill_n(c, stride<S>(m), S(0));
+    subtract_column<S>(c, A, B + stride<S>(k) * j, m, k, true, true);
+  }
+}
+template <class S>
+void apply_any(const S* P, S* B, int k, int n) {
+  S sum[kRoom];
+  for (int j = 0; j < n; ++j) {
+    S* b = B + stride<S>(k) * j;
+    std::fill_n(sum, stride<S>(k), S(0));
+    subtract_column<S>(sum, P, b, k, k, true, true);
+    for (int i = 0; i < stride<S>(k); ++i) b[i] = -sum[i];
+  }
+}
+template <class S>
+void multiply_vector_any(S* y, const S* A, const S* x, int m, int k) {
+  subtract_column<S>(y, A, x, m, k, false, false);
+}
+template <class S>
+void apply_vector_any(const S* P, S* y, int k) {
+  S sum[kRoom] = {};
+  subtract_column<S>(sum, P, y, k, k, false, false);
+  for (int i = 0; i < k; ++i) y[i] = -sum[i];
+}
+/// Gauss-Jordan in place; no gaps.
+template <class S>
+void invert_any(S* P, int k) {
+  for (int p = 0; p < k; ++p) {
+    const S pivot = 1.0 / P[p + k * p];
+    P[p + k * p] = 1;
+    for (int j = 0; j < k; ++j) P[p + k * j] *= pivot;
+    for (int i = 0; i < k; ++i) {
+      if (i == p) continue;
+      const S f = P[i + k * p];
+      P[i + k * p] = 0;
+      for (int j = 0; j < k; ++j) P[i + k * j] -= f * P[p + k * j];
     }
   }
 }
-
-template <class S, int K, int N>
-void apply(const S* P, S* B, int k, int n) {
-  if constexpr (K > 0) k = K, n = N;
-  S sum[K > 0 ? K : 64];
-  for (int j = 0; j < n; ++j) {
-    S* b = B + k * j;
-    for (int i = 0; i < k; ++i) sum[i] = 0;
-    for (int l = 0; l < k; ++l)
-      for (int i = 0; i < k; ++i) sum[i] += P[i + k * l] * b[l];
-    for (int i = 0; i < k; ++i) b[i] = sum[i];
-  }
+/// to = A (m x n, columns `from` apart), or its transpose.
+template <class S>
+void copy_any(const S* A, S* to, int m, int n, int from) {
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < m; ++i) to[place<S>(i, m) + stride<S>(m) * j] = A[i + from * j];
+}
+template <class S>
+void copy_transposed_any(const S* A, S* to, int m, int n, int from) {
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < m; ++i) to[place<S>(j, n) + stride<S>(n) * i] = A[i + from * j];
 }
 
+// ---- complex blocks of known size ----
+
+// Sums begin with a product: GCC 12 copies what an array begins with in halves of a register and stalls as it reads the
+// whole.
+
+/// out = A b with A M x K.
 template <class S, int M, int K>
-void multiply_vector(S* y, const S* A, const S* x, int m, int k) {
-  if constexpr (M > 0) m = M, k = K;
-  if constexpr (M > 0) {
-    S sum[M];
-    for (int i = 0; i < M; ++i) sum[i] = A[i] * x[0];
-    for (int l = 1; l < K; ++l)
-      for (int i = 0; i < M; ++i) sum[i] += A[i + M * l] * x[l];
-    for (int i = 0; i < M; ++i) y[i] -= sum[i];
-  } else {
-    for (int l = 0; l < k; ++l)
-      for (int i = 0; i < m; ++i) y[i] -= A[i + m * l] * x[l];
+void times(const S* A, const S* b, S* out) {
+  for (int i = 0; i < M; ++i) out[i] = A[i] * b[0];
+  for (int l = 1; l < K; ++l)
+    for (int i = 0; i < M; ++i) out[i] += A[i + M * l] * b[l];
+}
+template <class S, int M, int K, int N, bool Fresh>
+void product(S* C, const S* A, const S* B, int, int, int) {
+  S sum[M];
+  for (int j = 0; j < N; ++j) {
+    times<S, M, K>(A, B + K * j, sum);
+    for (int i = 0; i < M; ++i) C[i + M * j] = Fresh ? -sum[i] : C[i + M * j] - sum[i];
   }
+}
+template <class S, int K, int N>
+void apply(const S* P, S* B, int, int) {
+  S sum[K];
+  for (int j = 0; j < N; ++j) {
+    times<S, K, K>(P, B + K * j, sum);
+    for (int i = 0; i < K; ++i) B[i + K * j] = sum[i];
+  }
+}
+template <class S, int M, int K>
+void multiply_vector(S* y, const S* A, const S* x, int, int) {
+  S sum[M];
+  times<S, M, K>(A, x, sum);
+  for (int i = 0; i < M; ++i) y[i] -= sum[i];
+}
+template <class S, int K>
+void apply_vector(const S* P, S* y, int) {
+  apply<S, K, 1>(P, y, K, 1);
 }
 
 /// By 3x3 blocks and cofactors: exact scaling behaviour, no branches.
 template <class S, int K>
-void invert(S* P, int k) {
-  if constexpr (K > 0 && K <= 3) {
-    Eigen::Map<Eigen::Matrix<S, K, K>> A(P);
+void invert(S* P, int) {
+  Eigen::Map<Eigen::Matrix<S, K, K>> A(P);
+  if constexpr (K <= 3) {
     A = A.inverse().eval();
-  } else if constexpr (K > 3) {
+  } else {
     constexpr int R = K - 3;
-    Eigen::Map<Eigen::Matrix<S, K, K>> A(P);
     const Eigen::Matrix<S, 3, 3> a = A.template topLeftCorner<3, 3>().inverse();
     const Eigen::Matrix<S, 3, R> b = a * A.template topRightCorner<3, R>();
     const Eigen::Matrix<S, R, 3> c = A.template bottomLeftCorner<R, 3>() * a;
@@ -94,46 +166,29 @@ void invert(S* P, int k) {
     A.template topRightCorner<3, R>() = -bd;
     A.template bottomLeftCorner<R, 3>().noalias() = -d * c;
     A.template topLeftCorner<3, 3>() = a + bd * c;
-  } else {  // Gauss-Jordan in place
-    for (int p = 0; p < k; ++p) {
-      const S pivot = 1.0 / P[p + k * p];
-      P[p + k * p] = 1;
-      for (int j = 0; j < k; ++j) P[p + k * j] *= pivot;
-      for (int i = 0; i < k; ++i) {
-        if (i == p) continue;
-        const S f = P[i + k * p];
-        P[i + k * p] = 0;
-        for (int j = 0; j < k; ++j) P[i + k * j] -= f * P[p + k * j];
-      }
-    }
   }
 }
 
-template <class S, int K>
-void apply_vector(const S* P, S* y, int k) {
-  apply<S, K, K ? 1 : 0>(P, y, k, 1);
-}
+// ---- three numbers of a plain vector ----
 
-/// to = A, transposed = Aᵀ with A rows x 6.
-template <class S, int Rows>
-void copy_both_fixed(const S* A, S* to, S* transposed, int rows) {
-  const Eigen::Map<const Eigen::Matrix<S, Rows ? Rows : Eigen::Dynamic, 6>> from(A, rows, 6);
-  Eigen::Map<Eigen::Matrix<S, Rows ? Rows : Eigen::Dynamic, 6>>(to, rows, 6) = from;
-  Eigen::Map<Eigen::Matrix<S, 6, Rows ? Rows : Eigen::Dynamic>>(transposed, 6, rows) = from.transpose();
+/// y -= s x.
+template <class S, class T>
+void subtract3(S* y, T s, const S* x) {
+  if constexpr (std::is_same_v<S, double>)
+    lanes::store3(lanes::load3(y) - lanes::load3(x) * s, y);
+  else
+    for (int i = 0; i < 3; ++i) y[i] -= s * x[i];
 }
+/// y *= s.
 template <class S>
-void copy_both(const S* A, S* to, S* transposed, int rows) {
-  switch (rows) {
-    case 1:
-      return copy_both_fixed<S, 1>(A, to, transposed, rows);
-    case 3:
-      return copy_both_fixed<S, 3>(A, to, transposed, rows);
-    case 5:
-      return copy_both_fixed<S, 5>(A, to, transposed, rows);
-    default:
-      return copy_both_fixed<S, 0>(A, to, transposed, rows);
-  }
+void scale3(S* y, S s) {
+  if constexpr (std::is_same_v<S, double>)
+    lanes::store3(lanes::load3(y) * s, y);
+  else
+    for (int i = 0; i < 3; ++i) y[i] *= s;
 }
+
+// ---- products with blocks of the values, which have no gaps ----
 
 /// y += Aᵀ x with A rows x columns.
 template <int Rows>
@@ -187,48 +242,108 @@ inline void add_product(double* y, const double* A, const double* x, int rows, i
 
 // ---- choice by size ----
 
-template <class S, int... I>
+template <class S, bool Fresh, int... I>
 Product<S> choose_product(int m, int k, int n, std::integer_sequence<int, I...>) {
-  static constexpr Product<S> table[] = {product<S, I / 36 + 1, I / 6 % 6 + 1, I % 6 + 1>...};
-  return table[(m - 1) * 36 + (k - 1) * 6 + (n - 1)];
+  if constexpr (std::is_same_v<S, double>) {
+    static constexpr Product<S> table[] = {lane::product<I / 36 + 1, I / 6 % 6 + 1, I % 6 + 1, Fresh>...};
+    return table[(m - 1) * 36 + (k - 1) * 6 + (n - 1)];
+  } else {
+    static constexpr Product<S> table[] = {product<S, I / 36 + 1, I / 6 % 6 + 1, I % 6 + 1, Fresh>...};
+    return table[(m - 1) * 36 + (k - 1) * 6 + (n - 1)];
+  }
 }
 template <class S>
-Product<S> choose_product(int m, int k, int n) {
-  if (m > kFixed || k > kFixed || n > kFixed) return product<S, 0, 0, 0>;
-  return choose_product<S>(m, k, n, std::make_integer_sequence<int, 216>{});
+Product<S> choose_product(int m, int k, int n, bool fresh) {
+  if (m > kFixed || k > kFixed || n > kFixed) return fresh ? product_any<S, true> : product_any<S, false>;
+  constexpr auto sizes = std::make_integer_sequence<int, 216>{};
+  return fresh ? choose_product<S, true>(m, k, n, sizes) : choose_product<S, false>(m, k, n, sizes);
 }
 template <class S, int... I>
 Apply<S> choose_apply(int k, int n, std::integer_sequence<int, I...>) {
-  static constexpr Apply<S> table[] = {apply<S, I / 6 + 1, I % 6 + 1>...};
-  return table[(k - 1) * 6 + (n - 1)];
+  if constexpr (std::is_same_v<S, double>) {
+    static constexpr Apply<S> table[] = {lane::apply<I / 6 + 1, I % 6 + 1>...};
+    return table[(k - 1) * 6 + (n - 1)];
+  } else {
+    static constexpr Apply<S> table[] = {apply<S, I / 6 + 1, I % 6 + 1>...};
+    return table[(k - 1) * 6 + (n - 1)];
+  }
 }
 template <class S>
 Apply<S> choose_apply(int k, int n) {
-  if (k > kFixed || n > kFixed) return apply<S, 0, 0>;
+  if (k > kFixed || n > kFixed) return apply_any<S>;
   return choose_apply<S>(k, n, std::make_integer_sequence<int, 36>{});
 }
 template <class S, int... I>
 MultiplyVector<S> choose_multiply_vector(int m, int k, std::integer_sequence<int, I...>) {
-  static constexpr MultiplyVector<S> table[] = {multiply_vector<S, I / 6 + 1, I % 6 + 1>...};
-  return table[(m - 1) * 6 + (k - 1)];
+  if constexpr (std::is_same_v<S, double>) {
+    static constexpr MultiplyVector<S> table[] = {lane::multiply_vector<I / 6 + 1, I % 6 + 1>...};
+    return table[(m - 1) * 6 + (k - 1)];
+  } else {
+    static constexpr MultiplyVector<S> table[] = {multiply_vector<S, I / 6 + 1, I % 6 + 1>...};
+    return table[(m - 1) * 6 + (k - 1)];
+  }
 }
 template <class S>
 MultiplyVector<S> choose_multiply_vector(int m, int k) {
-  if (m > kFixed || k > kFixed) return multiply_vector<S, 0, 0>;
+  if (m > kFixed || k > kFixed) return multiply_vector_any<S>;
   return choose_multiply_vector<S>(m, k, std::make_integer_sequence<int, 36>{});
+}
+template <class S, int... I>
+Invert<S> choose_invert(int k, std::integer_sequence<int, I...>) {
+  if constexpr (std::is_same_v<S, double>) {
+    static constexpr Invert<S> table[] = {lane::invert<I + 1>...};
+    return table[k - 1];
+  } else {
+    static constexpr Invert<S> table[] = {invert<S, I + 1>...};
+    return table[k - 1];
+  }
 }
 template <class S>
 Invert<S> choose_invert(int k) {
-  static constexpr Invert<S> table[] = {invert<S, 0>, invert<S, 1>, invert<S, 2>, invert<S, 3>,
-                                        invert<S, 4>, invert<S, 5>, invert<S, 6>};
-  return table[k > kFixed ? 0 : k];
+  return k > kFixed ? invert_any<S> : choose_invert<S>(k, std::make_integer_sequence<int, 6>{});
+}
+template <class S, int... I>
+ApplyVector<S> choose_apply_vector(int k, std::integer_sequence<int, I...>) {
+  if constexpr (std::is_same_v<S, double>) {
+    static constexpr ApplyVector<S> table[] = {lane::apply_vector<I + 1>...};
+    return table[k - 1];
+  } else {
+    static constexpr ApplyVector<S> table[] = {apply_vector<S, I + 1>...};
+    return table[k - 1];
+  }
 }
 template <class S>
 ApplyVector<S> choose_apply_vector(int k) {
-  static constexpr ApplyVector<S> table[] = {apply_vector<S, 0>, apply_vector<S, 1>, apply_vector<S, 2>,
-                                             apply_vector<S, 3>, apply_vector<S, 4>, apply_vector<S, 5>,
-                                             apply_vector<S, 6>};
-  return table[k > kFixed ? 0 : k];
+  return k > kFixed ? apply_vector_any<S> : choose_apply_vector<S>(k, std::make_integer_sequence<int, 6>{});
+}
+
+/// Copies a block of the values, m x n with columns `from` apart, to one of the factor and, where that is not null, its
+/// transpose. n is 3 or 6 where they are used.
+template <class S>
+using CopyBlock = void (*)(const S* A, S* to, S* to_transposed, int m, int n, int from);
+template <class S>
+void copy_block_any(const S* A, S* to, S* to_transposed, int m, int n, int from) {
+  copy_any(A, to, m, n, from);
+  if (to_transposed) copy_transposed_any(A, to_transposed, m, n, from);
+}
+template <int M, int N>
+void copy_block(const double* A, double* to, double* to_transposed, int, int, int from) {
+  lane::copy<M, N>(A, to, from);
+  if (to_transposed) lane::copy_transposed<M, N>(A, to_transposed, from);
+}
+template <class S, int... I>
+CopyBlock<S> choose_copy(int m, int n, std::integer_sequence<int, I...>) {
+  if constexpr (std::is_same_v<S, double>) {
+    static constexpr CopyBlock<S> table[] = {copy_block<I / 2 + 1, 3 * (I % 2 + 1)>...};
+    return table[2 * (m - 1) + n / 3 - 1];
+  } else {
+    return copy_block_any<S>;
+  }
+}
+template <class S>
+CopyBlock<S> choose_copy(int m, int n) {
+  if (m > kFixed || (n != 3 && n != 6)) return copy_block_any<S>;
+  return choose_copy<S>(m, n, std::make_integer_sequence<int, 12>{});
 }
 
 }  // namespace lithe::kernels

@@ -3,6 +3,24 @@
 #include "engine/factor/block_kernels.h"
 
 namespace lithe {
+namespace {
+
+/// force += Gᵀ y on a plain frame: the translations feel ±y, or nothing.
+void add_to_plain_frame(const double* G, int rows, int point, const double* y, double* force) {
+  const double* turns = G + 3 * rows;
+  Lanes torque = lanes::load3(force + 3);
+  int first = 0;
+  if (point != 0) {
+    const Lanes pull = lanes::load3(y);
+    lanes::store3(lanes::load3(force) + static_cast<double>(point) * pull, force);
+    torque += lanes::transposed(lanes::load3x3(turns, rows)) * pull;
+    first = 3;
+  }
+  for (int r = first; r < rows; ++r) torque += lanes::of(turns[r], turns[r + rows], turns[r + 2 * rows]) * y[r];
+  lanes::store3(torque, force + 3);
+}
+
+}  // namespace
 
 void add_row_forces(const BlockStructure& blocks, const std::vector<double>& values, int constraint_rows,
                     const double* lambda, const double* tension, double* force) {
@@ -11,6 +29,10 @@ void add_row_forces(const BlockStructure& blocks, const std::vector<double>& val
     if (row.first >= constraint_rows ? !tension : !lambda) continue;
     const double* y = row.first < constraint_rows ? lambda + row.first : tension + row.first - constraint_rows;
     double* to = force + G.velocity;
+    if (G.frame >= 0 && blocks.frames[G.frame].plain) {
+      add_to_plain_frame(values.data() + G.values, row.count, G.point, y, to);
+      continue;
+    }
     if (G.frame >= 0) {
       kernels::add_transposed(to, values.data() + G.values, y, row.count, 6);
       to += 6;

@@ -13,6 +13,9 @@ struct BlockStructure {
   struct Frame {
     int v;       // first velocity
     int values;  // 6 x 6
+    /// Its block is a scalar times the unit matrix (translations) and a 3 x 3 (turns), its couplings know turns alone,
+    /// and so do all rows on it but those that hold a point: true of rigid bodies between lower pairs that turn.
+    bool plain = false;
   };
   struct Linear {
     int v, size;
@@ -30,6 +33,7 @@ struct BlockStructure {
     int frame, values;          // r x 6; -1 without frame
     int linear, linear_values;  // r x n; -1 if the markers do not move with the linear coordinates
     int velocity;               // first velocity of the body, for G v and Gᵀ lambda
+    int point = 0;              // of a plain frame: G of its translations is ±E in rows 0 to 2, or zero
   };
   struct Coupling {
     int a, b;    // frames, a < b; the list is sorted

@@ -81,6 +81,37 @@ std::vector<Overhang> overhangs(const Topology& t, std::vector<int>& discovered)
 
 }  // namespace
 
+namespace {
+
+/// The same elimination with its order changed: each vertex depends on those of which it is the neighbour that goes
+/// next; a tree, which is walked from the leaves on.
+void walk_tree(Elimination& elimination) {
+  const int n = static_cast<int>(elimination.order.size());
+  std::vector<int> place(n);
+  for (int i = 0; i < n; ++i) place[elimination.order[i]] = i;
+  std::vector<std::vector<int>> children(n + 1);  // the last: of no vertex
+  for (int v : elimination.order) {
+    const auto& around = elimination.neighbours[v];
+    const auto next = std::min_element(around.begin(), around.end(), [&](int a, int b) { return place[a] < place[b]; });
+    children[next == around.end() ? n : *next].push_back(v);
+  }
+  std::vector<int> order;
+  order.reserve(n);
+  std::vector<std::pair<int, std::size_t>> path{{n, 0}};
+  while (!path.empty()) {
+    auto& [v, next] = path.back();
+    if (next < children[v].size()) {
+      path.emplace_back(children[v][next++], 0);
+    } else {
+      if (v < n) order.push_back(v);
+      path.pop_back();
+    }
+  }
+  elimination.order = std::move(order);
+}
+
+}  // namespace
+
 std::vector<int> islands(const Topology& t) {
   Graph graph(t.body_count);
   for (const auto& bodies : t.ties) {
@@ -104,15 +135,17 @@ bool has_loops(const Topology& t) {
 }
 
 Elimination plan_elimination(const Topology& t, const std::vector<int>& dimensions,
-                             const std::vector<std::pair<int, int>>& couplings) {
-  const int bodies = t.body_count, n = bodies + static_cast<int>(t.ties.size());
+                             const std::vector<std::pair<int, int>>& couplings,
+                             const std::vector<std::vector<int>>& first) {
+  const int bodies = t.body_count, others = bodies + static_cast<int>(t.ties.size()),
+            n = others + static_cast<int>(first.size());
   std::vector<int> discovered;
   const std::vector<Overhang> beyond = overhangs(t, discovered);
 
   std::vector<std::set<int>> neighbours(n);
   std::vector<int> waiting(n, 0);  // bodies of a constraint that are still there
   const auto connect = [&](int a, int b) { neighbours[a].insert(b), neighbours[b].insert(a); };
-  for (int c = bodies; c < n; ++c)
+  for (int c = bodies; c < others; ++c)
     for (int body : t.ties[c - bodies])
       if (body >= 0) connect(c, body), ++waiting[c];
   for (auto [a, b] : couplings)
@@ -130,7 +163,8 @@ Elimination plan_elimination(const Topology& t, const std::vector<int>& dimensio
     for (int w : neighbours[v]) sum += dimensions[w];
     return sum;
   };
-  // (cost, bodies after constraints, number); entries outdated by later elimination are skipped when they come up.
+  // (cost, bodies of six numbers after constraints, number): those of three wait for nothing. Entries outdated by later
+  // elimination are skipped when they come up.
   using Entry = std::tuple<int, int, int>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
   std::vector<int> queued(n, -1);
@@ -139,13 +173,21 @@ Elimination plan_elimination(const Topology& t, const std::vector<int>& dimensio
     const int c = cost(v);
     if (queued[v] == c) return;
     queued[v] = c;
-    queue.emplace(c, v < bodies, v);
+    queue.emplace(c, v < bodies && dimensions[v] > 3, v);
   };
-  for (int v = n - 1; v >= 0; --v) enqueue(v);
-
   Elimination elimination{{}, std::vector<std::vector<int>>(n)};
   std::vector<bool> done(n, false);
   elimination.order.reserve(n);
+  for (int v = others; v < n; ++v) {
+    elimination.order.push_back(v);
+    elimination.neighbours[v] = first[v - others];
+    std::sort(elimination.neighbours[v].begin(), elimination.neighbours[v].end());
+    for (int a : elimination.neighbours[v])
+      for (int b : elimination.neighbours[v])
+        if (a < b) connect(a, b);
+  }
+  for (int v = others - 1; v >= 0; --v) enqueue(v);
+
   while (!queue.empty()) {
     const auto [c, unused, v] = queue.top();
     queue.pop();
@@ -164,6 +206,7 @@ Elimination plan_elimination(const Topology& t, const std::vector<int>& dimensio
         if (a >= bodies && std::count(t.ties[a - bodies].begin(), t.ties[a - bodies].end(), v)) --waiting[a];
     for (int a : around) enqueue(a);
   }
+  walk_tree(elimination);
   return elimination;
 }
 

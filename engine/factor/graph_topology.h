@@ -29,8 +29,11 @@ struct Elimination {
 /// block of their own. A constraint is eliminated after all its bodies, or, where it alone holds a part of the graph
 /// that does not touch ground, after that part: in both cases its pivot block is minus a compliance, definite if its
 /// rows are independent. Among the eligible, the one with the smallest remaining neighbourhood goes first.
+/// `first`: the neighbours of further vertices, numbered after the constraints, that go before all others.
+/// The order is such that what depends on each other follows each other: a factorisation passes over memory once.
 Elimination plan_elimination(const Topology& topology, const std::vector<int>& dimensions,
-                             const std::vector<std::pair<int, int>>& couplings);
+                             const std::vector<std::pair<int, int>>& couplings,
+                             const std::vector<std::vector<int>>& first = {});
 
 /// Graphviz text: bodies are boxes, connectors ellipses, edges carry marker names.
 struct GraphDrawing {

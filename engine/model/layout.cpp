@@ -1,6 +1,7 @@
 #include "engine/model/layout.h"
 
 #include "engine/base/error.h"
+#include "engine/base/lane_rotations.h"
 
 namespace lithe {
 
@@ -39,9 +40,8 @@ void Layout::retract(ConstVectorRef q, ConstVectorRef d, VectorRef out) const {
   for (const BodySlice& b : bodies_) {
     int iq = b.q, iv = b.v;
     if (b.frame) {
-      for (int i = 0; i < 3; ++i) to[iq + i] = from[iq + i] + by[iv + i];
-      Eigen::Map<Vector4>(to + iq + 3) =
-          rotated(Eigen::Map<const Vector4>(from + iq + 3), Eigen::Map<const Vector3>(by + iv + 3));
+      lanes::store3(lanes::load3(from + iq) + lanes::load3(by + iv), to + iq);
+      lanes::store4(lanes::rotated(lanes::load4(from + iq + 3), lanes::load3(by + iv + 3)), to + iq + 3);
       iq += 7, iv += 6;
     }
     for (int i = 0; i < b.linear; ++i) to[iq + i] = from[iq + i] + by[iv + i];

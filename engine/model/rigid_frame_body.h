@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "engine/base/lane_rotations.h"
 #include "engine/model/body.h"
 
 namespace lithe {
@@ -43,16 +44,18 @@ class RigidFrameBody : public Body {
 
   void evaluate(const BodyState& state, Level level) const override {
     auto& cache = static_cast<Cache&>(*state.cache);
-    cache.A = rotation_matrix(Eigen::Map<const Vector4>(state.q + 3));
-    if (level != Level::position) cache.omega_world = cache.A * Eigen::Map<const Vector3>(state.v + 3);
+    const lanes::Columns A = lanes::rotation_columns(state.q + 3);
+    lanes::store3x3(A, cache.A.data());
+    if (level != Level::position) lanes::store3(A * lanes::load3(state.v + 3), cache.omega_world.data());
   }
 
   [[gnu::always_inline]] void add_residual(const BodyState& state, const double* v_dot, const Vector3& gravity,
                                            double* r) const override {
-    const Eigen::Map<const Vector3> w(state.v + 3), a(v_dot), w_dot(v_dot + 3);
-    const auto& [mass, J] = inertia_;
-    Eigen::Map<Vector3>(r) += mass * (a - gravity);
-    Eigen::Map<Vector3>(r + 3) += J * w_dot + w.cross(Vector3(J * w));
+    using lanes::load3;
+    const lanes::Columns J = lanes::load3x3(inertia_.inertia.data());
+    const Lanes w = load3(state.v + 3), spin = J * w;
+    lanes::store3(load3(r) + inertia_.mass * (load3(v_dot) - load3(gravity.data())), r);
+    lanes::store3(load3(r + 3) + J * load3(v_dot + 3) + lanes::cross(w, spin), r + 3);
   }
 
   [[gnu::always_inline]] void add_tangent(const BodyState& state, const double*, const Vector3&,
@@ -70,21 +73,19 @@ class RigidFrameBody : public Body {
                                                 MarkerKinematics& k) const override {
     const auto& cache = static_cast<const Cache&>(*state.cache);
     const PlacedMarker& m = markers_[marker];
-    const Vector3 arm = cache.A * m.position;
-    k.p = Eigen::Map<const Vector3>(state.q) + arm;
-    if (m.turned)
-      k.R = cache.A * m.axes;
-    else
-      k.R = cache.A;
-    k.r = m.position;
+    const lanes::Columns A = lanes::load3x3(cache.A.data());
+    const Lanes r = lanes::load3(m.position.data()), arm = A * m.position;
+    lanes::store3(lanes::load3(state.q) + arm, k.p.data());
+    lanes::store3x3(m.turned ? A * lanes::load3x3(m.axes.data()) : A, k.R.data());
+    lanes::store3(r, k.r.data());
     k.A = &cache.A;
     k.elastic = nullptr;
     if (level == Level::position) return;
-    k.w = cache.omega_world;
-    const Vector3 swing = k.w.cross(arm);
-    k.v = Eigen::Map<const Vector3>(state.v) + swing;
+    const Lanes w = lanes::load3(cache.omega_world.data()), swing = lanes::cross(w, arm);
+    lanes::store3(w, k.w.data());
+    lanes::store3(lanes::load3(state.v) + swing, k.v.data());
     if (level == Level::velocity) return;
-    k.bias_v = k.w.cross(swing);
+    lanes::store3(lanes::cross(w, swing), k.bias_v.data());
     k.bias_w.setZero();
   }
 
