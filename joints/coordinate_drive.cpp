@@ -2,6 +2,7 @@
 
 #include "engine/assembly/batch_of.h"
 #include "engine/base/error.h"
+#include "engine/model/adjustable.h"
 
 namespace lithe {
 
@@ -10,6 +11,7 @@ CoordinateDrive::CoordinateDrive(CoordinateSet coordinate, Parameters parameters
   coordinate_.require_one("a drive");
   if (!motion_)
     throw SceneError("has no motion", "", "give .motion = ramp(0, 2), harmonic(...), or a function of time");
+  require::without_jumps(motion_, "motion");
 }
 
 void CoordinateDrive::evaluate(double time, std::span<const MarkerView> markers, ConstraintRows& rows) const {

@@ -15,9 +15,9 @@ namespace lithe {
 class CoordinateDrive final : public Joint</*markers=*/2, /*rows=*/1> {
  public:
   struct Parameters {
-    MotionLaw motion;  // f(t), m or rad (engine/model/motion_law.h)
+    MotionLaw motion;  // f(t), m or rad (engine/model/motion_law.h); an Input that does not jump
   };
-  /// Throws SceneError without a motion, and for more than one coordinate.
+  /// Throws SceneError without a motion, for an input that is held between samples, and for more than one coordinate.
   CoordinateDrive(CoordinateSet coordinate, Parameters parameters);
 
   std::vector<MeasuredAngle> angles() const override { return coordinate_.angles(); }

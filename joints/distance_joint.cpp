@@ -2,12 +2,14 @@
 
 #include "engine/assembly/batch_of.h"
 #include "engine/base/checks.h"
+#include "engine/model/adjustable.h"
 #include "engine/model/initial_pose.h"
 
 namespace lithe {
 
 DistanceJoint::DistanceJoint(Parameters parameters)
     : as_drawn_(!parameters.length), length_law_(std::move(parameters.length_law)) {
+  require::without_jumps(length_law_, "length_law");
   if (as_drawn_) return;
   require::positive(*parameters.length, "length");
   length_ = *parameters.length;

@@ -18,7 +18,7 @@ class DistanceJoint final : public Joint</*markers=*/2, /*rows=*/1> {
     MotionLaw length_law{};          // L(t), m, instead: a rod that telescopes
   };
 
-  /// Throws SceneError for a length that is not positive or not finite.
+  /// Throws SceneError for a length that is not positive or not finite, and an input that is held between samples.
   explicit DistanceJoint(Parameters parameters);
 
   double length() const { return length_; }

@@ -22,7 +22,7 @@ namespace {
 using Type = ModelJoint::Type;
 
 /// A frame's motion in the world: pose, velocity of its origin, angular velocity; world axes.
-struct Motion {
+struct LinkMotion {
   ModelPose pose;
   Vector3 v, w;
   Vector3 velocity_at(const Vector3& point) const { return v + w.cross(point - pose.position); }
@@ -72,18 +72,18 @@ std::vector<int> outwards(const ModelDescription& model) {
   return order;
 }
 
-std::vector<Motion> motions(const ModelDescription& model, const DrawnModel::Options& o) {
+std::vector<LinkMotion> motions(const ModelDescription& model, const DrawnModel::Options& o) {
   const std::vector<double> x = joint_values(model, o.positions, "position", false);
   const std::vector<double> rate = joint_values(model, o.velocities, "velocity", true);
-  std::vector<Motion> all(model.links.size());
-  Motion& root = all[model.root];
+  std::vector<LinkMotion> all(model.links.size());
+  LinkMotion& root = all[model.root];
   root.pose = o.root * model.root_pose;
   root.v = o.floating ? o.velocity : Vector3(Vector3::Zero());
   root.w = o.floating ? Vector3(o.root.rotation * o.angular_velocity) : Vector3(Vector3::Zero());
   for (const int j : outwards(model)) {
     const ModelJoint& joint = model.joints[j];
-    const Motion& parent = all[joint.parent];
-    Motion& child = all[joint.child];
+    const LinkMotion& parent = all[joint.parent];
+    LinkMotion& child = all[joint.child];
     ModelPose at = parent.pose * joint.origin;  // the joint's frame on the child
     const Vector3 axis = at.rotation * joint.axis;
     child.w = parent.w;
@@ -159,7 +159,7 @@ DrawnModel draw_model(SystemGraph& graph, const ModelDescription& model, const D
   if (options.floating && model.root_is_world)
     throw SceneError("the root of the model is the world: it cannot be free.", model.path,
                      "leave .floating out; what is free in the file is free.");
-  const std::vector<Motion> motion = motions(model, options);
+  const std::vector<LinkMotion> motion = motions(model, options);
   const std::vector<int> welded = model.welded_to();
   const std::size_t n = model.links.size();
 
@@ -178,7 +178,7 @@ DrawnModel draw_model(SystemGraph& graph, const ModelDescription& model, const D
       throw SceneError("the link '" + model.links[i].name + "' moves and has no mass.",
                        model.path + ":" + std::to_string(model.links[i].line),
                        "give it an <inertial>, or fix it to a link that has one.");
-    const Motion& m = motion[i];
+    const LinkMotion& m = motion[i];
     const Vector3 centre = m.pose.position + m.pose.rotation * sum.centre();
     drawn.bodies_[i] = &graph.add<RigidBody>(options.prefix + model.links[i].name,
                                              {.mass = sum.mass,

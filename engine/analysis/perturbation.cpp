@@ -76,11 +76,21 @@ void Perturbation::load(const Direction& d, double h) {
   if (axes_ == PerturbationAxes::body)
     for (const auto& b : equations_.layout().bodies())
       if (b.frame) xi_dot.segment<3>(b.v) += xi.segment<3>(b.v + 3).cross(Vector3(xi.segment<3>(b.v)));
+  near_.lambda = base_.lambda;
+  for (Eigen::Index i = 0; i < d.multipliers.size(); ++i)
+    near_.lambda[kept_[static_cast<std::size_t>(i)]] += h * d.multipliers[i];
+  if (d.input) {
+    d.input->release();
+    const Motion now = d.input->at(base_.time);
+    d.input->force(
+        {now.value + h * d.motion.value, now.rate + h * d.motion.rate, now.acceleration + h * d.motion.acceleration});
+  }
   near_.v = resolved(near_.q, xi, false);
   near_.v_dot = resolved(near_.q, xi_dot, false);
 }
 
-/// A step that moves bodies by kStep of their size, or turns them by as much; velocities are judged likewise.
+/// A step that moves bodies by kStep of their size, or turns them by as much; velocities are judged likewise, inputs by
+/// their range or size.
 double Perturbation::step(const Direction& d) const {
   double size = 0;
   for (const VectorX* x : {&d.position, &d.velocity}) {
@@ -90,20 +100,37 @@ double Perturbation::step(const Direction& d) const {
       if (b.frame) scaled.segment<3>(b.v) /= length_;
     size = std::max(size, scaled.lpNorm<Eigen::Infinity>());
   }
+  if (d.input) {
+    const auto& p = d.input->parameters();
+    const double range = 0.5 * (p.upper - p.lower);
+    const double scale =
+        std::isfinite(range) && range > 0 ? range : std::max(1.0, std::abs(d.input->value(base_.time)));
+    for (const double change : {d.motion.value, d.motion.rate, d.motion.acceleration})
+      size = std::max(size, std::abs(change) / scale);
+  }
   return size > 0 ? kStep / size : 1;
 }
 
 template <class Read>
 VectorX Perturbation::derivative(const Direction& direction, Read&& read) {
+  struct Release {
+    const Input* input;
+    ~Release() {
+      if (input) input->release();
+    }
+  } const release{direction.input};
   const double h = step(direction);
-  VectorX sum, value;
-  for (const auto& [at, weight] : {std::pair(-2.0, 1.0), {-1.0, -8.0}, {1.0, 8.0}, {2.0, -1.0}}) {
+  // In pairs, so that what does not change has the derivative zero, exactly.
+  const auto difference = [&](double at) {
+    VectorX after, before;
     load(direction, at * h);
-    read(value);
-    if (sum.size() == 0) sum.setZero(value.size());
-    sum += weight / (12 * h) * value;
-  }
-  return sum;
+    read(after);
+    load(direction, -at * h);
+    read(before);
+    return VectorX(after - before);
+  };
+  const VectorX near = difference(1);
+  return (8 * near - difference(2)) / (12 * h);
 }
 
 VectorX Perturbation::residual(const Direction& direction) {
@@ -118,6 +145,13 @@ VectorX Perturbation::residual(const Direction& direction) {
 void Perturbation::read_rows(Level level, VectorX& out) {
   equations_.constraint(level, rows_);
   out = rows_(kept_);
+}
+
+VectorX Perturbation::position_rows(const Direction& direction) {
+  return derivative(direction, [&](VectorX& out) {
+    equations_.evaluate(near_.time, near_.q, near_.v, Level::position);
+    read_rows(Level::position, out);
+  });
 }
 
 VectorX Perturbation::velocity_rows(const Direction& direction) {
@@ -138,6 +172,22 @@ VectorX Perturbation::acceleration_rows(const Direction& direction) {
     equations_.evaluate(near_.time, near_.q, near_.v, Level::acceleration);
     read_rows(Level::acceleration, gamma);
     out -= rest + gamma;
+  });
+}
+
+VectorX Perturbation::sensors(const Direction& direction, const std::vector<Sensor>& sensors) {
+  if (!snapshot_) snapshot_.emplace(equations_.system());
+  Eigen::Index count = 0;
+  for (const Sensor& sensor : sensors) count += std::ssize(sensor.columns());
+  return derivative(direction, [&](VectorX& out) {
+    snapshot_->evaluate(near_);
+    out.resize(count);
+    Eigen::Index at = 0;
+    for (const Sensor& sensor : sensors) {
+      const std::size_t columns = sensor.columns().size();
+      sensor.evaluate(*snapshot_, std::span<double>(out.data() + at, columns));
+      at += static_cast<Eigen::Index>(columns);
+    }
   });
 }
 

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <optional>
+
 #include "engine/analysis/free_motions.h"
 #include "engine/assembly/evaluator.h"
 #include "engine/model/state.h"
+#include "engine/observe/sensors.h"
 
 namespace lithe {
 
@@ -20,14 +23,21 @@ class Perturbation {
   /// Accelerations and multipliers of the base are made consistent with its (time, q, v).
   Perturbation(const System& system, const State& base, PerturbationAxes axes);
 
-  /// A change of position ζ, velocity ξ and acceleration ξ̇; an empty one is zero.
+  /// A change of position ζ, velocity ξ and acceleration ξ̇, of an input, and of the multipliers of rows() as sensors
+  /// see them; an empty one is zero.
   struct Direction {
-    VectorX position, velocity, acceleration;
+    VectorX position{}, velocity{}, acceleration{};
+    const Input* input = nullptr;
+    Motion motion{};  // of the input
+    VectorX multipliers{};
   };
   /// Derivatives along a direction, by central differences of fourth order.
   VectorX residual(const Direction& direction);           // M v̇ + Gᵀ λ - f at the base's λ
+  VectorX position_rows(const Direction& direction);      // g, redundant rows left out
   VectorX velocity_rows(const Direction& direction);      // G v + ∂g/∂t, redundant rows left out
   VectorX acceleration_rows(const Direction& direction);  // G v̇ - γ
+  /// The columns of all these sensors, one after another.
+  VectorX sensors(const Direction& direction, const std::vector<Sensor>& sensors);
 
   /// M x, in the axes.
   VectorX mass_times(const VectorX& x);
@@ -55,6 +65,7 @@ class Perturbation {
   double step(const Direction& direction) const;
 
   Evaluator equations_;
+  std::optional<Snapshot> snapshot_;  // once asked for
   State base_, near_;
   PerturbationAxes axes_;
   double length_;        // of the bodies, m

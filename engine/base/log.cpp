@@ -12,6 +12,7 @@ namespace {
 std::mutex warning_mutex;
 std::string newest_warning;
 thread_local int quiet = 0;
+thread_local const std::function<void(Level, const std::string&)>* sink = nullptr;
 
 spdlog::logger& logger() {
   static const auto instance = [] {
@@ -29,11 +30,20 @@ spdlog::logger& logger() {
 Quiet::Quiet() { ++quiet; }
 Quiet::~Quiet() { --quiet; }
 
+Redirect::Redirect(std::function<void(Level, const std::string&)> to) : sink_(std::move(to)), outer_(sink) {
+  sink = &sink_;
+}
+Redirect::~Redirect() { sink = outer_; }
+
 void info(const std::string& message) {
-  if (quiet == 0) logger().info(message);
+  if (quiet > 0) return;
+  if (sink) return (*sink)(Level::info, message);
+  logger().info(message);
 }
 void debug(const std::string& message) {
-  if (quiet == 0) logger().debug(message);
+  if (quiet > 0) return;
+  if (sink) return (*sink)(Level::debug, message);
+  logger().debug(message);
 }
 void warn(const std::string& message) {
   if (quiet > 0) return;
@@ -41,6 +51,7 @@ void warn(const std::string& message) {
     const std::lock_guard lock(warning_mutex);
     newest_warning = message;
   }
+  if (sink) return (*sink)(Level::warn, message);
   logger().warn(message);
 }
 std::string last_warning() {

@@ -27,11 +27,13 @@ MotionLaw smooth_step(double from, double to, double begin, double end) {
   if (!(end > begin))
     throw SceneError("smooth_step begins at " + std::to_string(begin) + " and ends at " + std::to_string(end),
                      "smooth_step", "give an end after the begin, s");
-  return [=](double t) {
-    const double T = end - begin, s = std::clamp((t - begin) / T, 0.0, 1.0), rise = to - from;
-    return Motion{from + rise * s * s * s * (10 + s * (6 * s - 15)), rise * 30 * s * s * (1 - s) * (1 - s) / T,
-                  rise * 60 * s * (1 - s) * (1 - 2 * s) / (T * T)};
-  };
+  return [=](double t) { return smooth_step_at(from, to, begin, end, t); };
+}
+
+Motion smooth_step_at(double from, double to, double begin, double end, double time) {
+  const double T = end - begin, s = std::clamp((time - begin) / T, 0.0, 1.0), rise = to - from;
+  return {from + rise * s * s * s * (10 + s * (6 * s - 15)), rise * 30 * s * s * (1 - s) * (1 - s) / T,
+          rise * 60 * s * (1 - s) * (1 - 2 * s) / (T * T)};
 }
 
 MotionLaw tabulated(std::vector<double> times, std::vector<double> values) {

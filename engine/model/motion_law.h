@@ -20,6 +20,8 @@ MotionLaw harmonic(double amplitude, double angular_frequency, double phase = 0,
 /// From one value to another between two times, at rest before and after: 10 s³ - 15 s⁴ + 6 s⁵, whose acceleration is
 /// continuous. Throws SceneError for an end not after the begin.
 MotionLaw smooth_step(double from, double to, double begin, double end);
+/// The same at one time, unchecked.
+Motion smooth_step_at(double from, double to, double begin, double end, double time);
 /// Natural cubic spline through a table; beyond it a straight line. Throws SceneError for fewer than two points, lists
 /// of different lengths, times that do not grow, and a value that is not finite.
 MotionLaw tabulated(std::vector<double> times, std::vector<double> values);

@@ -25,6 +25,10 @@ SystemGraph::SystemGraph(Parameters parameters) : parameters_(std::move(paramete
 
 SystemGraph::SystemGraph(PartOf part) : parameters_(part.whole.parameters_), ground_(part.whole.ground_) {
   share(part.whole.bodies_.front());
+  for (Input* input : part.whole.inputs_) {
+    inputs_.push_back(input);
+    by_name_[input->name()] = input;
+  }
 }
 
 std::unique_ptr<SystemGraph> SystemGraph::part_of(SystemGraph& whole) {
@@ -108,6 +112,17 @@ void SystemGraph::check_markers(const Element& element, const std::vector<Marker
     if (m.index < 0 || m.index >= m.body->marker_count())
       refuse(which + " does not exist on body '" + m.body->name() + "'", "make markers with body.marker(...)");
   }
+}
+
+Input& SystemGraph::input(const Located& name) const {
+  std::string known;
+  for (Input* input : inputs_) {
+    if (input->name() == name.text) return *input;
+    known += (known.empty() ? "'" : ", '") + input->name() + "'";
+  }
+  throw SceneError("the scene has no input '" + name.text + "'", to_string(name.where),
+                   known.empty() ? "draw one: graph.add<Input>(\"" + name.text + "\", {.unit = \"N m\"})"
+                                 : "its inputs are " + known);
 }
 
 const Element* SystemGraph::find(const std::string& name) const {

@@ -17,6 +17,7 @@
 #include "engine/model/contact_element.h"
 #include "engine/model/force_element.h"
 #include "engine/model/ground.h"
+#include "engine/model/input.h"
 #include "engine/model/joint_coordinate.h"
 
 namespace lithe {
@@ -56,15 +57,23 @@ class SystemGraph {
   /// Adds a constraint or a force element between markers. Throws SceneError likewise, and for markers of another
   /// graph.
   template <class T>
-  requires(!std::derived_from<T, Body>) && std::constructible_from<T, typename T::Parameters> T& add(
-                                               Located name, std::vector<Marker> markers,
-                                               typename T::Parameters parameters = {}) {
+  requires(!std::derived_from<T, Body> && !std::same_as<T, Input>) &&
+      std::constructible_from<T, typename T::Parameters> T& add(Located name, std::vector<Marker> markers,
+                                                                typename T::Parameters parameters = {}) {
     return connect(keep(name, [&] { return std::make_unique<T>(std::move(parameters)); }), std::move(markers));
   }
   template <class T>
   requires(!std::derived_from<T, Body>) &&
       (!requires { typename T::Parameters; })T& add(Located name, std::vector<Marker> markers) {
     return connect(keep(name, [] { return std::make_unique<T>(); }), std::move(markers));
+  }
+
+  /// Adds an input: a quantity given from outside while a run goes on. Throws SceneError likewise.
+  template <std::same_as<Input> T>
+  T& add(Located name, Input::Parameters parameters = {}) {
+    T& input = keep(name, [&] { return std::make_unique<Input>(std::move(parameters)); });
+    inputs_.push_back(&input);
+    return input;
   }
 
   /// Adds an element of a type known by name, compiled in or loaded: graph.add(registry.joint("massless_rod"),
@@ -126,6 +135,10 @@ class SystemGraph {
   const std::vector<ConstraintEntry>& constraints() const { return constraints_; }
   const std::vector<ForceEntry>& forces() const { return forces_; }
   const std::vector<ContactEntry>& contacts() const { return contacts_; }
+  /// In the order in which they were added.
+  const std::vector<Input*>& inputs() const { return inputs_; }
+  /// The input of that name. Throws SceneError, listing the inputs that there are.
+  Input& input(const Located& name) const;
   /// Calls on_force(entry) or on_contact(entry) for each of both, in the order in which they were added: that of sums
   /// of loads and energies, of files and of pages.
   template <class OnForce, class OnContact>
@@ -215,6 +228,7 @@ class SystemGraph {
   std::vector<ConstraintEntry> constraints_;
   std::vector<ForceEntry> forces_;
   std::vector<ContactEntry> contacts_;
+  std::vector<Input*> inputs_;
 };
 
 extern template std::unique_ptr<BodyBatch> make_body_batch<Ground>();

@@ -389,6 +389,15 @@ Sensor multipliers(const Constraint& joint, Located name) {
                      });
 }
 
+Sensor input_value(const Input& input, Located name) {
+  if (name.text.empty()) name.text = input.name();
+  const std::string column = name.text;
+  return {std::move(name),
+          {column},
+          [&input](Snapshot& now, std::span<double> out) { out[0] = input.value(now.time()); },
+          {input.unit()}};
+}
+
 Sensor kinetic_energy(Located name) { return energy_sensor(nullptr, std::move(name), "kinetic_energy", kinetic); }
 Sensor elastic_energy(Located name) { return energy_sensor(nullptr, std::move(name), "elastic_energy", elastic); }
 Sensor potential_energy(Located name) { return energy_sensor(nullptr, std::move(name), "potential_energy", potential); }

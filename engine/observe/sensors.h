@@ -99,6 +99,10 @@ Sensor coordinate(const JointCoordinate& coordinate, Located name);
 Sensor coordinate_rate(const JointCoordinate& coordinate, Located name);  // rad/s, m/s
 Sensor coordinate_acceleration(const JointCoordinate& coordinate, Located name);
 
+// ---- what is given from outside ----
+
+Sensor input_value(const Input& input, Located name = "");  // in its unit
+
 // ---- energies, J; gravity's counted from the origin of the world ----
 
 Sensor kinetic_energy(Located name = "");

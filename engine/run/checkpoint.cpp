@@ -12,7 +12,7 @@
 namespace lithe {
 namespace {
 
-constexpr std::int64_t kFormat = 3;
+constexpr std::int64_t kFormat = 4;
 constexpr const char* kKind = "lithe checkpoint";
 constexpr const char* kByteOrder = std::endian::native == std::endian::little ? "little" : "big";
 

@@ -41,7 +41,12 @@ std::string find_not_finite(const State& state, const Layout& layout) {
 }  // namespace
 
 IslandRun::IslandRun(const System& system, Integrator& integrator) try
-    : system_(system), integrator_(integrator), equations_(system), snapshot_(system), projector_(equations_) {
+    : system_(system),
+      integrator_(integrator),
+      equations_(system),
+      snapshot_(system),
+      inputs_(system),
+      projector_(equations_) {
   make_finder();
 } catch (...) {
   rethrow_as_error("the simulation", "Simulation", "see what it says");
@@ -64,19 +69,27 @@ void IslandRun::run(State& state, double end, Multipliers multipliers) {
 void IslandRun::go(State& state, double end, Multipliers multipliers) {
   begin(state);
   started_ = false;  // until the run has ended well
+  struct Release {
+    const FollowedInputs& inputs;
+    ~Release() { inputs.release(); }
+  } const release{inputs_};
   stopped_by_.clear();
   const auto tell_due = [&] {
     watches_.tell_due(state.time, [&]() -> Snapshot& { return look(state); });
     write_due_checkpoint(state);
   };
+  follow_inputs(state);
   tell_due();
+  follow_inputs(state);  // observers may set some
   // From one observed time to the next; a rest of round-off's size is no step.
   while (end - state.time > time_round_off(end) && stopped_by_.empty()) {
     advance(state, next_stop(state.time, end));
+    inputs_.see(state.time);
     tell_due();
     if (const int signal = InterruptGuard::asked(); signal != 0)
       fail(state, "the run was interrupted by signal " + std::to_string(signal) + " (" + strsignal(signal) + ")",
            "run on from the state: it is the last good one, and what was recorded is kept");
+    if (end - state.time > time_round_off(end)) follow_inputs(state);
   }
   if (multipliers == Multipliers::found) find_multipliers(state);
   started_ = true;
@@ -100,6 +113,7 @@ void IslandRun::begin(State& state) {
     }
     earlier_ = {};
     approach_ = {};
+    inputs_.see(state.time);
     last_ = state;
     evaluated_ = false;
   }
@@ -131,12 +145,13 @@ void IslandRun::check(const State& state, double end) const {
 }
 
 double IslandRun::next_stop(double time, double end) const {
-  const double stop = watches_.next_stop(time, end);
+  const double stop = inputs_.next_stop(time, watches_.next_stop(time, end));
   return approach_.watched >= 0 ? std::min(stop, approach_.time) : stop;
 }
 
 void IslandRun::advance(State& state, double stop) {
   StepResult result;
+  inputs_.end_at(stop);
   try {
     result = integrator_.step(equations_, state, stop, Multipliers::later);
   } catch (...) {

@@ -14,6 +14,7 @@
 #include "engine/observe/observer_schedules.h"
 #include "engine/run/checkpoint.h"
 #include "engine/run/event_finder.h"
+#include "engine/run/followed_inputs.h"
 
 namespace lithe {
 
@@ -54,6 +55,8 @@ class IslandRun {
   void record(const EventFinder::Crossing& crossing);
   void record_happenings(const State& state);
   void meet(State& state);
+  void follow_inputs(State& state);
+  void move_onto_constraints(State& state);
   void check_accumulation(State& state, const std::string& name);
   void find_multipliers(State& state);
   Snapshot& look(const State& state);
@@ -63,6 +66,7 @@ class IslandRun {
   Integrator& integrator_;
   Evaluator equations_;
   Snapshot snapshot_;
+  FollowedInputs inputs_;
   ObserverSchedules watches_;
   State last_;              // the last good state
   bool evaluated_ = false;  // snapshot_ holds last_

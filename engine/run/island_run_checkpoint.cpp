@@ -41,6 +41,7 @@ void IslandRun::history(Archive& archive, State& state) {
   if (!scene_) scene_.emplace(system_);
   scene_->same(archive);
   archive.same("integrator", integrator_.name());
+  archive.group("inputs", [&] { inputs_.history(archive); });
   // 1. The state, as the integrator is given it.
   if (loads) {
     for (VectorX* x : {&state.v_dot, &state.lambda, &state.quarter_turns}) x->resize(0);

@@ -125,22 +125,34 @@ void IslandRun::look_for_events(State& state) {
   meet(state);
 }
 
+void IslandRun::move_onto_constraints(State& state) {
+  constexpr double kTolerance = 1e-13;  // in the units of the rows; or round-off if larger
+  constexpr int kMaxIterations = 20;
+  equations_.recall(state.quarter_turns);
+  if (!projector_.position(state.time, state.q, kTolerance, kMaxIterations).converged)
+    fail(state, "the state at an event cannot be moved onto the constraints",
+         "give a smaller step or tolerance; if the event changes positions, leave them where joints close");
+  equations_.track(state.quarter_turns);
+  projector_.velocity(state.time, state.q, state.v);
+}
+
+/// Where an input jumps or bends, or has been set: what holds from here on begins anew.
+void IslandRun::follow_inputs(State& state) {
+  if (!inputs_.changed(state.time)) return;
+  move_onto_constraints(state);
+  restart(state);
+  if (finder_) finder_->start(integrator_, state);
+  approach_ = {};
+  last_ = state;
+  evaluated_ = false;
+}
+
 /// Goes on from the events in met_, with `state` at their time.
 void IslandRun::meet(State& state) {
-  const auto move_onto_constraints = [&] {
-    constexpr double kTolerance = 1e-13;  // in the units of the rows; or round-off if larger
-    constexpr int kMaxIterations = 20;
-    equations_.recall(state.quarter_turns);
-    if (!projector_.position(state.time, state.q, kTolerance, kMaxIterations).converged)
-      fail(state, "the state at an event cannot be moved onto the constraints",
-           "give a smaller step or tolerance; if the event changes positions, leave them where joints close");
-    equations_.track(state.quarter_turns);
-    projector_.velocity(state.time, state.q, state.v);
-  };
   equations_.recall(state.quarter_turns);
   equations_.evaluate(state.time, state.q, state.v, Level::position);
   equations_.track(state.quarter_turns);
-  move_onto_constraints();
+  move_onto_constraints(state);
   const double time = state.time;
   bool restarted = false;
   const int first_meeting = finder_->count() - static_cast<int>(meetings_.size());
@@ -164,7 +176,7 @@ void IslandRun::meet(State& state) {
     }
     state.time = time;
     check(state, time);
-    move_onto_constraints();
+    move_onto_constraints(state);
   }
   restart(state);
   finder_->start(integrator_, state);

@@ -7,6 +7,7 @@
 #include "engine/base/error.h"
 #include "engine/base/number_text.h"
 #include "engine/run/checkpoint.h"
+#include "engine/run/followed_inputs.h"
 
 namespace lithe {
 namespace {
@@ -45,6 +46,7 @@ std::vector<std::string> elements(const System& system) {
       [&](const SystemGraph::ContactEntry& c) {
         texts.push_back("contact '" + c.contact->name() + "' " + c.type.name() + markers(c.markers));
       });
+  for (const Input* input : graph.inputs()) texts.push_back("input '" + input->name() + "'");
   return texts;
 }
 
@@ -86,6 +88,7 @@ bool SceneFingerprint::sample(double away) {
   VectorX q = drawn.q;
   const VectorX v = drawn.v + 10 * away * mixture(nv, 1), v_dot = mixture(nv, 3), lambda = mixture(rows, 4);
   layout.retract(drawn.q, away * mixture(nv, 2), q);
+  const InputsAsDrawn as_drawn(system_.graph());
   try {
     Evaluator equations(system_);
     equations.recall(drawn.quarter_turns);
@@ -122,7 +125,7 @@ void SceneFingerprint::same_elements(Archive& archive) const {
   const auto count = [](const std::vector<std::string>& texts, const std::string& kind) {
     return std::count_if(texts.begin(), texts.end(), [&](const std::string& t) { return t.starts_with(kind); });
   };
-  for (const char* kind : {"body", "constraint", "force", "contact"})
+  for (const char* kind : {"body", "constraint", "force", "contact", "input"})
     if (const auto had = count(then, kind), has = count(now, kind); had != has)
       differ(archive, "it had " + std::to_string(had) + " elements of the kind '" + kind + "', this one has " +
                           std::to_string(has) + ", ground counted among bodies");

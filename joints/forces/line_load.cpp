@@ -56,14 +56,16 @@ std::vector<double> cuts(const LineLoad& load, double to, const std::vector<doub
 }  // namespace
 
 void LineLoadPiece::evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const {
-  const auto& [wrenches, law, axes] = parameters_;
+  const auto& [wrenches, law, axes, amplitude] = parameters_;
+  const double factor = amplitude ? amplitude(time).value : 1;
   for (const MarkerView& m : markers) {
-    const Wrench w = law ? law(m.index, time) : wrenches[static_cast<std::size_t>(m.index)];
+    Wrench w = law ? law(m.index, time) : wrenches[static_cast<std::size_t>(m.index)];
+    if (amplitude) w = factor * w;
     if (axes == LineLoad::Axes::section) {
       rows.add_load(m, {m.R * w.force, m.R * w.torque});
     } else {
       rows.add_load(m, w);
-      if (!law) rows.add_energy(-w.force.dot(m.p));
+      if (!law && !amplitude) rows.add_energy(-w.force.dot(m.p));
     }
   }
 }
@@ -81,7 +83,7 @@ std::vector<LineLoadPiece*> add_line_load(SystemGraph& graph, const Located& nam
   for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
     const double middle = 0.5 * (ends[i] + ends[i + 1]), half = 0.5 * (ends[i + 1] - ends[i]);
     const std::array<double, 2> arcs{middle - half / std::sqrt(3.0), middle + half / std::sqrt(3.0)};
-    LineLoadPiece::Parameters piece{.wrenches = {}, .law = {}, .axes = load.axes};
+    LineLoadPiece::Parameters piece{.wrenches = {}, .law = {}, .axes = load.axes, .amplitude = load.amplitude};
     if (load.law)
       piece.law = [law = load.law, arcs, half](int m, double time) {
         return half * law(arcs[static_cast<std::size_t>(m)], time);

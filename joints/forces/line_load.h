@@ -7,6 +7,7 @@
 
 #include "engine/assembly/batch.h"
 #include "engine/model/force_element.h"
+#include "engine/model/motion_law.h"
 #include "engine/model/system_graph.h"
 
 namespace lithe {
@@ -26,6 +27,7 @@ struct LineLoad {
   std::vector<Station> density{};                        // rising; linear between, constant beyond
   std::function<Wrench(double arc, double time)> law{};  // N/m, N m/m, instead of them
   Axes axes = Axes::world;
+  MotionLaw amplitude{};  // factor over time, a function or an Input; none: 1
 };
 
 /// The part of a line load on one element of its body: two wrenches at Gauss's two points, which is exact for what is
@@ -36,10 +38,11 @@ class LineLoadPiece final : public Force</*markers=*/2, /*rows=*/0> {
     std::array<Wrench, 2> wrenches;                      // N, N m, one a marker
     std::function<Wrench(int marker, double time)> law;  // instead of them
     LineLoad::Axes axes;
+    MotionLaw amplitude{};
   };
   explicit LineLoadPiece(Parameters parameters) : parameters_(std::move(parameters)) {}
 
-  bool depends_on_time() const override { return static_cast<bool>(parameters_.law); }
+  bool depends_on_time() const override { return parameters_.law || parameters_.amplitude; }
   void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const override;
 
  private:

@@ -6,11 +6,12 @@
 namespace lithe {
 
 SpringDamper::SpringDamper(Parameters parameters)
-    : parameters_(parameters), natural_length_(parameters.natural_length.value_or(0)) {
-  require::not_negative(parameters.stiffness, "stiffness");
-  require::not_negative(parameters.damping, "damping");
-  if (parameters.natural_length) require::not_negative(*parameters.natural_length, "natural_length");
-  require::finite(parameters.preload, "preload");
+    : parameters_(parameters), natural_length_(parameters.natural_length.value_or(0.0)) {
+  const auto finite = [](double value, const std::string& parameter) { require::finite(value, parameter); };
+  parameters.stiffness.require(require::not_negative, "stiffness");
+  parameters.damping.require(require::not_negative, "damping");
+  if (parameters.natural_length) parameters.natural_length->require(require::not_negative, "natural_length");
+  parameters.preload.require(finite, "preload");
 }
 
 void SpringDamper::initialize(std::span<const MarkerView> m) {
@@ -18,9 +19,9 @@ void SpringDamper::initialize(std::span<const MarkerView> m) {
   natural_length_ = parameters_.natural_length.value_or(length);
   // In one place a tension has no line to act along. Without one the force k d + c ḋ is the same along every line.
   if (length > 1e-12 * (1 + m[0].p.norm() + m[1].p.norm())) return;
-  const double stretch = parameters_.natural_length ? -natural_length_ : 0;
-  const double tension =
-      parameters_.stiffness * stretch + parameters_.preload + (parameters_.law ? parameters_.law(stretch, 0).force : 0);
+  const double stretch = parameters_.natural_length ? -natural_length_.at(0) : 0;
+  const double tension = parameters_.stiffness.at(0) * stretch + parameters_.preload.at(0) +
+                         (parameters_.law ? parameters_.law(stretch, 0).force : 0);
   if (tension == 0) return;
   throw SceneError(
       "its markers are in one place as drawn, where its tension of " + std::to_string(tension) + " N has no direction",

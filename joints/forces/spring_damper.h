@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "engine/assembly/batch.h"
+#include "engine/model/adjustable.h"
 #include "engine/model/force_element.h"
 #include "engine/model/tension_law.h"
 
@@ -10,30 +11,34 @@ namespace lithe {
 
 /// Spring and damper along the line between two markers.
 ///   σ = k (l - l₀) + c l̇ + σ₀,   l = |p_B - p_A|,   V = ½ k (l - l₀)² + σ₀ (l - l₀);   or σ(l - l₀, l̇) by a law
-/// σ > 0 pulls the markers together. If they coincide (l = 0), the line has no direction: the force is taken as zero.
+/// σ > 0 pulls the markers together. A stiffness, damping, natural length or preload may be an Input.
+///  If they coincide (l = 0), the line has no direction: the force is taken as zero.
 class SpringDamper final : public Force</*markers=*/2, /*rows=*/1> {
  public:
   struct Parameters {
-    double stiffness = 0;                    // k, N/m
-    double damping = 0;                      // c, N s/m
-    std::optional<double> natural_length{};  // l₀, m; none: as drawn
-    double preload = 0;                      // σ₀, N: tension at the natural length
+    Adjustable stiffness = 0;                    // k, N/m
+    Adjustable damping = 0;                      // c, N s/m
+    std::optional<Adjustable> natural_length{};  // l₀, m; none: as drawn
+    Adjustable preload = 0;                      // σ₀, N: tension at the natural length
     TensionLaw law{};  // added to these: tabulated_spring(...), or a function of stretch and speed
   };
 
   /// Throws SceneError for a stiffness, damping or natural length that is negative, and for a value that is not finite.
   explicit SpringDamper(Parameters parameters);
 
-  double natural_length() const { return natural_length_; }
+  double natural_length(double time = 0) const { return natural_length_.at(time); }
 
-  bool depends_on_time() const override { return false; }
-  void evaluate(double, std::span<const MarkerView> markers, ForceRows& rows) const override {
+  bool depends_on_time() const override {
+    return parameters_.stiffness.varies() || parameters_.damping.varies() || natural_length_.varies() ||
+           parameters_.preload.varies();
+  }
+  void evaluate(double t, std::span<const MarkerView> markers, ForceRows& rows) const override {
     const auto &A = markers[0], &B = markers[1];
-    const double k = parameters_.stiffness, c = parameters_.damping, preload = parameters_.preload;
+    const double k = parameters_.stiffness.at(t), c = parameters_.damping.at(t), preload = parameters_.preload.at(t);
     const Vector3 d = B.p - A.p;
     const double length = d.norm();
     const Vector3 n = length > 0 ? Vector3(d / length) : Vector3(0, 0, 0);
-    const double stretch = length - natural_length_, speed = n.dot(B.v - A.v);
+    const double stretch = length - natural_length_.at(t), speed = n.dot(B.v - A.v);
     const Tension more = parameters_.law ? parameters_.law(stretch, speed) : Tension{};
     rows.add({force(-n), force(n)}, k * stretch + c * speed + preload + more.force, k + more.stiffness,
              c + more.damping, (0.5 * k * stretch + preload) * stretch + more.energy);
@@ -43,7 +48,7 @@ class SpringDamper final : public Force</*markers=*/2, /*rows=*/1> {
 
  private:
   Parameters parameters_;
-  double natural_length_ = 0;
+  Adjustable natural_length_ = 0;
 };
 
 extern template std::unique_ptr<ForceBatch> make_force_batch<SpringDamper>();

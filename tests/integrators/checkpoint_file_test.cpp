@@ -142,7 +142,7 @@ TEST(CheckpointFile, is_refused_in_another_scene_or_by_another_integrator) {
       for (const auto& [key, text] : std::map<std::string, std::string>{
                {"kind", "lithe checkpoint"}, {"lithe", "0.1.0"}, {"byte order", "little"}})
         if (key != name) file.attribute("/", key, text);
-      for (const auto& [key, number] : std::map<std::string, std::int64_t>{{"format", 3}, {"bytes of a number", 8}})
+      for (const auto& [key, number] : std::map<std::string, std::int64_t>{{"format", 4}, {"bytes of a number", 8}})
         if (key != name) file.attribute("/", key, number);
       file.attribute("/", name, value);
       file.commit();
@@ -151,7 +151,7 @@ TEST(CheckpointFile, is_refused_in_another_scene_or_by_another_integrator) {
     EXPECT_NE(message.find(other), std::string::npos) << message;
     return message;
   };
-  EXPECT_NE(with("format", std::int64_t{7}).find("has format 7, known is 3"), std::string::npos);
+  EXPECT_NE(with("format", std::int64_t{7}).find("has format 7, known is 4"), std::string::npos);
   EXPECT_NE(with("lithe", std::string("0.0.9")).find("of Lithe 0.0.9"), std::string::npos);
   EXPECT_NE(with("bytes of a number", std::int64_t{4}).find("have 4 bytes"), std::string::npos);
   EXPECT_NE(with("byte order", std::string("big")).find("big end first"), std::string::npos);
