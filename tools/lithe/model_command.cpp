@@ -14,6 +14,7 @@
 #include "integrators/automatic.h"
 #include "models/draw_model.h"
 #include "models/read_model.h"
+#include "models/write_scene.h"
 #include "tools/lithe/commands.h"
 
 namespace lithe::command {
@@ -21,7 +22,7 @@ namespace fs = std::filesystem;
 namespace {
 
 struct ModelOptions {
-  std::string path, page;
+  std::string path, page, scene;
   std::optional<double> duration, every, tolerance;  // else those of the file, or 2 s, a hundredth of it, 1e-6
   bool free = false, undamped = false, table = false;
   std::vector<std::string> positions;  // joint=value
@@ -56,6 +57,13 @@ void print(const ModelDescription& model, bool table) {
   if (table) std::printf("%s", model.table().c_str());
 }
 
+/// The model as a scene in C++, if that is asked for.
+void write(const ModelOptions& options, const ModelDescription& model, const DrawnModel::Options& drawing) {
+  if (options.scene.empty()) return;
+  write_scene(model, options.scene, drawing);
+  std::printf("scene: %s\n", options.scene.c_str());
+}
+
 DrawnModel::Options drawing(const ModelOptions& options) {
   return {.floating = options.free, .positions = joint_values(options.positions), .damping = !options.undamped};
 }
@@ -67,6 +75,7 @@ int inspect(const ModelOptions& options) {
   SystemGraph graph{{.gravity = model.gravity}};
   draw_model(graph, model, drawing(options));
   if (graph.bodies().size() > 1) std::printf("  degrees of freedom: %d\n", assemble(graph).degrees_of_freedom());
+  write(options, model, drawing(options));
   return 0;
 }
 
@@ -74,6 +83,7 @@ int inspect(const ModelOptions& options) {
 int run(const ModelOptions& options) {
   const ModelDescription model = read_model(options.path);
   if (options.table) print(model, true);
+  write(options, model, drawing(options));
   SystemGraph graph{{.gravity = model.gravity}};
   const DrawnModel drawn = draw_model(graph, model, drawing(options));
   const System system = assemble(graph);
@@ -100,9 +110,7 @@ int run(const ModelOptions& options) {
   const Vector3& g = model.gravity;
   std::printf("%s: %d freedoms, %.6g s in %ld steps, gravity %g %g %g, tolerance %g\n", model.name.c_str(),
               system.degrees_of_freedom(), duration, static_cast<long>(steps.steps), g.x(), g.y(), g.z(), tolerance);
-  if (!model.notes.empty())
-    std::printf("%zu kinds of things in the file do not act: lithe model inspect %s\n", model.notes.size(),
-                options.path.c_str());
+  if (!model.notes.empty()) std::printf("not all of the file acts: lithe model inspect %s\n", options.path.c_str());
   std::printf("page: %s\n", page.string().c_str());
   return 0;
 }
@@ -118,8 +126,10 @@ void add_model(CLI::App& app, int& exit_code) {
   for (CLI::App* command : {look, move}) {
     command->add_option("path", options->path, "a model file")->required();
     command->add_flag("--table", options->table, "list every body and joint too");
+    command->add_option("--write", options->scene, "write the model as a scene in C++ (lithe run FILE) too");
     command->add_option("--set", options->positions, "joint=value at the start, rad or m; several times");
     command->add_flag("--free", options->free, "the root link is free instead of fixed");
+    command->add_flag("--undamped", options->undamped, "leave out springs and damping of joints");
   }
   look->callback([options, &exit_code] { exit_code = inspect(*options); });
   move->add_option("--duration", options->duration, "s; default: the file's, or 2")->check(CLI::PositiveNumber);
@@ -127,7 +137,6 @@ void add_model(CLI::App& app, int& exit_code) {
       ->check(CLI::PositiveNumber);
   move->add_option("--tolerance", options->tolerance, "of the integrator; default: the file's, or 1e-6")
       ->check(CLI::PositiveNumber);
-  move->add_flag("--undamped", options->undamped, "leave out springs and damping of joints");
   move->add_option("-o,--out", options->page, "the page; default: results/NAME.html");
   move->callback([options, &exit_code] { exit_code = run(*options); });
 }
