@@ -11,7 +11,7 @@
 #include "tests/support/joint_checks.h"
 #include "tests/support/methods.h"
 
-namespace lithe::test::adams_data {
+namespace lithe::test::adams_test {
 namespace {
 
 const char* const kHead =
@@ -670,4 +670,4 @@ TEST(AdamsErrors, NameTheLineAndTheFix) {
 }
 
 }  // namespace
-}  // namespace lithe::test::adams_data
+}  // namespace lithe::test::adams_test

@@ -13,7 +13,7 @@
 #include "tests/support/json_file.h"
 #include "tests/support/methods.h"
 
-namespace lithe::test::loops {
+namespace lithe::test::sdf_mjcf_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -375,4 +375,4 @@ TEST(MjcfErrors, NameTheLineAndTheFix) {
 }
 
 }  // namespace
-}  // namespace lithe::test::loops
+}  // namespace lithe::test::sdf_mjcf_test
