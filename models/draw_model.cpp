@@ -15,6 +15,7 @@
 #include "joints/universal_joint.h"
 #include "models/adams/draw_adams_internal.h"
 #include "models/armature_internal.h"
+#include "models/link_graph_internal.h"
 
 namespace lithe {
 namespace {
@@ -121,8 +122,6 @@ struct Compound {
   }
 };
 
-ModelPose seen_from(const ModelPose& from, const ModelPose& frame) { return inverse(from) * frame; }
-
 /// z along the axis; of a universal joint x along the first, y along the second.
 Matrix3 axes_of(const ModelJoint& joint) {
   if (joint.type == Type::spherical || joint.type == Type::fixed) return Matrix3::Identity();
@@ -209,7 +208,9 @@ DrawnModel draw_model(SystemGraph& graph, const ModelDescription& model, const D
         drawn.marker(parent, joint.origin.position, joint.origin.rotation * axes),
         drawn.marker(child, joint.child_origin.position, joint.child_origin.rotation * axes)};
     const std::string name = options.prefix + joint.name;
-    if (markers[0].body == markers[1].body) continue;  // welded to each other: nothing moves there
+    if (markers[0].body == markers[1].body)
+      throw SceneError("the joint '" + joint.name + "' joins two links that are fixed to each other.",
+                       model.path + ":" + std::to_string(joint.line), "leave it out.");
     if (joint.type == Type::revolute) {
       auto& made = graph.add<RevoluteJoint>(name, markers);
       drawn.joints_[j] = &made;

@@ -18,6 +18,18 @@ ModelDescription read_model(const std::filesystem::path& path);
 /// the child of two joints, links that form a cycle, several roots, and a mimic of nothing or of itself.
 ModelDescription read_urdf(const std::filesystem::path& path);
 
+/// Reads an SDF (Simulation Description Format, Gazebo): worlds and models with links, joints (revolute, continuous,
+/// prismatic, fixed, ball, universal), frames, inertias, springs and damping, mimic, primitive shapes, closed loops.
+/// The root link is "world"; a link that nothing ties to it is free. Throws FileError as read_urdf() does, and for tags
+/// that SDF does not have, poses given in a circle, nested models, and joints of other types.
+ModelDescription read_sdf(const std::filesystem::path& path);
+
+/// Reads an MJCF (MuJoCo): bodies, joints (hinge, slide, ball, free; several of a body where they are one of the
+/// catalogue's), default classes, inertias given or of geoms, springs, damping, armature, equalities (connect, weld,
+/// joint), primitive shapes. The root link is "world". Equalities hold exactly. Throws FileError likewise, and for
+/// <include> and other tags that stand for more than the file says.
+ModelDescription read_mjcf(const std::filesystem::path& path);
+
 /// Reads a data set of Adams/Solver (.adm): PART, MARKER, JOINT, JPRIM, MOTION, SFORCE, VFORCE, VTORQUE, GFORCE,
 /// SPRINGDAMPER, BUSHING, BEAM, FIELD, COUPLER, GEAR, GCON, REQUEST, VARIABLE, SPLINE, UNITS, ACCGRAV, INTEGRATOR,
 /// SIMULATE, and their functions (models/adams/adams_function.h). Other statements do not act; the notes list them.

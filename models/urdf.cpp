@@ -208,11 +208,15 @@ ModelDescription read_model(const std::filesystem::path& path) {
   std::string ending = path.extension().string();
   for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   if (ending == ".adm") return read_adams(path);
-  const XmlFile file(path);
-  const std::string root = file.root().name();
-  if (root == "robot") return UrdfReader(file).read();
-  file.fail(file.root(), "a file whose root element is <" + root + "> is of no known format.",
-            "known is URDF, with the root element <robot>.");
+  std::string root;
+  {
+    const XmlFile file(path);
+    root = file.root().name();
+    if (root != "robot" && root != "sdf" && root != "mujoco")
+      file.fail(file.root(), "a file whose root element is <" + root.substr(0, 40) + "> is of no known format.",
+                "known are URDF (<robot>), SDF (<sdf>), MJCF (<mujoco>), and Adams data sets (.adm).");
+  }
+  return root == "robot" ? read_urdf(path) : root == "sdf" ? read_sdf(path) : read_mjcf(path);
 }
 
 }  // namespace lithe

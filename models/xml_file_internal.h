@@ -4,6 +4,7 @@
 #include <optional>
 #include <pugixml.hpp>
 #include <string>
+#include <vector>
 
 #include "engine/base/math.h"
 
@@ -27,11 +28,17 @@ class XmlFile {
   /// what is not finite.
   double number(const pugi::xml_node& node, const char* attribute, std::optional<double> fallback = {}) const;
   Vector3 vector(const pugi::xml_node& node, const char* attribute, const Vector3& fallback) const;
+  /// The numbers in a text of this node, least to most of them; `what` names the text in errors.
+  std::vector<double> numbers(const pugi::xml_node& node, const std::string& what, const std::string& text, int least,
+                              int most) const;
+  /// Numbers between the tags of a node.
+  std::vector<double> content(const pugi::xml_node& node, int count) const;
+  double content(const pugi::xml_node& parent, const char* child, double fallback) const;
 
- private:
-  void numbers(const pugi::xml_node& node, const char* attribute, double* out, int count) const;
+  int line_at(std::ptrdiff_t offset) const;
 
   std::string path_, text_;
+  std::vector<std::ptrdiff_t> ends_;  // of the lines
   pugi::xml_document document_;
 };
 

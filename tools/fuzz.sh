@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Fuzzes for SECONDS each (default 60) with libFuzzer, address and undefined-behaviour sanitizers:
 #   tools/fuzz.sh [SECONDS] [TARGET...]
-# Targets: the readers of finite-element files, tables and reduced bodies (tools/fuzz/*_targets.cpp); all of them by
+# Targets: the readers of finite-element files, tables, reduced bodies and models (tools/fuzz/*_targets.cpp); all by
 # default. What they must not do is crash, hang, or take a damaged input as good. Wants clang++ with its fuzzer runtime
 # (libclang-rt-dev).
 # Inputs that fail are left in build/fuzz/TARGET/; new ones that reach new code in build/fuzz/TARGET/corpus:
@@ -10,7 +10,8 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 seconds=${1:-60}
 shift || true
-all=(calculix matrix_market sid gmsh frd abaqus ansys harwell_boeing nastran op4 csv binary hdf5_table basis)
+all=(calculix matrix_market sid gmsh frd abaqus ansys harwell_boeing nastran op4 csv binary hdf5_table basis
+  urdf sdf mjcf adams)
 targets=("$@")
 [ ${#targets[@]} -gt 0 ] || targets=("${all[@]}")
 for target in "${targets[@]}"; do
@@ -27,20 +28,23 @@ hdf5=$(pkg-config --libs hdf5-serial 2>/dev/null || pkg-config --libs hdf5)
 # What the readers need; CHOLMOD, spdlog and the rest of the engine stay out.
 sources=(engine/base/error.cpp engine/output/{partial_file,table,csv,binary,hdf5_file,hdf5_table}.cpp
   bodies/flexible/basis_file.cpp bodies/flexible/elements/{solid_element,shape_functions}.cpp
-  tools/fuzz/{fuzz,targets,body_targets,table_targets}.cpp)
+  models/{urdf,sdf,mjcf,xml_file,model_description,link_graph}.cpp
+  models/adams/{adams_statements,adams_function,read_adams}.cpp
+  engine/base/{checks,math,rotations}.cpp engine/model/appearance.cpp
+  tools/fuzz/{fuzz,targets,body_targets,table_targets,model_targets}.cpp)
 for source in bodies/flexible/readers/*.cpp; do
   case $source in */body_formats.cpp | */read_flexible_body.cpp | */unit_system.cpp) ;; *) sources+=("$source") ;; esac
 done
 objects=()
 for source in "${sources[@]}"; do
-  object=$out/objects/$(basename "$source" .cpp).o
+  object=$out/objects/$(echo "${source%.cpp}" | tr / _).o
   # Compiled again where a file of its list is newer.
   if [ ! -e "$object" ] || [ -n "$(find $(sed 's/^[^:]*://; s/\\$//' "${object%.o}.d") -newer "$object" 2>/dev/null)" ]; then
     "$clang" "${flags[@]}" -MMD -c "$source" -o "$object"
   fi
   objects+=("$object")
 done
-"$clang" -fsanitize=fuzzer,address,undefined "${objects[@]}" $hdf5 -o "$out/fuzz"
+"$clang" -fsanitize=fuzzer,address,undefined "${objects[@]}" $hdf5 -lpugixml -o "$out/fuzz"
 
 # Files are written for each input: into memory.
 [ -d /dev/shm ] && export TMPDIR=${TMPDIR:-/dev/shm}

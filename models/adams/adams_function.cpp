@@ -21,16 +21,40 @@ struct Known {
 };
 const std::map<std::string, Known>& functions() {
   using enum Operation;
-  static const std::map<std::string, Known> all = {
-      {"ABS", {ABS, 1, 1}},        {"ACOS", {ACOS, 1, 1}},   {"AINT", {AINT, 1, 1}},     {"ANINT", {ANINT, 1, 1}},
-      {"INT", {AINT, 1, 1}},       {"NINT", {ANINT, 1, 1}},  {"ASIN", {ASIN, 1, 1}},     {"ATAN", {ATAN, 1, 1}},
-      {"ATAN2", {ATAN2, 2, 2}},    {"COS", {COS, 1, 1}},     {"COSH", {COSH, 1, 1}},     {"DIM", {DIM, 2, 2}},
-      {"EXP", {EXP, 1, 1}},        {"LOG", {LOG, 1, 1}},     {"LOG10", {LOG10, 1, 1}},   {"MAX", {MAX, 2, 2}},
-      {"MIN", {MIN, 2, 2}},        {"MOD", {MOD, 2, 2}},     {"SIGN", {SIGN, 2, 2}},     {"SIN", {SIN, 1, 1}},
-      {"SINH", {SINH, 1, 1}},      {"SQRT", {SQRT, 1, 1}},   {"TAN", {TAN, 1, 1}},       {"TANH", {TANH, 1, 1}},
-      {"STEP", {STEP, 5, 5}},      {"STEP5", {STEP5, 5, 5}}, {"HAVSIN", {HAVSIN, 5, 5}}, {"BISTOP", {BISTOP, 8, 8}},
-      {"IMPACT", {IMPACT, 7, 7}},  {"POLY", {POLY, 3, 33}},  {"SHF", {SHF, 5, 6}},       {"FORCOS", {FORCOS, 4, 34}},
-      {"FORSIN", {FORSIN, 4, 34}}, {"CHEBY", {CHEBY, 3, 33}}};
+  static const std::map<std::string, Known> all = {{"ABS", {absolute, 1, 1}},
+                                                   {"ACOS", {arc_cosine, 1, 1}},
+                                                   {"AINT", {truncated, 1, 1}},
+                                                   {"ANINT", {rounded, 1, 1}},
+                                                   {"INT", {truncated, 1, 1}},
+                                                   {"NINT", {rounded, 1, 1}},
+                                                   {"ASIN", {arc_sine, 1, 1}},
+                                                   {"ATAN", {arc_tangent, 1, 1}},
+                                                   {"ATAN2", {quadrant_arc_tangent, 2, 2}},
+                                                   {"COS", {cosine, 1, 1}},
+                                                   {"COSH", {hyperbolic_cosine, 1, 1}},
+                                                   {"DIM", {excess, 2, 2}},
+                                                   {"EXP", {exponential, 1, 1}},
+                                                   {"LOG", {logarithm, 1, 1}},
+                                                   {"LOG10", {decimal_logarithm, 1, 1}},
+                                                   {"MAX", {maximum, 2, 2}},
+                                                   {"MIN", {minimum, 2, 2}},
+                                                   {"MOD", {remainder, 2, 2}},
+                                                   {"SIGN", {with_sign, 2, 2}},
+                                                   {"SIN", {sine, 1, 1}},
+                                                   {"SINH", {hyperbolic_sine, 1, 1}},
+                                                   {"SQRT", {square_root, 1, 1}},
+                                                   {"TAN", {tangent, 1, 1}},
+                                                   {"TANH", {hyperbolic_tangent, 1, 1}},
+                                                   {"STEP", {cubic_step, 5, 5}},
+                                                   {"STEP5", {quintic_step, 5, 5}},
+                                                   {"HAVSIN", {haversine_step, 5, 5}},
+                                                   {"BISTOP", {bistop, 8, 8}},
+                                                   {"IMPACT", {impact, 7, 7}},
+                                                   {"POLY", {polynomial, 3, 33}},
+                                                   {"SHF", {harmonic, 5, 6}},
+                                                   {"FORCOS", {cosine_series, 4, 34}},
+                                                   {"FORSIN", {sine_series, 4, 34}},
+                                                   {"CHEBY", {chebyshev, 3, 33}}};
   return all;
 }
 
@@ -287,7 +311,7 @@ class Reader {
     if (word == "PI") return number(std::numbers::pi);
     if (word == "RTOD") return number(180 / std::numbers::pi);
     if (word == "DTOR") return number(std::numbers::pi / 180);
-    if (word == "IF") return make(Operation::IF, arguments(word, 4, 4, ':', depth));
+    if (word == "IF") return make(Operation::branch, arguments(word, 4, 4, ':', depth));
     if (const auto known = functions().find(word); known != functions().end())
       return make(known->second.operation, arguments(word, known->second.least, known->second.most, ',', depth));
     if (const auto known = measures().find(word); known != measures().end()) return of_markers(word, known->second);

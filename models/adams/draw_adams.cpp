@@ -354,8 +354,11 @@ class Drawing {
       }
     p.markers = static_cast<int>(ids.size());
     const auto& made = graph_.add<FunctionForce>(prefix_ + name, markers_of(ids), std::move(p));
-    const bool floating = load.kind == AdamsModel::Load::Kind::components;
-    acting_.push_back({.name = name, .i = load.i, .j = load.j, .force = &made, .at_i = 0, .at_j = floating ? -1 : 1});
+    using enum AdamsModel::Load::Kind;
+    const bool floating = load.kind == components;
+    const bool alone = load.kind == on_i_along_z || load.kind == on_i_about_z;  // FX(i) asks for these
+    acting_.push_back(
+        {.name = name, .i = load.i, .j = alone ? 0 : load.j, .force = &made, .at_i = 0, .at_j = floating ? -1 : 1});
   }
 
   void add_constraint(const std::string& name, const AdamsModel::Constraint& gcon) {

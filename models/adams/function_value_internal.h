@@ -85,88 +85,88 @@ class Value {
         return to_power(a(0), a(1));
       case negate:
         return -a(0);
-      case IF: {
+      case branch: {
         const double test = dual::value_of(a(0));
         return a(test < 0 ? 1 : test == 0 ? 2 : 3);
       }
-      case ABS: {
+      case absolute: {
         const S x = a(0);
         return x < S(0.0) ? -x : x;
       }
-      case ACOS:
+      case arc_cosine:
         return acos(a(0));
-      case ASIN:
+      case arc_sine:
         return asin(a(0));
-      case ATAN:
+      case arc_tangent:
         return atan(a(0));
-      case ATAN2:
+      case quadrant_arc_tangent:
         return atan2(a(0), a(1));
-      case AINT:
+      case truncated:
         return S(std::trunc(dual::value_of(a(0))));
-      case ANINT:
+      case rounded:
         return S(std::round(dual::value_of(a(0))));
-      case COS:
+      case cosine:
         return cos(a(0));
-      case SIN:
+      case sine:
         return sin(a(0));
-      case TAN:
+      case tangent:
         return tan(a(0));
-      case TANH:
+      case hyperbolic_tangent:
         return tanh(a(0));
-      case SQRT:
+      case square_root:
         return sqrt(a(0));
-      case EXP:
+      case exponential:
         return exp(a(0));
-      case LOG:
+      case logarithm:
         return log(a(0));
-      case LOG10:
+      case decimal_logarithm:
         return log(a(0)) * (1 / std::log(10.0));
-      case COSH: {
+      case hyperbolic_cosine: {
         const S e = exp(a(0));
         return (e + S(1.0) / e) * 0.5;
       }
-      case SINH: {
+      case hyperbolic_sine: {
         const S e = exp(a(0));
         return (e - S(1.0) / e) * 0.5;
       }
-      case DIM:
+      case excess:
         return larger(a(0) - a(1), S(0.0));
-      case MAX:
+      case maximum:
         return larger(a(0), a(1));
-      case MIN:
+      case minimum:
         return -larger(-a(0), -a(1));
-      case MOD: {
+      case remainder: {
         const S x = a(0), y = a(1);
         return x - y * std::trunc(dual::value_of(x) / dual::value_of(y));
       }
-      case SIGN: {
+      case with_sign: {
         const S x = a(0);
         const bool opposite = (dual::value_of(x) < 0) != (dual::value_of(a(1)) < 0);
         return opposite ? -x : x;
       }
-      case STEP:
+      case cubic_step:
         return step<false>(a(0), a(1), a(2), a(3), a(4));
-      case STEP5:
+      case quintic_step:
         return step<true>(a(0), a(1), a(2), a(3), a(4));
-      case HAVSIN: {
+      case haversine_step: {
         const S x = a(0), x0 = a(1), h0 = a(2), x1 = a(3), h1 = a(4);
         if (x <= x0) return h0;
         if (x >= x1) return h1;
         return (h0 + h1) * 0.5 + (h1 - h0) * 0.5 * sin((x - x0) / (x1 - x0) * M_PI - M_PI / 2);
       }
-      case IMPACT:
+      case impact:
         return pushed(a(0), a(1), a(2), a(3), a(4), a(5), a(6));
-      case BISTOP: {
+      case bistop: {
         const S x = a(0), rate = a(1), k = a(4), e = a(5), c = a(6), d = a(7);
         return pushed(x, rate, a(2), k, e, c, d) - pushed(-x, -rate, -a(3), k, e, c, d);
       }
-      case POLY: {
+      case polynomial: {
         const S u = a(0) - a(1);
         S sum = a(node.count - 1);
         for (int i = node.count - 2; i >= 2; --i) sum = sum * u + a(i);
         return sum;
       }
-      case CHEBY: {
+      case chebyshev: {
         const S u = a(0) - a(1);
         S sum = a(2), before(1.0), now = u;
         for (int i = 3; i < node.count; ++i) {
@@ -176,17 +176,17 @@ class Value {
         }
         return sum;
       }
-      case SHF: {
+      case harmonic: {
         const S wave = a(2) * sin(a(3) * (a(0) - a(1)) - a(4));
         return node.count > 5 ? wave + a(5) : wave;
       }
-      case FORCOS:
-      case FORSIN: {
+      case cosine_series:
+      case sine_series: {
         const S angle = a(2) * (a(0) - a(1));
         S sum = a(3);
         for (int i = 4; i < node.count; ++i) {
           const S turned = static_cast<double>(i - 3) * angle;
-          sum += a(i) * (node.operation == FORCOS ? cos(turned) : sin(turned));
+          sum += a(i) * (node.operation == cosine_series ? cos(turned) : sin(turned));
         }
         return sum;
       }

@@ -245,7 +245,8 @@ class Reader {
     AdamsModel::Part& part = made_.parts[static_cast<std::size_t>(part_places_[s.id])];
     ModelLink& link = model_.links[static_cast<std::size_t>(part_places_[s.id])];
     if (part.ground) return;
-    if (a.has("MATERIAL")) a.fail("has its mass by MATERIAL and geometry, which is not read.", "give MASS, CM and IP.");
+    if (a.has("MATERIAL") && !a.has("MASS"))
+      a.fail("has its mass by MATERIAL and geometry, which is not read.", "give MASS, CM and IP.");
     link.mass = u.mass * a.number("MASS", 0.0);
     if (!(link.mass > 0))
       a.fail("moves and has no mass.", "give it MASS, CM and IP; fix what is massless to a part by its markers.");

@@ -46,6 +46,7 @@ TEST_P(Corpus, is_read_into_what_is_sound_or_refused) {
 std::vector<fuzz::Target> all_targets() {
   std::vector<fuzz::Target> all = fuzz::body_targets();
   for (const fuzz::Target& target : fuzz::table_targets()) all.push_back(target);
+  for (const fuzz::Target& target : fuzz::model_targets()) all.push_back(target);
   return all;
 }
 INSTANTIATE_TEST_SUITE_P(Fuzz, Corpus, testing::ValuesIn(all_targets()),

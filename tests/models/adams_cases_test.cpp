@@ -13,7 +13,7 @@
 #include "tests/models/scratch_folder.h"
 #include "tests/support/methods.h"
 
-namespace lithe::test::adams_cases {
+namespace lithe::test::adams_cases_test {
 namespace {
 
 using Columns = std::vector<std::string>;
@@ -151,4 +151,4 @@ TEST(AdamsFileAsItIs, SaysWhatItHoldsAndWhatDoesNotAct) {
 }
 
 }  // namespace
-}  // namespace lithe::test::adams_cases
+}  // namespace lithe::test::adams_cases_test

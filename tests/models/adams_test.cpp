@@ -11,7 +11,7 @@
 #include "tests/support/joint_checks.h"
 #include "tests/support/methods.h"
 
-namespace lithe::test::adams_data {
+namespace lithe::test::adams_test {
 namespace {
 
 const char* const kHead =
@@ -294,7 +294,9 @@ TEST(AdamsLoads, ForcesActOnIAndTheirOppositeOnTheOtherPart) {
     EXPECT_LT(moment.norm(), 1e-13 * size) << load;
   }
   // ACTIONONLY: along z of J, on I alone.
-  Scene thrust(std::string(kBody) + "SFORCE/1, I=20, J=21, TRANSLATIONAL, ACTIONONLY, FUNCTION=4\n");
+  Scene thrust(std::string(kBody) +
+               "SFORCE/1, I=20, J=21, TRANSLATIONAL, ACTIONONLY, FUNCTION=4\nREQUEST/1, F2=FM(20)\n");
+  EXPECT_NEAR(thrust.start("REQUEST/1"), 4, 1e-14);
   const double d = M_PI / 180;
   const Vector3 z =
       rotation_from_euler_313(20 * d, 30 * d, -10 * d) * rotation_from_euler_313(5 * d, -8 * d, 12 * d).col(2);
@@ -668,4 +670,4 @@ TEST(AdamsErrors, NameTheLineAndTheFix) {
 }
 
 }  // namespace
-}  // namespace lithe::test::adams_data
+}  // namespace lithe::test::adams_test

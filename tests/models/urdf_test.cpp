@@ -1,5 +1,4 @@
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "engine/assembly/system.h"
@@ -10,6 +9,7 @@
 #include "joints/forces/point_force.h"
 #include "models/draw_model.h"
 #include "models/read_model.h"
+#include "tests/models/scratch_folder.h"
 #include "tests/support/json_file.h"
 
 namespace lithe {
@@ -162,10 +162,9 @@ TEST(UrdfNotes, SayWhatDoesNotActAndWhere) {
 
 /// A file of the given text; what reading it says.
 std::string refusal(const std::string& text) {
-  const std::string path = testing::TempDir() + "robot.urdf";
-  std::ofstream(path) << text;
+  const test::ScratchFolder folder;
   try {
-    const ModelDescription model = read_model(path);
+    const ModelDescription model = read_model(folder.write("robot.urdf", text));
     SystemGraph graph;
     draw_model(graph, model);
   } catch (const Error& error) {
@@ -185,7 +184,7 @@ TEST(UrdfErrors, NameTheLineAndTheFix) {
   };
   EXPECT_EQ(refusal(arm + hinge + "</robot>"), "");
   says("<robot name='r'>\n<link name='base'>\n</robot>", "robot.urdf:3");
-  says("<sdf version='1.7'/>", "of no known format");
+  says("<banana version='1.7'/>", "of no known format");
   says("<robot name='r'/>", "has no link");
   says(arm + hinge + hinge + "</robot>", "there are two joints 'j'");
   says(arm + "<link name='arm'/></robot>", "robot.urdf:4");

@@ -23,6 +23,7 @@ std::vector<Target> all_targets() {
   std::vector<Target> all = lithe::fuzz::body_targets();
   const auto add = [&](const std::vector<Target>& more) { all.insert(all.end(), more.begin(), more.end()); };
   add(lithe::fuzz::table_targets());
+  add(lithe::fuzz::model_targets());
   return all;
 }
 
