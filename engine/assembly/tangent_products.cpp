@@ -36,9 +36,10 @@ void TangentFactors::factorize_transposed(const TangentWeights& weights, ConstVe
   if (!factor_.weak_rows().empty()) exchange_weak_rows();
 }
 
-void TangentFactors::add_tangent_product(const VectorX& x, VectorX& out, bool transposed) const {
+void TangentFactors::add_tangent_product(const std::vector<double>& formed, const VectorX& x, VectorX& out,
+                                         bool transposed) const {
   const auto& blocks = blocks_;
-  const double* values = work_.values.data();
+  const double* values = formed.data();
   const auto add = [&](int to, int from, const Eigen::Map<const MatrixX>& block) {
     out.segment(to, block.rows()).noalias() += block * x.segment(from, block.cols());
   };
@@ -94,7 +95,7 @@ void TangentFactors::add_tangent_product(const VectorX& x, VectorX& out, bool tr
   for (const auto& row : blocks.rows)
     for (int i = 0; row.compliant >= 0 && i < row.count; ++i)
       tension[row.first - rows + i] /= -values[row.compliant + i];
-  add_row_forces(blocks, work_.values, rows, nullptr, tension.data(), out.data());
+  add_row_forces(blocks, formed, rows, nullptr, tension.data(), out.data());
 }
 
 }  // namespace lithe

@@ -12,7 +12,7 @@ namespace lithe {
 
 namespace {
 
-constexpr int kFew = 24;             // parameters that have drawings of their own
+constexpr int kFew = kFewParameters;
 constexpr double kLinear = 1e-11;    // two differences agree as well as this: the step does not matter
 constexpr double kSmooth = 1e-2;     // they disagree by more: the scene jumps with the parameter
 constexpr double kRoundOff = 1e-12;  // of what is differenced
@@ -29,10 +29,8 @@ VectorX random_vector(std::mt19937& random, Eigen::Index size) {
 }  // namespace
 
 /// The scene with some parameters moved.
-struct ParameterDerivative::Moved {
-  Moved(const ParametricScene& scene, const std::vector<DesignParameter>& parameters)
-      : drawing(scene, parameters), equations(drawing.system()) {}
-
+struct ParameterDerivative::Moved : MovedDrawing {
+  using MovedDrawing::MovedDrawing;
   /// r, then the rows.
   void residual(const State& state, VectorX& out) {
     const int velocities = equations.layout().v_count(), rows = equations.layout().row_count();
@@ -46,15 +44,6 @@ struct ParameterDerivative::Moved {
     equations.constraint(Level::velocity, rates);
     for (int row : equations.velocity_rows()) out[velocities + row] = rates[row];
   }
-  double value(const Drawing::Place& place, const State& state) {
-    if (!snapshot) snapshot = std::make_unique<Snapshot>(drawing.system());
-    snapshot->evaluate(state, Accelerations::solved);
-    return drawing.sensor(place.sensor).value(*snapshot, place.column);
-  }
-
-  Drawing drawing;
-  Evaluator equations;
-  std::unique_ptr<Snapshot> snapshot;  // once a sensor is read
 };
 
 /// Parameters that are moved together.
@@ -169,7 +158,8 @@ void ParameterDerivative::difference_start(int k, const std::vector<std::unique_
     if (scene_.integrator) {
       const auto integrator = scene_.integrator();
       integrator->start(drawings[i]->equations, state);
-      carried = dynamic_cast<const DifferentiableSteps&>(*integrator).step_derivative()->history(state);
+      if (const auto derivative = dynamic_cast<const DifferentiableSteps&>(*integrator).step_derivative())
+        carried = derivative->history(state);
     }
     const double weight = kOffsets[i].weight / h;
     layout.difference(base.q, state.q, d);
@@ -286,6 +276,12 @@ void ParameterDerivative::add_products(const State& state, const VectorX& mu, co
       out[k] += sum / parameters_[static_cast<std::size_t>(k)].step;
     }
   });
+}
+
+void ParameterDerivative::visit(int k, const std::function<void(Evaluator&, double weight)>& look) {
+  Group& group = *groups_[static_cast<std::size_t>(k)];
+  for (std::size_t i = 0; i < group.drawings.size(); ++i)
+    look(group.drawings[i]->equations, group.weight(i) / parameters_[static_cast<std::size_t>(k)].step);
 }
 
 void ParameterDerivative::sensor(int column, const State& state, VectorX& out) {
