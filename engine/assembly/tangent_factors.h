@@ -46,6 +46,8 @@ class TangentFactors final : public ComplexFactor {
   /// Factorises [Sᵀ Gᵀ; G 0] instead of [S Gᵀ; G 0], for solve(). The blocks formed last are then those of Sᵀ.
   void factorize_transposed(const TangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
                             const VectorX* increment);
+  /// The same of blocks that were formed before.
+  void factorize_transposed(const std::vector<double>& blocks);
 
   /// Leaves these rows out from the next factorisation on.
   void drop_rows(const std::vector<int>& rows) { factor_.drop_rows(rows); }

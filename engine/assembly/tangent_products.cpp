@@ -16,6 +16,11 @@ void TangentFactors::form_tangent(const TangentWeights& weights, ConstVectorRef 
 void TangentFactors::factorize_transposed(const TangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
                                           const VectorX* increment) {
   form_tangent(weights, v_dot, lambda, increment);
+  factorize_transposed(work_.values);
+}
+
+void TangentFactors::factorize_transposed(const std::vector<double>& formed) {
+  if (&formed != &work_.values) work_.values = formed;
   // Rows and columns of the constraints are each other's transpose already, linear blocks are symmetric.
   const auto& blocks = blocks_;
   double* values = work_.values.data();

@@ -151,7 +151,8 @@ void ParameterDerivative::difference_start(int k, const std::vector<std::unique_
   const State& base = nominal_.system().initial_state();
   const double h = parameters_[static_cast<std::size_t>(k)].step;
   VectorX turn = VectorX::Zero(layout.v_count()), velocity = turn, d(layout.v_count());
-  MatrixX history;
+  MatrixX history, first_carried;
+  VectorX first_v;
   for (std::size_t i = 0; i < drawings.size(); ++i) {
     State state = drawings[i]->drawing.system().initial_state();
     MatrixX carried;
@@ -164,9 +165,9 @@ void ParameterDerivative::difference_start(int k, const std::vector<std::unique_
     const double weight = kOffsets[i].weight / h;
     layout.difference(base.q, state.q, d);
     turn += weight * d;
-    velocity += weight * state.v;
-    if (i == 0) history.setZero(carried.rows(), carried.cols());
-    history += weight * carried;
+    if (i == 0) first_v = state.v, first_carried = carried, history.setZero(carried.rows(), carried.cols());
+    velocity += weight * (state.v - first_v);  // the weights add up to zero
+    history += weight * (carried - first_carried);
   }
   if (k == 0) {
     start_.turn.setZero(layout.v_count(), count());
@@ -226,8 +227,11 @@ void ParameterDerivative::check_smooth(int k, std::vector<std::unique_ptr<Moved>
 template <class Take>
 void ParameterDerivative::difference(const State& state, const Take& take) {
   for (const auto& group : groups_) {
-    for (std::size_t i = 0; i < group->drawings.size(); ++i) {
+    // In pairs, so that what no parameter moves gives zero to the bit.
+    for (std::size_t i = 0; i < group->drawings.size(); i += 2) {
       group->drawings[i]->residual(state, part_);
+      group->drawings[i + 1]->residual(state, other_);
+      part_ -= other_;
       if (i == 0) difference_.setZero(part_.size());
       difference_ += group->weight(i) * part_;
     }

@@ -58,7 +58,7 @@ class ParameterDerivative {
   Variation start_;
   std::vector<std::unique_ptr<Group>> groups_;
   std::vector<VectorX> nominal_rows_;  // r and the rows at the probes
-  VectorX difference_, part_;
+  VectorX difference_, part_, other_;
 };
 
 }  // namespace lithe

@@ -40,6 +40,12 @@ void read_drawn(const SystemGraph& graph, const Layout& layout, VectorX& q, Vect
   }
 }
 
+/// Moved drawings are evaluated, and never run: forward dynamics need not be planned.
+ParametricScene by_constraints(ParametricScene scene) {
+  scene.forward_dynamics = false;
+  return scene;
+}
+
 /// The name without its digits: parameters of one kind.
 std::string kind_of(const std::string& name) {
   std::string kind;
@@ -50,11 +56,26 @@ std::string kind_of(const std::string& name) {
 
 }  // namespace
 
+/// Where drawings of a group lie, in steps, with the weights of f' in their differences from the nominal one: exact for
+/// what is linear, for quadratics, and for cubics; of others the error is (h/4)³ f⁗/12.
+std::span<const Offset> ParameterTerms::offsets(Shape shape) {
+  static constexpr Offset kLinear[] = {{1, 1}}, kQuadratic[] = {{1, 0.5}, {-1, -0.5}},
+                          kGeneral[] = {{0.25, 4}, {-0.25, -4.0 / 3}, {0.5, -4.0 / 6}};
+  switch (shape) {
+    case Shape::linear:
+      return kLinear;
+    case Shape::quadratic:
+      return kQuadratic;
+    default:
+      return kGeneral;
+  }
+}
+
 struct ParameterTerms::Group {
   Shape shape;
   std::vector<int> members;
   std::vector<char> taken;                              // terms
-  std::vector<std::unique_ptr<MovedDrawing>> drawings;  // one, at + and -, or at kOffsets
+  std::vector<std::unique_ptr<MovedDrawing>> drawings;  // at offsets()
 };
 
 /// How the nominal drawing looks at the probes, with random weights.
@@ -69,7 +90,6 @@ struct ParameterTerms::Search {
   VectorX columns;                // columns x probes, flat
   VectorX drawn_q, drawn_v;       // of the nominal drawing
   std::vector<char> start_apart;  // of each parameter: its start is told by drawings of its own
-  long drawings = 0;
 };
 
 std::unique_ptr<MovedDrawing> ParameterTerms::draw(const std::vector<int>& members,
@@ -93,7 +113,7 @@ std::unique_ptr<MovedDrawing> ParameterTerms::draw(const std::vector<int>& membe
 ParameterTerms::ParameterTerms(const ParametricScene& scene, const std::vector<DesignParameter>& parameters,
                                const Drawing& nominal, const std::vector<State>& probes,
                                const std::vector<Drawing::Place>& columns)
-    : scene_(scene),
+    : scene_(by_constraints(scene)),
       parameters_(parameters),
       nominal_(nominal),
       probes_(probes),
@@ -202,7 +222,6 @@ bool ParameterTerms::decode(std::vector<int> members, Search& search) {
   for (std::size_t i = 0; i < n; ++i) lengths[i] = 1.1 + 0.8 * (static_cast<double>(i) + 0.5) / static_cast<double>(n);
   const std::unique_ptr<MovedDrawing> drawings[] = {
       draw(members, std::vector<double>(n, 1.0)), draw(members, std::vector<double>(n, -1.0)), draw(members, lengths)};
-  search.drawings += 3;
 
   /// Whose length explains the values at + (0), - (1) and that length (2), of several numbers; -1: nobody moves them,
   /// -2: more than one. Tells the shape.
@@ -305,42 +324,52 @@ void ParameterTerms::difference_start(int k) {
   const double h = parameters_[static_cast<std::size_t>(k)].step;
   VectorX q, v, q0, v0, d(layout.v_count()), turn = VectorX::Zero(layout.v_count()), velocity = turn;
   read_drawn(nominal_.system().graph(), layout, q0, v0);
-  for (const Offset& offset : kOffsets) {
-    const std::vector<DesignParameter> values = moved_parameter(parameters_, k, offset.steps);
+  const auto look = [&](double steps) {
+    const std::vector<DesignParameter> values = moved_parameter(parameters_, k, steps);
     draw_only(scene_, values, [&](const SystemGraph& graph) { read_drawn(graph, layout, q, v); });
     layout.difference(q0, q, d);
+    v -= v0;
+  };
+  // Straight: two drawings tell.
+  look(2);
+  const VectorX far = d, far_speed = v;
+  look(1);
+  const double size = std::max(largest_entry(d), largest_entry(v));
+  if (largest_entry(far - 2 * d) <= kShaped * size + kDrawnNoise * (1 + largest_entry(q0)) &&
+      largest_entry(far_speed - 2 * v) <= kShaped * size + kDrawnNoise * (1 + largest_entry(v0))) {
+    starts_[static_cast<std::size_t>(k)] = {{0, far / (2 * h), far_speed / (2 * h)}};
+    return;
+  }
+  for (const Offset& offset : kOffsets) {
+    look(offset.steps);
     turn += offset.weight / h * d;
-    velocity += offset.weight / h * (v - v0);
+    velocity += offset.weight / h * v;
   }
   starts_[static_cast<std::size_t>(k)] = {{0, turn, velocity}};
 }
 
-/// Parameters with different terms, and terms of one shape, share drawings.
+/// Parameters with different terms share drawings: those that need many first, the others beside them.
 void ParameterTerms::gather() {
-  for (int k = 0; k < count(); ++k) {
-    const auto& terms = touched_[static_cast<std::size_t>(k)];
-    if (terms.empty()) continue;
-    const Shape shape = shapes_[static_cast<std::size_t>(k)];
-    Group* into = nullptr;
-    for (const auto& group : groups_)
-      if (group->shape == shape &&
-          std::none_of(terms.begin(), terms.end(), [&](int t) { return group->taken[static_cast<std::size_t>(t)]; })) {
-        into = group.get();
-        break;
+  for (const Shape shape : {Shape::general, Shape::quadratic, Shape::linear})
+    for (int k = 0; k < count(); ++k) {
+      const auto& terms = touched_[static_cast<std::size_t>(k)];
+      if (terms.empty() || shapes_[static_cast<std::size_t>(k)] != shape) continue;
+      const auto free = std::find_if(groups_.begin(), groups_.end(), [&](const auto& group) {
+        return std::none_of(terms.begin(), terms.end(),
+                            [&](int t) { return group->taken[static_cast<std::size_t>(t)]; });
+      });
+      Group* into = free == groups_.end() ? nullptr : free->get();
+      if (!into) {
+        into = groups_.emplace_back(std::make_unique<Group>()).get();
+        into->shape = shape;
+        into->taken.assign(static_cast<std::size_t>(term_count()) + columns_.size(), 0);
       }
-    if (!into) {
-      into = groups_.emplace_back(std::make_unique<Group>()).get();
-      into->shape = shape;
-      into->taken.assign(static_cast<std::size_t>(term_count()) + columns_.size(), 0);
+      into->members.push_back(k);
+      for (int t : terms) into->taken[static_cast<std::size_t>(t)] = 1;
     }
-    into->members.push_back(k);
-    for (int t : terms) into->taken[static_cast<std::size_t>(t)] = 1;
-  }
-  for (const auto& group : groups_) {
-    const std::size_t count = group->shape == Shape::linear ? 1 : group->shape == Shape::quadratic ? 2 : 4;
-    for (std::size_t i = 0; i < count; ++i)
-      group->drawings.push_back(draw(group->members, std::vector<double>(group->members.size(), kOffsets[i].steps)));
-  }
+  for (const auto& group : groups_)
+    for (const Offset& offset : offsets(group->shape))
+      group->drawings.push_back(draw(group->members, std::vector<double>(group->members.size(), offset.steps)));
 }
 
 std::unique_ptr<ParameterTerms> ParameterTerms::find(const ParametricScene& scene,
@@ -420,29 +449,21 @@ std::unique_ptr<ParameterTerms> ParameterTerms::find(const ParametricScene& scen
 
 void ParameterTerms::add_products(const State& state, const WeightedSum& sum, const MatrixX& mu, const MatrixX& nu,
                                   double factor, MatrixX& gradient) {
-  std::array<MatrixX, 4> values;
-  MatrixX nominal;
+  terms(equations_, state, sum, mu, nu, nominal_terms_);
   for (const auto& group : groups_) {
-    if (group->shape == Shape::linear && nominal.size() == 0) terms(equations_, state, sum, mu, nu, nominal);
-    for (std::size_t i = 0; i < group->drawings.size(); ++i)
-      terms(group->drawings[i]->equations, state, sum, mu, nu, values[i]);
-    MatrixX& change = values[0];
-    switch (group->shape) {
-      case Shape::linear:
-        change -= nominal;
-        break;
-      case Shape::quadratic:
-        change = (change - values[1]) / 2;
-        break;
-      case Shape::general:
-        change *= kOffsets[0].weight;
-        for (std::size_t i = 1; i < 4; ++i) change += kOffsets[i].weight * values[i];
-        break;
+    change_.setZero(nominal_terms_.rows(), nominal_terms_.cols());
+    double of_nominal = 0;
+    const auto offsets_of = offsets(group->shape);
+    for (std::size_t i = 0; i < offsets_of.size(); ++i) {
+      terms(group->drawings[i]->equations, state, sum, mu, nu, values_);
+      change_ += offsets_of[i].weight * values_;
+      of_nominal -= offsets_of[i].weight;
     }
+    change_ += of_nominal * nominal_terms_;
     for (int k : group->members) {
       const double scale = factor / parameters_[static_cast<std::size_t>(k)].step;
       for (int t : touched_[static_cast<std::size_t>(k)])
-        if (t < term_count()) gradient.row(k) += scale * change.row(t);
+        if (t < term_count()) gradient.row(k) += scale * change_.row(t);
     }
   }
 }
@@ -450,18 +471,20 @@ void ParameterTerms::add_products(const State& state, const WeightedSum& sum, co
 void ParameterTerms::sensor(int column, const State& state, VectorX& out) {
   out.setZero(count());
   const Drawing::Place& place = columns_[static_cast<std::size_t>(column)];
-  Snapshot now(nominal_.system());
+  double nominal = 0;
+  bool looked = false;
   for (const auto& group : groups_) {
     if (!group->taken[static_cast<std::size_t>(term_count() + column)]) continue;
-    double value = 0;
-    if (group->shape == Shape::linear) {
+    if (!looked) {
+      Snapshot now(nominal_.system());
       now.evaluate(state, Accelerations::solved);
-      value = group->drawings[0]->value(place, state) - nominal_.sensor(place.sensor).value(now, place.column);
-    } else if (group->shape == Shape::quadratic) {
-      value = (group->drawings[0]->value(place, state) - group->drawings[1]->value(place, state)) / 2;
-    } else {
-      for (std::size_t i = 0; i < 4; ++i) value += kOffsets[i].weight * group->drawings[i]->value(place, state);
+      nominal = nominal_.sensor(place.sensor).value(now, place.column);
+      looked = true;
     }
+    double value = 0;
+    const auto offsets_of = offsets(group->shape);
+    for (std::size_t i = 0; i < offsets_of.size(); ++i)
+      value += offsets_of[i].weight * (group->drawings[i]->value(place, state) - nominal);
     for (int k : group->members) {
       const auto& terms = touched_[static_cast<std::size_t>(k)];
       if (std::find(terms.begin(), terms.end(), term_count() + column) != terms.end())

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "engine/gradient/differences.h"
 #include "engine/gradient/moved_drawing.h"
 #include "engine/motion/step_derivative.h"
 
@@ -43,6 +45,7 @@ class ParameterTerms {
   struct Touch;
   struct Search;
   enum class Shape { linear, quadratic, general };  // of a parameter's terms
+  static std::span<const Offset> offsets(Shape shape);
 
   ParameterTerms(const ParametricScene& scene, const std::vector<DesignParameter>& parameters, const Drawing& nominal,
                  const std::vector<State>& probes, const std::vector<Drawing::Place>& columns);
@@ -70,6 +73,7 @@ class ParameterTerms {
   std::vector<std::vector<Start>> starts_;  // of each parameter
   std::vector<std::unique_ptr<Group>> groups_;
   mutable VectorX r_, force_;
+  MatrixX nominal_terms_, values_, change_;
 };
 
 }  // namespace lithe

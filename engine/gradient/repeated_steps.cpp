@@ -2,6 +2,7 @@
 
 #include "engine/base/error.h"
 #include "engine/gradient/differences.h"
+#include "engine/motion/projection.h"
 
 namespace lithe {
 
@@ -10,6 +11,8 @@ namespace {
 constexpr std::array<Offset, 6> kSixOffsets{
     {{1, 45.0 / 60}, {-1, -45.0 / 60}, {2, -9.0 / 60}, {-2, 9.0 / 60}, {3, 1.0 / 60}, {-3, -1.0 / 60}}};
 constexpr double kAside = 4e-3;  // m, rad, and of the largest velocity: 4e-15 f⁽⁷⁾/140 beside a round-off of 1e-13
+constexpr double kOnJoints = 1e-15;
+constexpr int kMostProjections = 12;
 constexpr double kSameEnd = 1e-6;  // of a step taken again: Newton's tolerance is below
 
 }  // namespace
@@ -28,7 +31,19 @@ void RepeatedSteps::take(Equations& equations, const State& from, const State& t
   equations.evaluator->recall(from.quarter_turns);
   equations.evaluator->recall_rows(from.left_out);
   reached_.time = to.time;
-  equations.step->take(from, reached_);
+  if (equations.evaluator->parts().forward_dynamics) {
+    // It reads coordinates of joints, and refuses states off them. The start moved onto them is the same start: that
+    // of the run moves along them with state and parameters.
+    on_joints_ = from;
+    Projector projector(*equations.evaluator);
+    if (!projector.position(from.time, on_joints_.q, kOnJoints, kMostProjections).converged)
+      throw SimulationError("the state at t = " + std::to_string(from.time) + " s does not reach its joints nearby",
+                            "the derivative of a run", "look for a singular pose, or give parameters smaller steps");
+    projector.velocity(from.time, on_joints_.q, on_joints_.v);
+    equations.step->take(on_joints_, reached_);
+  } else {
+    equations.step->take(from, reached_);
+  }
   turn.resize(to.v.size());
   evaluator_.layout().difference(to.q, reached_.q, turn);
   velocity = reached_.v - to.v;

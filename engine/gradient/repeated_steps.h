@@ -30,7 +30,7 @@ class RepeatedSteps {
   Evaluator evaluator_;
   Equations nominal_;
   std::vector<std::vector<Equations>> moved_;  // of each parameter
-  State near_, reached_;
+  State near_, reached_, on_joints_;
 };
 
 }  // namespace lithe

@@ -15,9 +15,9 @@ namespace lithe {
 
 namespace {
 
-constexpr int kFirstLooks = 8, kLooks = 8;  // at the elements' tangents: of the first states, then at every eighth
-constexpr double kAgree = 2e-9;             // of a body's rows, between the elements' tangents and differences
-constexpr double kAgreeAll = 1e-12;         // of all rows: round-off of the differences
+constexpr int kFirstLooks = 8, kLooks = 32;  // at the elements' tangents: of the first states, then of every so many
+constexpr double kAgree = 2e-9;              // of a body's rows, between the elements' tangents and differences
+constexpr double kAgreeAll = 1e-12;          // of all rows: round-off of the differences
 
 int velocities_of(const Layout::BodySlice& b) { return (b.frame ? 6 : 0) + b.linear; }
 
@@ -74,10 +74,13 @@ void TangentEquations::along(const Direction& direction, VectorX& force, VectorX
   VectorX f, g;
   force.setZero(state_.v.size());
   rows.setZero(state_.lambda.size());
-  for (const Offset& offset : kOffsets) {
-    evaluate(offset.steps * h, direction, f, g);
-    force += offset.weight / h * f;
-    rows += offset.weight / h * g;
+  // In pairs, so that no direction gives zero to the bit.
+  VectorX f_behind, g_behind;
+  for (std::size_t i = 0; i < kOffsets.size(); i += 2) {
+    evaluate(kOffsets[i].steps * h, direction, f, g);
+    evaluate(kOffsets[i + 1].steps * h, direction, f_behind, g_behind);
+    force += kOffsets[i].weight / h * (f - f_behind);
+    rows += kOffsets[i].weight / h * (g - g_behind);
   }
 }
 
@@ -104,10 +107,57 @@ void TangentEquations::factorize(const TangentWeights& weights, const VectorX& i
     VectorX r(state_.v.size());
     equations_.residual(state_.v_dot, state_.lambda, r);  // friction learns the reactions
   }
-  if (transposed)
+  if (transposed && tangents_ != Tangents::differenced)
+    factorize_formed(weights, increment);
+  else if (transposed)
     equations_.factors().factorize_transposed(weights, state_.v_dot, state_.lambda, &increment);
   else
     equations_.factorize(weights, state_.v_dot, state_.lambda, &increment);
+}
+
+/// K, D and M from three tangents of which only one asks for stiffnesses, the dearest part, and the factor of
+/// (K + (w_v D + w_a M) Jr⁻¹)ᵀ from them.
+void TangentEquations::factorize_formed(const TangentWeights& weights, const VectorX& increment) {
+  const BlockStructure& blocks = equations_.system().blocks();
+  const Workspace& work = equations_.workspace();
+  form(M_blocks_, {0, 0, 1}, state_.v_dot, state_.lambda);
+  form(D_blocks_, {0, 1, 0}, state_.v_dot, state_.lambda);
+  form(K_blocks_, weights, state_.v_dot, state_.lambda);
+  std::vector<double>& factor = factor_blocks_;
+  factor = K_blocks_;
+  const double of_v = weights.velocity, of_a = weights.acceleration;
+  const auto take = [&](int first, int rows, int columns, const Matrix3* chart) {
+    using Block = Eigen::Map<MatrixX>;
+    Block K(K_blocks_.data() + first, rows, columns), F(factor.data() + first, rows, columns);
+    moved_ =
+        of_v * Block(D_blocks_.data() + first, rows, columns) + of_a * Block(M_blocks_.data() + first, rows, columns);
+    K -= moved_;
+    F = K;
+    if (chart) moved_.middleCols<3>(3) = moved_.middleCols<3>(3).lazyProduct(*chart).eval();
+    F += moved_;
+  };
+  charts_.clear();
+  for (const auto& f : blocks.frames) charts_.push_back(right_jacobian_inverse(Vector3(increment.segment<3>(f.v + 3))));
+  for (std::size_t i = 0; i < blocks.frames.size(); ++i) take(blocks.frames[i].values, 6, 6, &charts_[i]);
+  for (const auto& l : blocks.linears) {
+    if (l.frame >= 0) {
+      take(l.frame_linear, 6, l.size, nullptr);
+      take(l.linear_frame, l.size, 6, &charts_[static_cast<std::size_t>(l.frame)]);
+    }
+    take(l.values, l.pattern ? static_cast<int>(l.pattern->rows.size()) : l.size, 1, nullptr);
+  }
+  for (const auto& c : blocks.couplings) {
+    take(c.ab, 6, 6, &charts_[static_cast<std::size_t>(c.b)]);
+    take(c.ba, 6, 6, &charts_[static_cast<std::size_t>(c.a)]);
+  }
+  const int rows = static_cast<int>(state_.lambda.size());
+  for (const auto& row : blocks.rows)
+    for (int i = 0; row.compliant >= 0 && i < row.count; ++i) {
+      const double stiffness = work.row_stiffness[row.first - rows + i];
+      K_blocks_[static_cast<std::size_t>(row.compliant + i)] = stiffness == 0 ? -1e30 : -1 / stiffness;
+    }
+  formed_ = true;
+  equations_.factors().factorize_transposed(factor);
 }
 
 void TangentEquations::solve(VectorX& force, VectorX& rows) { equations_.solve(force, rows); }

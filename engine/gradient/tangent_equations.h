@@ -45,6 +45,7 @@ class TangentEquations final : public LinearEquations {
   void check_tangents();
   bool agrees(const VectorX& force, const VectorX& own, double all) const;
   void stand();
+  void factorize_formed(const TangentWeights& weights, const VectorX& increment);
   void find_row_rates(const VectorX* acceleration);
   void add_turning_rows(const VectorX& x, VectorX& out, bool transposed) const;
   void form(std::vector<double>& blocks, const TangentWeights& weights, const VectorX& a, const VectorX& l);
@@ -65,7 +66,9 @@ class TangentEquations final : public LinearEquations {
   long looks_ = 0;  // at the elements' tangents
   // Of the elements, by q, v, v_dot; d/dt and d²/dt² of the rows along the motion, with the axes that they act in.
   bool formed_ = false;
-  std::vector<double> K_blocks_, D_blocks_, M_blocks_, G_rate_, G_second_;
+  std::vector<double> K_blocks_, D_blocks_, M_blocks_, G_rate_, G_second_, factor_blocks_;
+  std::vector<Matrix3> charts_;  // of each frame
+  MatrixX moved_;
   // Differenced tangents.
   std::vector<std::vector<int>> colours_;    // slices, differenced together
   std::vector<std::vector<int>> influence_;  // of each slice: the slices whose rows it moves

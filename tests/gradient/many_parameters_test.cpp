@@ -94,7 +94,8 @@ TEST(ManyParameters, AdjointByTermsIsTheTangent) {
       gradient(chain.scene(), quantities, chain.parameters(), {.mode = GradientOptions::Mode::adjoint});
   EXPECT_FALSE(backwards.differenced);
   EXPECT_LE(backwards.groups, 30);
-  EXPECT_EQ(forwards.values, backwards.values);
+  for (Eigen::Index i = 0; i < forwards.values.size(); ++i)  // sums in another order
+    EXPECT_NEAR(forwards.values[i], backwards.values[i], 1e-14);
   for (Eigen::Index i = 0; i < forwards.derivatives.rows(); ++i) {
     double size = 0, off = 0;
     for (Eigen::Index k = 0; k < forwards.derivatives.cols(); ++k) {
