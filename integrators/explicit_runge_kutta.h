@@ -4,6 +4,7 @@
 #include <string>
 
 #include "engine/motion/integrator.h"
+#include "engine/motion/step_derivative.h"
 #include "integrators/runge_kutta_step.h"
 
 namespace lithe {
@@ -15,7 +16,7 @@ namespace lithe {
 /// Every step ends with q and v projected onto g = 0 and ġ = 0 along M⁻¹Gᵀ; its last stage is evaluated there, so it
 /// gives λ at the end and begins the next step. For smooth and soft scenes: the highest frequency ω bounds the step,
 /// h |λ| < stability_limit().
-class ExplicitRungeKutta final : public Integrator {
+class ExplicitRungeKutta final : public Integrator, public DifferentiableSteps {
  public:
   enum class Method { dormand_prince5, dormand_prince8 };
   struct Parameters {
@@ -32,6 +33,8 @@ class ExplicitRungeKutta final : public Integrator {
   std::string name() const override;
   const IntegratorStatistics& statistics() const override { return statistics_; }
   double current_step() const { return h_; }
+  std::unique_ptr<RepeatedStep> repeated_step(EquationsOfMotion& equations) const override;
+  std::unique_ptr<StepAdjoint> step_adjoint() const override;
 
   /// Estimate of h |λ| of the fastest motion within the last step taken, from its last two stages (Hairer & Wanner II,
   /// IV.2); 0 if they give none. The scene is stiff for this method if the value stays near stability_limit().

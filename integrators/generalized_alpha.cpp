@@ -68,7 +68,7 @@ void GeneralizedAlpha::restart(EquationsOfMotion& equations, State& state, const
 void GeneralizedAlpha::begin(EquationsOfMotion& equations, State& state, double h) {
   a_ = state.v_dot;
   h_offset_ = h;
-  has_last_ = false;
+  has_last_ = corrected_ = false;
   if (parameters_.form != Form::index3 || !parameters_.correct_start || lambda_.size() == 0) return;
   // The jerk by one difference along the motion.
   const auto find_jerk = [&](double ahead) -> VectorX {
@@ -85,6 +85,7 @@ void GeneralizedAlpha::begin(EquationsOfMotion& equations, State& state, double 
   if (h * size > state.v_dot.lpNorm<Eigen::Infinity>() &&
       (find_jerk(0.1 * h) - jerk_).lpNorm<Eigen::Infinity>() > 0.5 * size)
     return;
+  corrected_ = true;
   a_ += (am_ - af_) * h * jerk_;
   shift_velocity(equations, state, h * h);
 }

@@ -77,6 +77,7 @@ class GeneralizedAlpha : public Integrator, public DifferentiableSteps {
   double h_offset_ = 0;                 // the step that a_ and the offset of v from ġ = 0 belong to
   double h_last_ = 0;                   // length of the step before
   bool has_last_ = false;               // v_dot_last_ holds its start
+  bool corrected_ = false;              // begin() has seen the jerk
   VectorX a_;                           // acceleration-like state
   VectorX q_, v_, v_dot_, lambda_, d_;  // of the step being taken
   VectorX v_dot_last_, jerk_, delta_, change_, rl_, rl2_, rv_, magnitudes_;

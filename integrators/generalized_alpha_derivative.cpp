@@ -18,7 +18,8 @@ bool refine(const Correct& correct) {
   for (int k = 0; k < kMostRefinements; ++k) {
     const auto [change, size] = correct();
     if (!std::isfinite(change)) return false;
-    if (k > 0 && change <= kSolved * size) return true;
+    // Corrections shrink by one factor: that which would come next is round-off.
+    if (k > 0 && (change <= kSolved * size || change * std::min(change / last, 1.0) <= kSolved * size)) return true;
     if (k > 1 && change > 0.5 * last) return change <= kGood * size;
     last = change;
   }
@@ -107,13 +108,15 @@ class GeneralizedAlphaDerivative final : public StepDerivative {
     equations.at(to);
     equations.factorize({1, g1_, b1_}, d_, true);
     MatrixX &v_dot = x.history[0], &a = x.history[1];
-    for (Eigen::Index k = 0; k < x.turn.cols(); ++k) {
+    const Eigen::Index wants = x.turn.cols();
+    MatrixX mu_all = MatrixX::Zero(to.v.size(), wants), nu_all = MatrixX::Zero(equations.layout().row_count(), wants);
+    LinearEquations::Pulled pulled;
+    for (Eigen::Index k = 0; k < wants; ++k) {
       // What is wanted of the turn that solves the step: T⁻ᵀ (Tᵀ δq + γ/(hβ) δv + b₁ (δv̇ + c (1 - af) δa)).
       MatrixX wanted = g1_ * x.velocity.col(k) + b1_ * (v_dot.col(k) + c_ * (1 - af_) * a.col(k));
       maps_.change_transposed(wanted);
       wanted += x.turn.col(k);
-      VectorX mu = VectorX::Zero(to.v.size()), nu = VectorX::Zero(equations.layout().row_count());
-      LinearEquations::Pulled pulled;
+      VectorX mu = VectorX::Zero(to.v.size()), nu = VectorX::Zero(nu_all.rows());
       bool first = true;
       const bool solved = refine([&] {
         force_ = wanted.col(0);
@@ -129,16 +132,16 @@ class GeneralizedAlphaDerivative final : public StepDerivative {
         equations.solve(force_, rows_);
         mu += force_;
         nu += rows_;
-        return std::pair(force_.lpNorm<Eigen::Infinity>(), mu.lpNorm<Eigen::Infinity>());
+        return std::pair(largest(force_), largest(mu));
       });
       if (!solved) give_up(to);
-      products_.setZero(gradient.rows());
-      equations.add_parameter_products(mu, nu, products_);
-      gradient.col(k) -= products_;
-      // Those of the last but one μ, which differs by round-off.
+      equations.pull(mu, nu, pulled);
       x.turn.col(k) -= pulled.turn;
       x.velocity.col(k) -= pulled.velocity;
+      mu_all.col(k) = mu;
+      nu_all.col(k) = nu;
     }
+    equations.add_parameter_products(mu_all, nu_all, -1, gradient);
     // The known part of the step, transposed.
     MatrixX moved = x.turn;
     maps_.turn_transposed(moved);
@@ -149,7 +152,81 @@ class GeneralizedAlphaDerivative final : public StepDerivative {
     x.velocity += h_ * moved;
   }
 
+  /// v̇ = A(t, q, v); and where start values are corrected, by the jerk j = (A(t + h, q ⊕ c, v + h v̇) - v̇)/h with
+  /// c = h v + h²/2 v̇:   a = v̇ + (am - af) h j,   v' = v + h² y,   M y + Gᵀη = 0,   G (y - s) = 0,
+  /// s = (1 - 6β - 3(am - af))/6 j + 1/12 (0, ω × ω̇, 0)
+  void adjoint_start(LinearEquations& equations, const State& before, Variation& x, MatrixX& gradient) override {
+    const Layout& layout = equations.layout();
+    const double h = method_.parameters_.step, ahead = method_.am_ - method_.af_;
+    MatrixX of_v_dot = x.history[0] + x.history[1];
+    State state = before;
+    equations.at(state);
+    equations.accelerations(state.v_dot, state.lambda);
+    if (method_.corrected_) {
+      const double of_jerk = (1 - 6 * method_.beta_ - 3 * ahead) / 6;
+      const VectorX c = h * state.v + 0.5 * h * h * state.v_dot;
+      State then = state;
+      then.time += h;
+      layout.retract(state.q, c, then.q);
+      then.v += h * state.v_dot;
+      equations.at(then);
+      equations.accelerations(then.v_dot, then.lambda);
+      // The shift of v.
+      VectorX s = of_jerk * (then.v_dot - state.v_dot) / h;
+      for (const auto& b : layout.bodies())
+        if (b.frame)
+          s.segment<3>(b.v + 3) +=
+              Vector3(state.v.segment<3>(b.v + 3)).cross(Vector3(state.v_dot.segment<3>(b.v + 3))) / 12;
+      WeightedSum shift{.rows = WeightedSum::Rows::product, .forces = false, .a = {}, .l = {}, .u = {}};
+      equations.at(state);
+      shift_of(equations, s, shift.a, shift.l);
+      shift.u = shift.a - s;
+      MatrixX mu = h * h * x.velocity, nu = MatrixX::Zero(layout.row_count(), mu.cols());
+      equations.solve_mass(mu, nu);
+      // G (y - s) as what is wanted of s.
+      MatrixX of_s = MatrixX::Zero(mu.rows(), mu.cols()), none = of_s;
+      LinearEquations::Pulled pulled;
+      for (Eigen::Index k = 0; k < mu.cols(); ++k) {
+        equations.pull(VectorX::Zero(mu.rows()), nu.col(k), pulled);
+        of_s.col(k) = pulled.turn;
+      }
+      MatrixX jerk = ahead * h * x.history[1] + of_jerk * of_s;
+      equations.add_weighted(shift, mu, nu, -1, x.turn, none, gradient);
+      for (const auto& b : layout.bodies())
+        for (Eigen::Index k = 0; b.frame && k < mu.cols(); ++k) {
+          const Vector3 w = state.v.segment<3>(b.v + 3), w_dot = state.v_dot.segment<3>(b.v + 3),
+                        wanted = of_s.col(k).segment<3>(b.v + 3) / 12;
+          x.velocity.col(k).segment<3>(b.v + 3) += w_dot.cross(wanted);
+          of_v_dot.col(k).segment<3>(b.v + 3) += wanted.cross(w);
+        }
+      // The jerk.
+      of_v_dot -= jerk / h;
+      MatrixX turn = none, velocity = none;
+      equations.at(then);
+      equations.add_accelerations(jerk / h, turn, velocity, gradient);
+      maps_.at(layout, c);
+      MatrixX moved = turn;
+      maps_.turn_transposed(moved);
+      maps_.carry_transposed(turn);
+      x.turn += turn;
+      x.velocity += velocity + h * moved;
+      of_v_dot += h * velocity + 0.5 * h * h * moved;
+    }
+    equations.at(state);
+    equations.add_accelerations(of_v_dot, x.turn, x.velocity, gradient);
+  }
+
  private:
+  static double largest(const VectorX& x) { return x.size() > 0 ? x.lpNorm<Eigen::Infinity>() : 0; }
+  /// M y + Gᵀη = 0, G y = G s.
+  static void shift_of(LinearEquations& equations, const VectorX& s, VectorX& y, VectorX& eta) {
+    LinearEquations::Pulled pulled;
+    equations.pull(s, VectorX::Zero(equations.layout().row_count()), pulled);
+    MatrixX force = MatrixX::Zero(s.size(), 1), rows = pulled.rows;
+    equations.solve_mass(force, rows);
+    y = force.col(0), eta = rows.col(0);
+  }
+
   void set_step(const Layout& layout, const State& from, const State& to) {
     h_ = to.time - from.time;
     am_ = method_.am_, af_ = method_.af_, beta_ = method_.beta_, gamma_ = method_.gamma_;

@@ -4,6 +4,7 @@
 
 #include "engine/motion/integrator.h"
 #include "engine/motion/projection.h"
+#include "engine/motion/step_derivative.h"
 #include "integrators/radau_stages.h"
 
 namespace lithe {
@@ -15,7 +16,7 @@ namespace lithe {
 /// A step costs three evaluations an iteration of Newton, one real and one complex block factorisation. It ends with
 /// consistent accelerations, which bring v̇ and λ from the stages' order 3 to order 5 for one mass factorisation more;
 /// with them the common dense output is of order 5 too, against 3 of the collocation polynomial.
-class Radau final : public Integrator {
+class Radau final : public Integrator, public DifferentiableSteps {
  public:
   struct Parameters {
     double step = 0;  // s; 0: automatic, by the tolerance
@@ -34,6 +35,7 @@ class Radau final : public Integrator {
   std::string name() const override { return "Radau IIA, order 5"; }
   const IntegratorStatistics& statistics() const override { return statistics_; }
   double current_step() const { return h_; }
+  std::unique_ptr<RepeatedStep> repeated_step(EquationsOfMotion& equations) const override;
 
  protected:
   void prepare(EquationsOfMotion& equations, State& state) override;

@@ -37,10 +37,17 @@ class TangentFactors final : public ComplexFactor {
   void form_tangent(const TangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
                     const VectorX* increment);
   /// out += S x or Sᵀ x, compliant rows eliminated, with the blocks formed last.
-  void add_tangent_product(const VectorX& x, VectorX& out, bool transposed) const;
+  void add_tangent_product(const VectorX& x, VectorX& out, bool transposed) const {
+    add_tangent_product(work_.values, x, out, transposed);
+  }
+  /// The same with blocks that were formed before: formed() as it was then.
+  void add_tangent_product(const std::vector<double>& blocks, const VectorX& x, VectorX& out, bool transposed) const;
+  const std::vector<double>& formed() const { return work_.values; }
   /// Factorises [Sᵀ Gᵀ; G 0] instead of [S Gᵀ; G 0], for solve(). The blocks formed last are then those of Sᵀ.
   void factorize_transposed(const TangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
                             const VectorX* increment);
+  /// The same of blocks that were formed before.
+  void factorize_transposed(const std::vector<double>& blocks);
 
   /// Leaves these rows out from the next factorisation on.
   void drop_rows(const std::vector<int>& rows) { factor_.drop_rows(rows); }

@@ -16,6 +16,11 @@ void TangentFactors::form_tangent(const TangentWeights& weights, ConstVectorRef 
 void TangentFactors::factorize_transposed(const TangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
                                           const VectorX* increment) {
   form_tangent(weights, v_dot, lambda, increment);
+  factorize_transposed(work_.values);
+}
+
+void TangentFactors::factorize_transposed(const std::vector<double>& formed) {
+  if (&formed != &work_.values) work_.values = formed;
   // Rows and columns of the constraints are each other's transpose already, linear blocks are symmetric.
   const auto& blocks = blocks_;
   double* values = work_.values.data();
@@ -36,9 +41,10 @@ void TangentFactors::factorize_transposed(const TangentWeights& weights, ConstVe
   if (!factor_.weak_rows().empty()) exchange_weak_rows();
 }
 
-void TangentFactors::add_tangent_product(const VectorX& x, VectorX& out, bool transposed) const {
+void TangentFactors::add_tangent_product(const std::vector<double>& formed, const VectorX& x, VectorX& out,
+                                         bool transposed) const {
   const auto& blocks = blocks_;
-  const double* values = work_.values.data();
+  const double* values = formed.data();
   const auto add = [&](int to, int from, const Eigen::Map<const MatrixX>& block) {
     out.segment(to, block.rows()).noalias() += block * x.segment(from, block.cols());
   };
@@ -94,7 +100,7 @@ void TangentFactors::add_tangent_product(const VectorX& x, VectorX& out, bool tr
   for (const auto& row : blocks.rows)
     for (int i = 0; row.compliant >= 0 && i < row.count; ++i)
       tension[row.first - rows + i] /= -values[row.compliant + i];
-  add_row_forces(blocks, work_.values, rows, nullptr, tension.data(), out.data());
+  add_row_forces(blocks, formed, rows, nullptr, tension.data(), out.data());
 }
 
 }  // namespace lithe

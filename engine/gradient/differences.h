@@ -6,7 +6,7 @@
 
 namespace lithe {
 
-/// A central difference of fourth order, f' h = Σ weight f(x + steps h): error h⁴ f⁽⁵⁾/30.
+/// A central difference of fourth order, f' h = Σ weight f(x + steps h): error h⁴ f⁽⁵⁾/30. In pairs of opposite steps.
 struct Offset {
   double steps, weight;
 };

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "engine/gradient/recorded_run.h"
+#include "engine/gradient/repeated_steps.h"
 #include "engine/gradient/sample_weights.h"
 #include "engine/gradient/sensor_derivative.h"
 #include "engine/gradient/static_derivative.h"
@@ -17,8 +18,8 @@ namespace {
 
 using Mode = GradientOptions::Mode;
 
-constexpr int kFewParameters = 8;  // forwards in any case: a step costs little more for each
-constexpr double kWholeRun = -1;   // as the end of an integral
+constexpr int kForwards = 8;      // parameters that go forwards in any case: a step costs little more for each
+constexpr double kWholeRun = -1;  // as the end of an integral
 
 bool is_static(const Quantity& q) { return q.kind == Quantity::Kind::at_rest || q.kind == Quantity::Kind::frequency; }
 bool is_extremum(const Quantity& q) { return q.kind == Quantity::Kind::largest || q.kind == Quantity::Kind::smallest; }
@@ -44,23 +45,23 @@ class RunGradient {
       : scene_(scene), drawing_(drawing), quantities_(std::move(quantities)) {
     for (const Quantity& q : quantities_) column_of_.push_back(columns_.add(q.column, drawing));
     run(options.memory);
-    parameters_ = std::make_unique<ParameterDerivative>(scene, parameters, drawing, run_->probes(), columns_.places);
-    equations_ = std::make_unique<TangentEquations>(drawing.system(), parameters_.get());
-    for (const Drawing::Place& place : columns_.places) sensors_.emplace_back(drawing, place, run_->probes());
+    const auto count = static_cast<int>(parameters.size());
+    const std::string no_adjoint = why_no_adjoint();
     mode_ = options.mode;
     if (mode_ == Mode::automatic)
-      mode_ = parameters_->count() <= std::max<int>(kFewParameters, static_cast<int>(quantities_.size())) ||
-                      !has_transpose()
+      mode_ = count <= std::max<int>(kForwards, static_cast<int>(quantities_.size())) || !no_adjoint.empty()
                   ? Mode::tangent
                   : Mode::adjoint;
-    if (mode_ == Mode::adjoint && !has_transpose())
-      throw SceneError("rows on velocities alone (rolling) and friction by reactions have no adjoint yet",
-                       "the gradient of scene '" + scene.name + "'", "take GradientOptions::Mode::tangent");
+    if (mode_ == Mode::adjoint && !no_adjoint.empty())
+      throw SceneError(no_adjoint, "the gradient of scene '" + scene.name + "'", "take GradientOptions::Mode::tangent");
+    find_parameters(parameters);
+    equations_ = std::make_unique<TangentEquations>(drawing.system(), parameters_.get(), terms_.get());
+    for (const Drawing::Place& place : columns_.places) sensors_.emplace_back(drawing, place, run_->probes());
   }
 
   void find(VectorX& values, MatrixX& derivatives) {
     values.setZero(static_cast<Eigen::Index>(quantities_.size()));
-    derivatives.setZero(values.size(), parameters_->count());
+    derivatives.setZero(values.size(), parameter_count());
     mode_ == Mode::tangent ? forwards(values, derivatives) : backwards(values, derivatives);
   }
   void report(Gradient& result) const {
@@ -69,15 +70,39 @@ class RunGradient {
     result.run_seconds = run_->seconds();
     result.tape_bytes = run_->bytes();
     result.stretches = run_->stretch_count();
-    result.groups = parameters_->group_count();
+    result.groups = terms_ ? terms_->group_count() : parameters_->group_count();
     result.differenced = equations_->tangents() == TangentEquations::Tangents::differenced;
   }
 
  private:
-  bool has_transpose() const {
-    const Evaluator equations(drawing_.system());
-    return equations.velocity_rows().empty() && !equations.reacts();
+  std::string why_no_adjoint() const {
+    const auto adjoint = run_->method().step_adjoint();
+    if (!adjoint) return "the steps of " + run_->method_name() + " have no adjoint yet";
+    Evaluator equations(drawing_.system());
+    if (!equations.velocity_rows().empty() || equations.reacts())
+      return "rows on velocities alone (rolling) and friction by reactions have no adjoint yet";
+    if (!run_->derivative() && equations.parts().forward_dynamics)
+      return "forward dynamics of trees and planar mechanisms, by which " + run_->method_name() +
+             " runs this scene, have no adjoint yet (ParametricScene::forward_dynamics = false goes without)";
+    return "";
   }
+
+  /// Very many parameters by the terms that they act on, where these can be told apart.
+  void find_parameters(const std::vector<DesignParameter>& parameters) {
+    const auto& places = columns_.places;
+    const bool many = parameters.size() > kFewParameters, repeated = !run_->derivative();
+    std::string why;
+    if (mode_ == Mode::adjoint && (many || repeated))
+      terms_ = ParameterTerms::find(scene_, parameters, drawing_, run_->probes(), places, many, why);
+    if (mode_ == Mode::adjoint && repeated && !terms_)
+      throw SceneError(why, "the gradient of scene '" + scene_.name + "'",
+                       "take GradientOptions::Mode::tangent, or GeneralizedAlpha");
+    if (terms_ && many) return;
+    parameters_ = std::make_unique<ParameterDerivative>(
+        scene_, parameters, drawing_, run_->probes(), places,
+        repeated ? ParameterDerivative::Grouping::apart : ParameterDerivative::Grouping::by_rows);
+  }
+  int parameter_count() const { return terms_ ? terms_->count() : parameters_->count(); }
 
   /// Extremes need their column at every step.
   void run(std::size_t memory) {
@@ -116,7 +141,7 @@ class RunGradient {
       const double value = sensors_[column].value(state);
       turn.setZero(), velocity.setZero();
       sensors_[column].add(state, 1, turn, velocity);
-      parameters_->sensor(column, state, direct);
+      parameters_ ? parameters_->sensor(column, state, direct) : terms_->sensor(column, state, direct);
       for (const Share& s : found->second) {
         if (column_of_[s.quantity] != column) continue;
         values[s.quantity] += s.weight * value;
@@ -128,6 +153,8 @@ class RunGradient {
 
   void forwards(VectorX& values, MatrixX& derivatives) {
     Variation x = parameters_->start();
+    std::unique_ptr<RepeatedSteps> repeated;
+    if (!run_->derivative()) repeated = std::make_unique<RepeatedSteps>(run_->method(), drawing_, *parameters_);
     const auto read = [&](int quantity, double weight, const VectorX& turn, const VectorX& velocity) {
       derivatives.row(quantity) += weight * (turn.transpose() * x.turn + velocity.transpose() * x.velocity);
     };
@@ -136,7 +163,10 @@ class RunGradient {
       const long first = run_->first(s);
       if (s == 0) at_step(0, states[0], values, derivatives, read);
       for (std::size_t i = 1; i < states.size(); ++i) {
-        run_->derivative().tangent(*equations_, states[i - 1], states[i], x);
+        if (repeated)
+          repeated->tangent(states[i - 1], states[i], x);
+        else
+          run_->derivative()->tangent(*equations_, states[i - 1], states[i], x);
         at_step(first + static_cast<long>(i), states[i], values, derivatives, read);
       }
     }
@@ -144,9 +174,18 @@ class RunGradient {
 
   void backwards(VectorX& values, MatrixX& derivatives) {
     const Eigen::Index velocities = drawing_.system().layout().v_count(), count = values.size();
+    // The method as it starts: what its start() does goes backwards too.
+    State start = drawing_.system().initial_state();
+    Evaluator evaluator(drawing_.system());
+    const auto integrator = scene_.integrator();
+    integrator->start(evaluator, start);
+    const auto& method = dynamic_cast<const DifferentiableSteps&>(*integrator);
+    const auto adjoint = method.step_adjoint();
+    const auto derivative = method.step_derivative();
     Variation x{MatrixX::Zero(velocities, count), MatrixX::Zero(velocities, count), {}};
-    x.history.assign(parameters_->start().history.size(), MatrixX::Zero(velocities, count));
-    MatrixX within = MatrixX::Zero(parameters_->count(), count);
+    if (derivative)
+      x.history.assign(static_cast<std::size_t>(derivative->history(start).cols()), MatrixX::Zero(velocities, count));
+    MatrixX within = MatrixX::Zero(parameter_count(), count);
     const auto read = [&](int quantity, double weight, const VectorX& turn, const VectorX& velocity) {
       x.turn.col(quantity) += weight * turn;
       x.velocity.col(quantity) += weight * velocity;
@@ -156,13 +195,37 @@ class RunGradient {
       const long first = run_->first(s);
       for (std::size_t i = states.size() - 1; i >= 1; --i) {
         at_step(first + static_cast<long>(i), states[i], values, derivatives, read);
-        run_->derivative().adjoint(*equations_, states[i - 1], states[i], x, within);
+        adjoint->adjoint(*equations_, states[i - 1], states[i], x, within);
       }
       if (s == 0) at_step(0, states[0], values, derivatives, read);
     }
-    const Variation& start = parameters_->start();
-    derivatives += within.transpose() + x.turn.transpose() * start.turn + x.velocity.transpose() * start.velocity;
-    for (std::size_t i = 0; i < x.history.size(); ++i) derivatives += x.history[i].transpose() * start.history[i];
+    if (!parameters_) {
+      adjoint->adjoint_start(*equations_, drawing_.system().initial_state(), x, within);
+      assembled(x, within);
+      derivatives += within.transpose();
+      return;
+    }
+    const Variation& start_by = parameters_->start();
+    derivatives += within.transpose() + x.turn.transpose() * start_by.turn + x.velocity.transpose() * start_by.velocity;
+    for (std::size_t i = 0; i < x.history.size(); ++i) derivatives += x.history[i].transpose() * start_by.history[i];
+  }
+
+  /// From what is wanted of the assembled start to the parameters: v, then q were moved onto the joints along M⁻¹Gᵀ,
+  /// by nothing, but not with their derivatives nothing.
+  void assembled(Variation& x, MatrixX& within) {
+    const State& start = drawing_.system().initial_state();
+    const Eigen::Index rows = drawing_.system().layout().row_count(), none = 0;
+    MatrixX unused = MatrixX::Zero(x.turn.rows(), x.turn.cols());
+    equations_->at(start);
+    for (const auto level : {WeightedSum::Rows::velocity, WeightedSum::Rows::position}) {
+      const WeightedSum sum{.rows = level, .forces = false, .a = {}, .l = {}, .u = {}};
+      MatrixX wanted = level == WeightedSum::Rows::velocity ? x.velocity : x.turn;
+      MatrixX nu = MatrixX::Zero(rows, wanted.cols());
+      equations_->solve_mass(wanted, nu);
+      equations_->add_weighted(sum, MatrixX(wanted.rows(), none), nu, -1, x.turn,
+                               level == WeightedSum::Rows::velocity ? x.velocity : unused, within);
+    }
+    terms_->add_drawn(x.turn, x.velocity, within);
   }
 
   struct Share {
@@ -175,8 +238,9 @@ class RunGradient {
   Columns columns_;
   std::vector<int> column_of_;  // of each quantity
   std::unique_ptr<RecordedRun> run_;
-  std::map<long, std::vector<Share>> weights_;  // by step
-  std::unique_ptr<ParameterDerivative> parameters_;
+  std::map<long, std::vector<Share>> weights_;       // by step
+  std::unique_ptr<ParameterDerivative> parameters_;  // null: terms_ has all
+  std::unique_ptr<ParameterTerms> terms_;
   std::unique_ptr<TangentEquations> equations_;
   std::deque<SensorDerivative> sensors_;
   Mode mode_{};

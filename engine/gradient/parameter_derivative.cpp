@@ -12,7 +12,7 @@ namespace lithe {
 
 namespace {
 
-constexpr int kFew = 24;             // parameters that have drawings of their own
+constexpr int kFew = kFewParameters;
 constexpr double kLinear = 1e-11;    // two differences agree as well as this: the step does not matter
 constexpr double kSmooth = 1e-2;     // they disagree by more: the scene jumps with the parameter
 constexpr double kRoundOff = 1e-12;  // of what is differenced
@@ -29,10 +29,8 @@ VectorX random_vector(std::mt19937& random, Eigen::Index size) {
 }  // namespace
 
 /// The scene with some parameters moved.
-struct ParameterDerivative::Moved {
-  Moved(const ParametricScene& scene, const std::vector<DesignParameter>& parameters)
-      : drawing(scene, parameters), equations(drawing.system()) {}
-
+struct ParameterDerivative::Moved : MovedDrawing {
+  using MovedDrawing::MovedDrawing;
   /// r, then the rows.
   void residual(const State& state, VectorX& out) {
     const int velocities = equations.layout().v_count(), rows = equations.layout().row_count();
@@ -46,15 +44,6 @@ struct ParameterDerivative::Moved {
     equations.constraint(Level::velocity, rates);
     for (int row : equations.velocity_rows()) out[velocities + row] = rates[row];
   }
-  double value(const Drawing::Place& place, const State& state) {
-    if (!snapshot) snapshot = std::make_unique<Snapshot>(drawing.system());
-    snapshot->evaluate(state, Accelerations::solved);
-    return drawing.sensor(place.sensor).value(*snapshot, place.column);
-  }
-
-  Drawing drawing;
-  Evaluator equations;
-  std::unique_ptr<Snapshot> snapshot;  // once a sensor is read
 };
 
 /// Parameters that are moved together.
@@ -162,21 +151,23 @@ void ParameterDerivative::difference_start(int k, const std::vector<std::unique_
   const State& base = nominal_.system().initial_state();
   const double h = parameters_[static_cast<std::size_t>(k)].step;
   VectorX turn = VectorX::Zero(layout.v_count()), velocity = turn, d(layout.v_count());
-  MatrixX history;
+  MatrixX history, first_carried;
+  VectorX first_v;
   for (std::size_t i = 0; i < drawings.size(); ++i) {
     State state = drawings[i]->drawing.system().initial_state();
     MatrixX carried;
     if (scene_.integrator) {
       const auto integrator = scene_.integrator();
       integrator->start(drawings[i]->equations, state);
-      carried = dynamic_cast<const DifferentiableSteps&>(*integrator).step_derivative()->history(state);
+      if (const auto derivative = dynamic_cast<const DifferentiableSteps&>(*integrator).step_derivative())
+        carried = derivative->history(state);
     }
     const double weight = kOffsets[i].weight / h;
     layout.difference(base.q, state.q, d);
     turn += weight * d;
-    velocity += weight * state.v;
-    if (i == 0) history.setZero(carried.rows(), carried.cols());
-    history += weight * carried;
+    if (i == 0) first_v = state.v, first_carried = carried, history.setZero(carried.rows(), carried.cols());
+    velocity += weight * (state.v - first_v);  // the weights add up to zero
+    history += weight * (carried - first_carried);
   }
   if (k == 0) {
     start_.turn.setZero(layout.v_count(), count());
@@ -236,8 +227,11 @@ void ParameterDerivative::check_smooth(int k, std::vector<std::unique_ptr<Moved>
 template <class Take>
 void ParameterDerivative::difference(const State& state, const Take& take) {
   for (const auto& group : groups_) {
-    for (std::size_t i = 0; i < group->drawings.size(); ++i) {
+    // In pairs, so that what no parameter moves gives zero to the bit.
+    for (std::size_t i = 0; i < group->drawings.size(); i += 2) {
       group->drawings[i]->residual(state, part_);
+      group->drawings[i + 1]->residual(state, other_);
+      part_ -= other_;
       if (i == 0) difference_.setZero(part_.size());
       difference_ += group->weight(i) * part_;
     }
@@ -286,6 +280,12 @@ void ParameterDerivative::add_products(const State& state, const VectorX& mu, co
       out[k] += sum / parameters_[static_cast<std::size_t>(k)].step;
     }
   });
+}
+
+void ParameterDerivative::visit(int k, const std::function<void(Evaluator&, double weight)>& look) {
+  Group& group = *groups_[static_cast<std::size_t>(k)];
+  for (std::size_t i = 0; i < group.drawings.size(); ++i)
+    look(group.drawings[i]->equations, group.weight(i) / parameters_[static_cast<std::size_t>(k)].step);
 }
 
 void ParameterDerivative::sensor(int column, const State& state, VectorX& out) {

@@ -4,12 +4,12 @@
 #include <string>
 #include <vector>
 
-#include "engine/assembly/evaluator.h"
-#include "engine/gradient/parametric_scene.h"
+#include "engine/gradient/moved_drawing.h"
 #include "engine/motion/step_derivative.h"
-#include "engine/observe/snapshot.h"
 
 namespace lithe {
+
+inline constexpr int kFewParameters = 24;  // have drawings of their own
 
 /// How equations, start and sensors change with the parameters of a scene: drawings at value ± step and ± 2 step are
 /// compared at the same state (central differences of fourth order). Few parameters have drawings of their own. Of
@@ -32,6 +32,8 @@ class ParameterDerivative {
   /// ∂r/∂p and ∂g/∂p at a state with its accelerations and multipliers.
   void columns(const State& state, MatrixX& force, MatrixX& rows);
   void add_products(const State& state, const VectorX& mu, const VectorX& nu, VectorX& out);
+  /// The drawings in which a parameter moves alone (Grouping::apart), with their weights in its derivative.
+  void visit(int k, const std::function<void(Evaluator&, double weight)>& look);
   /// Whether the sensor's column depends on any parameter directly, and ∂F/∂p at a state: zero where not.
   bool seen_by(int column) const { return seen_[static_cast<std::size_t>(column)]; }
   void sensor(int column, const State& state, VectorX& out);
@@ -56,7 +58,7 @@ class ParameterDerivative {
   Variation start_;
   std::vector<std::unique_ptr<Group>> groups_;
   std::vector<VectorX> nominal_rows_;  // r and the rows at the probes
-  VectorX difference_, part_;
+  VectorX difference_, part_, other_;
 };
 
 }  // namespace lithe

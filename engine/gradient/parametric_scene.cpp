@@ -11,6 +11,15 @@ namespace {
 
 constexpr double kStep = 1e-3;  // of a parameter's size: differences of fourth order then err by 1e-12
 
+Table as_table(const std::vector<DesignParameter>& parameters) {
+  Table table;
+  for (const DesignParameter& p : parameters) {
+    table.columns.push_back(p.name);
+    table.values.push_back(p.value);
+  }
+  return table;
+}
+
 }  // namespace
 
 std::vector<DesignParameter> checked_parameters(std::vector<DesignParameter> parameters) {
@@ -39,16 +48,20 @@ std::vector<DesignParameter> moved_parameter(std::vector<DesignParameter> parame
   return parameters;
 }
 
+void draw_only(const ParametricScene& scene, const std::vector<DesignParameter>& parameters,
+               const std::function<void(const SystemGraph&)>& look) {
+  SystemGraph graph{{.gravity = scene.gravity}};
+  const Table table = as_table(parameters);
+  scene.draw(graph, SweepPoint(table, 0));
+  look(graph);
+}
+
 Drawing::Drawing(const ParametricScene& scene, const std::vector<DesignParameter>& parameters)
     : graph_({.gravity = scene.gravity}) {
   if (!scene.draw) throw SceneError("the scene has nothing to draw", "ParametricScene", "give a function draw");
-  Table table;
-  for (const DesignParameter& p : parameters) {
-    table.columns.push_back(p.name);
-    table.values.push_back(p.value);
-  }
+  const Table table = as_table(parameters);
   sensors_ = scene.draw(graph_, SweepPoint(table, 0));
-  system_ = std::make_unique<const System>(assemble(graph_));
+  system_ = std::make_unique<const System>(assemble(graph_, {.forward_dynamics = scene.forward_dynamics}));
 }
 
 Drawing::Place Drawing::find(const Located& column) const {

@@ -22,7 +22,8 @@ struct ParametricScene {
   Vector3 gravity{0, 0, -9.81};  // m/s², world axes
   /// Adds bodies, joints and forces and says which quantities may be wanted.
   std::function<std::vector<Sensor>(SystemGraph&, const SweepPoint&)> draw;
-  MakeIntegrator integrator;  // not needed for what is wanted at rest
+  MakeIntegrator integrator;     // not needed for what is wanted at rest
+  bool forward_dynamics = true;  // AssembleOptions: explicit methods have an adjoint where it is off
 };
 
 /// A named number and its value here. Derivatives compare drawings at value ± step and ± 2 step.
@@ -53,6 +54,10 @@ class Drawing {
   std::vector<Sensor> sensors_;
   std::unique_ptr<const System> system_;
 };
+
+/// The scene as drawn, not assembled.
+void draw_only(const ParametricScene& scene, const std::vector<DesignParameter>& parameters,
+               const std::function<void(const SystemGraph&)>& look);
 
 /// The same parameters with offsets in steps: the k-th by `steps` times its own.
 std::vector<DesignParameter> moved_parameter(std::vector<DesignParameter> parameters, int k, double steps);

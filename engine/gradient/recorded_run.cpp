@@ -28,11 +28,11 @@ RecordedRun::RecordedRun(const ParametricScene& scene, const Drawing& drawing, s
   if (!(scene.duration > 0)) refuse(scene, "its duration is not positive", "give one in seconds");
   if (!scene.integrator) refuse(scene, "it has no integrator", "give ParametricScene::integrator");
   integrator_ = scene.integrator();
-  if (const auto* steps = dynamic_cast<const DifferentiableSteps*>(integrator_.get()))
-    derivative_ = steps->step_derivative();
-  if (!derivative_)
+  method_ = dynamic_cast<const DifferentiableSteps*>(integrator_.get());
+  if (method_) derivative_ = method_->step_derivative();
+  if (!derivative_ && !(method_ && method_->repeated_step(equations_)))
     refuse(scene, "the steps of " + integrator_->name() + " with these settings cannot be differentiated yet",
-           "take GeneralizedAlpha{{.step = ...}} (index 3, one fixed step)");
+           "take GeneralizedAlpha{{.step = ...}} (index 3, one fixed step), ExplicitRungeKutta or Radau");
   if (!drawing.system().contacts().empty())
     refuse(scene, "its contacts cannot be differentiated yet",
            "leave them out, or take differences of runs with sweep()");
@@ -53,7 +53,7 @@ RecordedRun::RecordedRun(const ParametricScene& scene, const Drawing& drawing, s
   while (scene.duration - state.time > time_round_off(scene.duration)) {
     before = state;
     advance(*integrator_, equations_, state);
-    if (const std::string why = derivative_->refuse(before, state); !why.empty())
+    if (const std::string why = derivative_ ? derivative_->refuse(before, state) : ""; !why.empty())
       refuse(scene, "the step to t = " + std::to_string(state.time) + " s cannot be differentiated: " + why,
              "choose a step that divides the duration and that Newton can take");
     record();

@@ -24,7 +24,10 @@ class RecordedRun {
 
   const std::vector<double>& times() const { return times_; }
   long steps() const { return static_cast<long>(times_.size()) - 1; }
-  StepDerivative& derivative() { return *derivative_; }
+  /// Null: forwards by repeated steps alone.
+  StepDerivative* derivative() { return derivative_.get(); }
+  const DifferentiableSteps& method() const { return *method_; }
+  std::string method_name() const { return integrator_->name(); }
   std::size_t bytes() const { return bytes_; }  // of the tape, at most
   double seconds() const { return seconds_; }   // CPU of the run alone
   int checkpoints() const { return static_cast<int>(checkpoints_.size()); }
@@ -48,6 +51,7 @@ class RecordedRun {
   const Drawing& drawing_;
   Evaluator equations_;
   std::unique_ptr<Integrator> integrator_;
+  const DifferentiableSteps* method_ = nullptr;
   std::unique_ptr<StepDerivative> derivative_;
   std::size_t memory_, state_bytes_ = 0, checkpoint_bytes_ = 0, bytes_ = 0;
   double seconds_ = 0;

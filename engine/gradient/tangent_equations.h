@@ -6,17 +6,20 @@
 
 #include "engine/assembly/evaluator.h"
 #include "engine/gradient/parameter_derivative.h"
+#include "engine/gradient/parameter_terms.h"
 #include "engine/motion/step_derivative.h"
 
 namespace lithe {
 
 /// LinearEquations of a system. Directions are differenced (fourth order, exact to some 1e-12: what elements leave out
 /// of their tangents for Newton is in it). Transposed products take the elements' own tangents where these agree with
-/// such differences along a random direction; else all columns are differenced, those together that no row shares.
+/// such differences along a random direction, or with what dampers' rows add that turn; else all columns are
+/// differenced, those together that no row shares.
 class TangentEquations final : public LinearEquations {
  public:
-  /// `parameters`: null, where only directions are asked for.
-  explicit TangentEquations(const System& system, ParameterDerivative* parameters = nullptr);
+  /// How parameters act: forwards and backwards, or backwards alone. Null, where it is not asked for.
+  explicit TangentEquations(const System& system, ParameterDerivative* parameters = nullptr,
+                            ParameterTerms* terms = nullptr);
   ~TangentEquations() override;
 
   const Layout& layout() const override { return equations_.layout(); }
@@ -27,20 +30,33 @@ class TangentEquations final : public LinearEquations {
   void factorize(const TangentWeights& weights, const VectorX& increment, bool transposed) override;
   void solve(VectorX& force, VectorX& rows) override;
   void pull(const VectorX& mu, const VectorX& nu, Pulled& out) override;
-  void add_parameter_products(const VectorX& mu, const VectorX& nu, VectorX& out) override;
+  void add_parameter_products(const MatrixX& mu, const MatrixX& nu, double factor, MatrixX& out) override;
+  void solve_mass(MatrixX& force, MatrixX& rows) override;
+  void accelerations(VectorX& v_dot, VectorX& lambda) override;
+  void add_weighted(const WeightedSum& sum, const MatrixX& mu, const MatrixX& nu, double factor, MatrixX& turn,
+                    MatrixX& velocity, MatrixX& gradient) override;
 
   /// How transposed products have been found so far.
-  enum class Tangents { of_elements, differenced };
+  enum class Tangents { of_elements, with_row_rates, differenced };
   Tangents tangents() const { return tangents_; }
 
  private:
   void evaluate(double offset, const Direction& direction, VectorX& force, VectorX& rows);
   void check_tangents();
+  bool agrees(const VectorX& force, const VectorX& own, double all) const;
+  void stand();
+  void factorize_formed(const TangentWeights& weights, const VectorX& increment);
+  void find_row_rates(const VectorX* acceleration);
+  void add_turning_rows(const VectorX& x, VectorX& out, bool transposed) const;
+  void form(std::vector<double>& blocks, const TangentWeights& weights, const VectorX& a, const VectorX& l);
+  void add_stiffness_products(const MatrixX& mu, const VectorX& a, const VectorX& l, double factor, MatrixX& out);
+  void add_row_products(const std::vector<double>& values, const VectorX& nu, VectorX& out) const;
   void find_colours();
   void difference_columns();
 
   Evaluator equations_;
   ParameterDerivative* parameters_;
+  ParameterTerms* terms_;
   State state_;
   State near_;
   Tangents tangents_ = Tangents::of_elements;
@@ -48,6 +64,11 @@ class TangentEquations final : public LinearEquations {
   bool evaluated_ = false;  // the evaluator stands at the state
   unsigned seed_ = 1;
   long looks_ = 0;  // at the elements' tangents
+  // Of the elements, by q, v, v_dot; d/dt and d²/dt² of the rows along the motion, with the axes that they act in.
+  bool formed_ = false;
+  std::vector<double> K_blocks_, D_blocks_, M_blocks_, G_rate_, G_second_, factor_blocks_;
+  std::vector<Matrix3> charts_;  // of each frame
+  MatrixX moved_;
   // Differenced tangents.
   std::vector<std::vector<int>> colours_;    // slices, differenced together
   std::vector<std::vector<int>> influence_;  // of each slice: the slices whose rows it moves

@@ -15,6 +15,14 @@ struct Variation {
   std::vector<MatrixX> history;  // of the vectors that a method carries along besides q and v
 };
 
+/// One of the equations near a state: r = M a + Gᵀ l - f or, without forces, M a + Gᵀ l; and rows at a level:
+///   g,   G v + ∂g/∂t,   G a - γ,   or G u alone.
+struct WeightedSum {
+  enum class Rows { position, velocity, acceleration, product } rows = Rows::position;
+  bool forces = true;
+  VectorX a, l, u;
+};
+
 /// The equations of motion near one state, differentiated to round-off by q, v, v_dot, λ and the parameters of a scene:
 ///   r = M v̇ + Gᵀλ - f;   g, or G v + ∂g/∂t for rows on velocities alone
 /// What a StepDerivative is given. Turns are those of the state itself, in body axes.
@@ -46,35 +54,66 @@ class LinearEquations {
   };
   /// Products with the transposed derivatives.
   virtual void pull(const VectorX& mu, const VectorX& nu, Pulled& out) = 0;
-  /// out += μᵀ ∂r/∂p + νᵀ ∂g/∂p
-  virtual void add_parameter_products(const VectorX& mu, const VectorX& nu, VectorX& out) = 0;
+  /// out += factor (μᵀ ∂r/∂p + νᵀ ∂g/∂p), a column a want.
+  virtual void add_parameter_products(const MatrixX& mu, const MatrixX& nu, double factor, MatrixX& out) = 0;
+
+  // ---- what starts and methods of index 1 take, backwards; columns are wants ----
+  /// Solves [M Gᵀ; G 0] (x, y) = (force, rows) at the state, in place.
+  virtual void solve_mass(MatrixX& force, MatrixX& rows) = 0;
+  /// v̇ and λ of the equations at the state's t, q, v: [M Gᵀ; G 0] (v̇, λ) = (f, γ).
+  virtual void accelerations(VectorX& v_dot, VectorX& lambda) = 0;
+  /// Adds factor times the derivatives of the sums μ · r + ν · row by q, v and the parameters; a and l do not change.
+  virtual void add_weighted(const WeightedSum& sum, const MatrixX& mu, const MatrixX& nu, double factor, MatrixX& turn,
+                            MatrixX& velocity, MatrixX& gradient) = 0;
+  /// From what is wanted of these v̇ to the same of q, v and the parameters, added.
+  void add_accelerations(MatrixX wanted, MatrixX& turn, MatrixX& velocity, MatrixX& gradient);
 };
 
-/// The derivative of the very steps that an integrator took: of state and history at a step's end by those at its begin
-/// and by the parameters. Each step is the solution of equations, x' = x'(x, p); how they were solved does not matter.
-class StepDerivative {
+/// The derivative of the very steps that an integrator took, backwards. Each step is the solution of equations, x' =
+/// x'(x, p); how they were solved does not matter.
+class StepAdjoint {
  public:
-  virtual ~StepDerivative() = default;
+  virtual ~StepAdjoint() = default;
+  /// From what is wanted of the changes at `to` to the same of those at `from`; a column a want. Adds what the
+  /// parameters do within the step to `gradient`, a column a want. Throws SimulationError where the linear equations
+  /// cannot be solved.
+  virtual void adjoint(LinearEquations& equations, const State& from, const State& to, Variation& x,
+                       MatrixX& gradient) = 0;
+  /// Through the integrator's start() from this state, right after it: from what is wanted of the state and of the
+  /// history that it left to what is wanted of q and v before.
+  virtual void adjoint_start(LinearEquations& equations, const State& before, Variation& x, MatrixX& gradient) = 0;
+};
+
+/// Forwards too.
+class StepDerivative : public StepAdjoint {
+ public:
   /// The vectors of length v_count that the method carries besides q and v, as its last step or start() left them; a
   /// column each.
   virtual MatrixX history(const State& state) const = 0;
   /// Why the step between these states cannot be differentiated; empty: it can.
   virtual std::string refuse(const State& from, const State& to) const = 0;
-  /// From the changes at `from` to those at `to`, a column a parameter. Throws SimulationError where the linear
-  /// equations cannot be solved.
+  /// From the changes at `from` to those at `to`, a column a parameter. Throws as adjoint().
   virtual void tangent(LinearEquations& equations, const State& from, const State& to, Variation& x) = 0;
-  /// Backwards: from what is wanted of the changes at `to` to the same of those at `from`; a column a want. Adds what
-  /// the parameters do within the step to `gradient`, a column a want.
-  virtual void adjoint(LinearEquations& equations, const State& from, const State& to, Variation& x,
-                       MatrixX& gradient) = 0;
 };
 
-/// An integrator whose steps can be differentiated.
+/// Takes steps of one method again, from states near those of a run and with equations near those of the run: the
+/// lengths of the steps are given, iterations are carried to round-off, nothing is remembered from step to step.
+class RepeatedStep {
+ public:
+  virtual ~RepeatedStep() = default;
+  /// q and v at to.time, from those of `from`. Throws SimulationError where the step fails.
+  virtual void take(const State& from, State& to) = 0;
+};
+
+/// An integrator whose steps can be differentiated. What it gives refers to it; null: there is no such thing for its
+/// parameters.
 class DifferentiableSteps {
  public:
   virtual ~DifferentiableSteps() = default;
-  /// Refers to the integrator. Null: its parameters ask for a variant that cannot be differentiated.
-  virtual std::unique_ptr<StepDerivative> step_derivative() const = 0;
+  virtual std::unique_ptr<StepDerivative> step_derivative() const { return nullptr; }
+  virtual std::unique_ptr<StepAdjoint> step_adjoint() const { return step_derivative(); }
+  /// Of a method that carries nothing from step to step but q and v: forwards by differences of its steps.
+  virtual std::unique_ptr<RepeatedStep> repeated_step(EquationsOfMotion& /*equations*/) const { return nullptr; }
 };
 
 }  // namespace lithe

@@ -70,14 +70,15 @@ TEST(Fit, FindsFiveParametersOfAnExactTable) {
   EXPECT_THROW(found("knees"), SceneError);
 }
 
-/// The intervals of 95 % hold the true value in 95 % of draws, one deviation in 68 %: of 12 draws of five parameters,
-/// 60 in all, 57 and 41 are expected.
+/// The intervals of 95 % hold the true value in 95 % of draws, one deviation in 68 %: of 100 draws of five parameters,
+/// 475 and 341 of 500 are expected. The parameters of one draw depend on each other: were they one, the numbers of 100
+/// would deviate by 2.2 and 4.7; by three times that and two at most the sums do.
 TEST(Fit, StatesItsConfidence) {
   int inside = 0, within_one = 0;
-  const int draws = 12;
+  const int draws = 100;
   for (unsigned draw = 0; draw < draws; ++draw) {
     const Fit found = fit(double_pendulum(), measured(2e-3, 100 + draw), start());
-    EXPECT_NEAR(found.deviation, 2e-3, 8e-4);
+    EXPECT_NEAR(found.deviation, 2e-3, 1.1e-3);  // of 35 degrees of freedom: 2.4e-4 deviates it
     for (std::size_t k = 0; k < kTrue.size(); ++k) {
       const auto i = static_cast<Eigen::Index>(k);
       inside += found.lower[i] <= kTrue[k].value && kTrue[k].value <= found.upper[i];
@@ -85,9 +86,10 @@ TEST(Fit, StatesItsConfidence) {
     }
   }
   std::printf("%d of %d inside 95 %%, %d within one deviation (68 %%)\n", inside, 5 * draws, within_one);
-  EXPECT_GE(inside, 50);
-  EXPECT_GE(within_one, 28);
-  EXPECT_LE(within_one, 54);
+  EXPECT_GE(inside, 440);
+  EXPECT_LE(inside, 499);
+  EXPECT_GE(within_one, 270);
+  EXPECT_LE(within_one, 412);
 }
 
 TEST(Fit, RefusesByName) {

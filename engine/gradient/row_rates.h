@@ -1,0 +1,31 @@
+#pragma once
+
+#include <vector>
+
+#include "engine/factor/block_structure.h"
+
+namespace lithe {
+
+/// G v of all rows, the compliant ones last.
+inline VectorX rates_of_all_rows(const BlockStructure& blocks, const std::vector<double>& values, const VectorX& v) {
+  int count = 0;
+  for (const auto& row : blocks.rows) count = std::max(count, row.first + row.count);
+  VectorX rates = VectorX::Zero(count);
+  for (const auto& G : blocks.jacobians) {
+    const auto& row = blocks.rows[static_cast<std::size_t>(G.rows)];
+    auto to = rates.segment(row.first, row.count);
+    int from = G.velocity;
+    if (G.frame >= 0) {
+      to.noalias() += Eigen::Map<const MatrixX>(values.data() + G.values, row.count, 6) * v.segment<6>(from);
+      from += 6;
+    }
+    if (G.linear >= 0) {
+      const int size = blocks.linears[static_cast<std::size_t>(G.linear)].size;
+      to.noalias() +=
+          Eigen::Map<const MatrixX>(values.data() + G.linear_values, row.count, size) * v.segment(from, size);
+    }
+  }
+  return rates;
+}
+
+}  // namespace lithe

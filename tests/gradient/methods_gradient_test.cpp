@@ -1,0 +1,168 @@
+#include "integrators/explicit_runge_kutta.h"
+#include "integrators/lie_bdf.h"
+#include "integrators/radau.h"
+#include "tests/gradient/gradient_scenes.h"
+
+namespace lithe::test {
+namespace {
+
+using Method = ExplicitRungeKutta::Method;
+
+MakeIntegrator runge_kutta(Method method, double step) {
+  return [=] {
+    return std::make_unique<ExplicitRungeKutta>(ExplicitRungeKutta::Parameters{.method = method, .step = step});
+  };
+}
+MakeIntegrator exact_radau(double step) {
+  return [=] { return std::make_unique<Radau>(Radau::Parameters{.step = step, .newton_tolerance = 1e-13}); };
+}
+ParametricScene with(ParametricScene scene, MakeIntegrator integrator, bool forward_dynamics = true) {
+  scene.integrator = std::move(integrator);
+  scene.forward_dynamics = forward_dynamics;
+  return scene;
+}
+
+const std::vector<DesignParameter> kPendulumNumbers{{"mass", 1.3}, {"inertia", 0.08}, {"length", 0.4}, {"speed", 0.7}};
+const std::vector<Quantity> kSwing{value_at("tip_x", 0.6), value_at("v_x", 0.4), integral("tip_z")};
+const std::vector<DesignParameter> kLoopNumbers{{"mass", 0.4}, {"offset", 0.02}, {"stiffness", 250}, {"damping", 3}};
+const std::vector<Quantity> kAround{value_at("coupler_z", 0.3), value_at("angle", 0.2), value_at("A_force_x", 0.15)};
+const std::vector<DesignParameter> kRodNumbers{{"thickness", 0.01}, {"E", 7e10}, {"density", 2700}, {"turn", 0.6}};
+
+// ---- forwards through forward dynamics of a tree, backwards without it ----
+TEST(MethodGradients, RungeKutta5OfATree) {
+  expect_gradient(with(pendulum(), runge_kutta(Method::dormand_prince5, 1e-2)), kSwing, kPendulumNumbers, 1e-8, false);
+}
+TEST(MethodGradients, RungeKutta5) {
+  expect_gradient(with(pendulum(), runge_kutta(Method::dormand_prince5, 1e-2), false), kSwing, kPendulumNumbers);
+}
+TEST(MethodGradients, RungeKutta8) {
+  expect_gradient(with(pendulum(), runge_kutta(Method::dormand_prince8, 2e-2), false), kSwing, kPendulumNumbers);
+}
+TEST(MethodGradients, Radau) {
+  expect_gradient(with(pendulum(), exact_radau(1e-2)), kSwing, kPendulumNumbers, 1e-8, false);
+}
+
+TEST(MethodGradients, RungeKutta5OfARedundantLoop) {
+  expect_gradient(with(redundant_loop(), runge_kutta(Method::dormand_prince5, 5e-3), false), kAround, kLoopNumbers);
+}
+TEST(MethodGradients, RungeKutta8OfARedundantLoop) {
+  expect_gradient(with(redundant_loop(), runge_kutta(Method::dormand_prince8, 1e-2), false), kAround, kLoopNumbers);
+}
+TEST(MethodGradients, RungeKutta5OfAPlanarLoopByFreeMotions) {
+  expect_gradient(with(redundant_loop(), runge_kutta(Method::dormand_prince5, 5e-3)), kAround, kLoopNumbers, 1e-8,
+                  false);
+}
+TEST(MethodGradients, RadauOfARedundantLoop) {
+  expect_gradient(with(redundant_loop(), exact_radau(3e-3)), kAround, kLoopNumbers, 1e-8, false);
+}
+
+TEST(MethodGradients, RungeKutta5OfADrivenRodWithModes) {
+  expect_gradient(with(driven_rod("linear modes", {.modes = {0, 1}}, 6), runge_kutta(Method::dormand_prince5, 5e-4)),
+                  {value_at("tip_z", 0.2)}, kRodNumbers);
+}
+TEST(MethodGradients, RadauOfAStiffenedRod) {
+  expect_gradient(
+      with(driven_rod("stiffened", {.modes = {0, 1, 2}, .deflection = Deflection::stiffened}, 6), exact_radau(2e-3)),
+      {value_at("tip_z", 0.2)}, kRodNumbers, 1e-8, false);
+}
+
+// ---- Andrews' squeezer: ten hinges in loops, 50 rows of rank 41 ----
+const std::vector<DesignParameter> kSqueezerNumbers{
+    {"mass", 0.0705}, {"stiffness", 4530}, {"torque", 0.033}, {"natural_length", 0.07785}};
+const std::vector<Quantity> kSqueezed{value_at("F_x", 0.01), value_at("G_y", 0.02), integral("E_x")};
+
+TEST(MethodGradients, GeneralizedAlphaOfAndrewsSqueezer) { expect_gradient(squeezer(), kSqueezed, kSqueezerNumbers); }
+TEST(MethodGradients, RungeKutta8OfAndrewsSqueezer) {
+  expect_gradient(with(squeezer(), runge_kutta(Method::dormand_prince8, 2e-4), false), kSqueezed, kSqueezerNumbers);
+}
+/// Radau's corrections of positions lie along rows of a state that the last step predicts; how these turn is left out:
+/// as small as the error of the step.
+TEST(MethodGradients, RadauOfAndrewsSqueezer) {
+  ParametricScene scene = with(squeezer(), exact_radau(2.5e-5));
+  scene.duration = 5e-3;
+  const ParametricScene some{.name = scene.name,
+                             .duration = scene.duration,
+                             .gravity = scene.gravity,
+                             .draw =
+                                 [draw = scene.draw](SystemGraph& graph, const SweepPoint& p) {
+                                   const Table all{.columns = {"mass", "stiffness", "torque", "natural_length"},
+                                                   .values = {0.0705, p["stiffness"], 0.033, p["natural_length"]}};
+                                   return draw(graph, SweepPoint(all, 0));
+                                 },
+                             .integrator = scene.integrator};
+  expect_gradient(some, {value_at("F_x", 5e-3), value_at("G_y", 5e-3)},
+                  {{"stiffness", 4530}, {"natural_length", 0.07785}}, 1e-8, false);
+}
+
+/// Steps that the error control took: their derivative is that of the motion, to the tolerance, which long fixed steps
+/// of order 8 tell.
+TEST(MethodGradients, OfStepsThatErrorControlTook) {
+  const auto automatic = [] {
+    return std::make_unique<ExplicitRungeKutta>(ExplicitRungeKutta::Parameters{
+        .method = Method::dormand_prince8, .tolerance = {.relative = 1e-11, .absolute = 1e-12}});
+  };
+  const auto radau = [] {
+    return std::make_unique<Radau>(Radau::Parameters{.tolerance = {.relative = 1e-11, .absolute = 1e-12}});
+  };
+  const Gradient fixed = gradient(with(redundant_loop(), runge_kutta(Method::dormand_prince8, 3e-3)),
+                                  {value_at("coupler_z", 0.3)}, kLoopNumbers);
+  using Mode = GradientOptions::Mode;
+  for (const Gradient& found :
+       {gradient(with(redundant_loop(), automatic), {value_at("coupler_z", 0.3)}, kLoopNumbers,
+                 {.mode = Mode::tangent}),
+        gradient(with(redundant_loop(), automatic, false), {value_at("coupler_z", 0.3)}, kLoopNumbers,
+                 {.mode = Mode::adjoint}),
+        gradient(with(redundant_loop(), radau), {value_at("coupler_z", 0.3)}, kLoopNumbers, {.mode = Mode::tangent})}) {
+    EXPECT_NE(found.steps, fixed.steps);
+    double size = 0;
+    for (Eigen::Index k = 0; k < 4; ++k)
+      size = std::max(size, std::abs(fixed.derivatives(0, k)) * kLoopNumbers[static_cast<std::size_t>(k)].value);
+    for (Eigen::Index k = 0; k < 4; ++k) {
+      const double off =
+          std::abs(found.derivatives(0, k) - fixed.derivatives(0, k)) * kLoopNumbers[static_cast<std::size_t>(k)].value;
+      EXPECT_LE(off, 1e-8 * size) << found.parameters[static_cast<std::size_t>(k)];
+      if (std::getenv("LITHE_SHOW_ERRORS")) std::printf("%ld steps: off %.1e\n", found.steps, off / size);
+    }
+  }
+}
+
+TEST(MethodGradients, LeaveTheRunItsBits) {
+  for (const MakeIntegrator& integrator : {runge_kutta(Method::dormand_prince5, 5e-3), exact_radau(5e-3)}) {
+    const ParametricScene scene = with(redundant_loop(), integrator);
+    const Gradient found = gradient(scene, {value_at("coupler_z", 0.3), value_at("angle", 0.3)}, kLoopNumbers);
+    SystemGraph graph{{.gravity = scene.gravity}};
+    Table table{.columns = {"mass", "offset", "stiffness", "damping"}, .values = {0.4, 0.02, 250, 3}};
+    const std::vector<Sensor> sensors = scene.draw(graph, SweepPoint(table, 0));
+    const System system = assemble(graph);
+    State state = system.initial_state();
+    const auto method = scene.integrator();
+    Simulation simulation(system, *method);
+    simulation.run(state, scene.duration);
+    Snapshot now(system);
+    now.evaluate(state, Accelerations::solved);
+    EXPECT_EQ(found.values[0], sensors[0].value(now, 2));
+    EXPECT_EQ(found.values[1], sensors[2].value(now, 0));
+  }
+}
+
+TEST(MethodGradients, RefuseByName) {
+  const auto refusal = [](const ParametricScene& scene, GradientOptions::Mode mode) -> std::string {
+    try {
+      gradient(scene, {value_at("tip_x", 0.1)}, kPendulumNumbers, {.mode = mode});
+    } catch (const SceneError& error) {
+      return error.what();
+    }
+    return "none";
+  };
+  using Mode = GradientOptions::Mode;
+  EXPECT_NE(refusal(with(pendulum(), [] { return std::make_unique<LieBdf>(LieBdf::Parameters{}); }), Mode::tangent)
+                .find("cannot be differentiated"),
+            std::string::npos);
+  EXPECT_NE(refusal(with(pendulum(), exact_radau(1e-2)), Mode::adjoint).find("no adjoint"), std::string::npos);
+  EXPECT_NE(
+      refusal(with(pendulum(), runge_kutta(Method::dormand_prince5, 1e-2)), Mode::adjoint).find("forward dynamics"),
+      std::string::npos);
+}
+
+}  // namespace
+}  // namespace lithe::test
