@@ -268,31 +268,16 @@ template <class Scalar>
 void BlockFactorOf<Scalar>::eliminate_mass(const Step& s, const std::vector<Scalar>& values) {
   Mass& mass = masses_[s.mass];
   mass.inverse = 1.0 / values[mass.value];
+  const kernels::Diagonal3<Scalar> minus(-mass.inverse), plus(mass.inverse);
   for (int i = mass.first_pair; i < mass.last_pair; ++i) {
     const Pair& p = pairs_[i];
-    const Scalar c = -static_cast<double>(pins_[p.a].sign * pins_[p.b].sign) * mass.inverse;
     Scalar* to = blocks_.data() + p.target;
     const int stride = kernels::stride<Scalar>(p.rows);
-    if constexpr (std::is_same_v<Scalar, double>) {
-      if (p.rows <= kernels::kFixed) {
-        // Whole registers, as all other kernels read and write them.
-        const lanes::Columns unit = lanes::scalar(c);
-        if (p.fresh) {
-          for (int k = 3; k < stride * p.columns / 4; ++k) lanes::store4(lanes::none(), to + 4 * k);
-          if (stride == 8) lanes::store4(lanes::none(), to + 4);
-          lanes::store4(unit.c[0], to);
-          lanes::store4(unit.c[1], to + stride);
-          lanes::store4(unit.c[2], to + 2 * stride);
-        } else {
-          lanes::store4(lanes::load4(to) + unit.c[0], to);
-          lanes::store4(lanes::load4(to + stride) + unit.c[1], to + stride);
-          lanes::store4(lanes::load4(to + 2 * stride) + unit.c[2], to + 2 * stride);
-        }
-        continue;
-      }
-    }
-    if (p.fresh) std::fill_n(to, stride * p.columns, Scalar(0));
-    for (int k = 0; k < 3; ++k) to[k * (stride + 1)] += c;
+    const auto& part = pins_[p.a].sign == pins_[p.b].sign ? minus : plus;
+    if (p.fresh)
+      part.put(to, stride, p.columns);
+    else
+      part.add_to(to, stride);
   }
   // What rows feel of the scale on which their pivots are judged.
   if (!guarded_) return;
@@ -470,9 +455,10 @@ void BlockFactorOf<Scalar>::solve(Scalar* x) const {
   for (const Step& s : steps_) {
     if (s.mass >= 0) {
       const Mass& mass = masses_[s.mass];
+      const kernels::Three<Scalar> moved = kernels::Three<Scalar>(x + mass.x) * mass.inverse;
       for (int i = mass.first_pin; i < mass.last_pin; ++i) {
         const Pin& pin = pins_[i];
-        kernels::subtract3(x + pin.x, static_cast<double>(pin.sign) * mass.inverse, x + mass.x);
+        moved.subtract_from(x + pin.x, pin.sign);
         for (int k = 0; drops && k < 3; ++k)
           if (is_dropped_[pin.row + k]) x[pin.x + k] = 0;
       }
@@ -488,9 +474,9 @@ void BlockFactorOf<Scalar>::solve(Scalar* x) const {
   for (auto s = steps_.rbegin(); s != steps_.rend(); ++s) {
     if (s->mass >= 0) {
       const Mass& mass = masses_[s->mass];
-      for (int i = mass.first_pin; i < mass.last_pin; ++i)
-        kernels::subtract3(x + mass.x, static_cast<double>(pins_[i].sign), x + pins_[i].x);
-      kernels::scale3(x + mass.x, mass.inverse);
+      kernels::Three<Scalar> load(x + mass.x);
+      for (int i = mass.first_pin; i < mass.last_pin; ++i) load.subtract(x + pins_[i].x, pins_[i].sign);
+      (load * mass.inverse).store(x + mass.x);
       continue;
     }
     for (int i = s->first_neighbour; i < s->last_neighbour; ++i) {

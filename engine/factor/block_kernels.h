@@ -169,24 +169,69 @@ void invert(S* P, int) {
   }
 }
 
-// ---- three numbers of a plain vector ----
+// ---- a point: three numbers of a plain vector, and s E in the first three rows and columns of a block ----
 
-/// y -= s x.
-template <class S, class T>
-void subtract3(S* y, T s, const S* x) {
-  if constexpr (std::is_same_v<S, double>)
-    lanes::store3(lanes::load3(y) - lanes::load3(x) * s, y);
-  else
-    for (int i = 0; i < 3; ++i) y[i] -= s * x[i];
-}
-/// y *= s.
 template <class S>
-void scale3(S* y, S s) {
-  if constexpr (std::is_same_v<S, double>)
-    lanes::store3(lanes::load3(y) * s, y);
-  else
-    for (int i = 0; i < 3; ++i) y[i] *= s;
-}
+struct Three {
+  Eigen::Matrix<S, 3, 1> a;
+  explicit Three(const S* x) : a(x[0], x[1], x[2]) {}
+  Three operator*(S s) const {
+    Three out = *this;
+    out.a *= s;
+    return out;
+  }
+  void subtract(const S* x, int sign) {
+    for (int i = 0; i < 3; ++i) a[i] -= static_cast<double>(sign) * x[i];
+  }
+  void subtract_from(S* y, int sign) const {
+    for (int i = 0; i < 3; ++i) y[i] -= static_cast<double>(sign) * a[i];
+  }
+  void store(S* y) const {
+    for (int i = 0; i < 3; ++i) y[i] = a[i];
+  }
+};
+template <>
+struct Three<double> {
+  Lanes a;
+  explicit Three(const double* x) : a(lanes::load3(x)) {}
+  Three operator*(double s) const {
+    Three out = *this;
+    out.a *= s;
+    return out;
+  }
+  void subtract(const double* x, int sign) { a = sign > 0 ? a - lanes::load3(x) : a + lanes::load3(x); }
+  void subtract_from(double* y, int sign) const {
+    lanes::store3(sign > 0 ? lanes::load3(y) - a : lanes::load3(y) + a, y);
+  }
+  void store(double* y) const { lanes::store3(a, y); }
+};
+
+template <class S>
+struct Diagonal3 {
+  S s;
+  explicit Diagonal3(S s) : s(s) {}
+  void add_to(S* block, int stride) const {
+    for (int k = 0; k < 3; ++k) block[k * (stride + 1)] += s;
+  }
+  /// Of a block where nothing is yet.
+  void put(S* block, int stride, int columns) const {
+    std::fill_n(block, stride * columns, S(0));
+    add_to(block, stride);
+  }
+};
+/// Whole registers, as all other kernels read and write them.
+template <>
+struct Diagonal3<double> {
+  lanes::Columns s;
+  explicit Diagonal3(double s) : s(lanes::scalar(s)) {}
+  void add_to(double* block, int stride) const {
+    for (int k = 0; k < 3; ++k) lanes::store4(lanes::load4(block + k * stride) + s.c[k], block + k * stride);
+  }
+  void put(double* block, int stride, int columns) const {
+    if (stride * columns > 12) std::fill_n(block, stride * columns, 0.0);
+    for (int k = 0; k < 3; ++k) lanes::store4(s.c[k], block + k * stride);
+  }
+};
 
 // ---- products with blocks of the values, which have no gaps ----
 

@@ -4,6 +4,7 @@
 
 #include "bodies/point_mass.h"
 #include "engine/base/rotations.h"
+#include "engine/observe/snapshot.h"
 #include "engine/simplify/simplification.h"
 #include "joints/coordinate_drive.h"
 #include "joints/orientation_joint.h"
@@ -202,9 +203,15 @@ TEST(ParallelAxesJoint, HoldsTheAxisOfAnUnbalancedRotorThatFalls) {
     scene.run(*method, end);
     EXPECT_LT((scene.position(0) - Vector3(1, 2, 3 - kGravity / 2 * end * end)).norm(), 1e-6);
     EXPECT_NEAR(read(scene, coordinate(joint->angle(), "angle")), spin * end, 1e-6);
+    // As observers are told it. What IDA leaves in the state, after a last step that the end cut short, no error test
+    // has seen: by rounding it is off by 1e-7 to 2e-2 of these 2.1 N m.
+    Snapshot now{scene.system};
+    now.evaluate(scene.state, method->approximates_accelerations() ? Accelerations::solved : Accelerations::as_left);
     const Sensor load = reaction(*joint, 1, joint->markers()[1]);
-    EXPECT_LT(read_vector(scene, load).norm(), 1e-9);
-    EXPECT_LT((read_vector(scene, load, 3) - spin * spin * Vector3(-Jyz, Jxz, 0)).norm(), 1e-5);
+    Vector6 wrench;
+    load.evaluate(now, {wrench.data(), 6});
+    EXPECT_LT(wrench.head<3>().norm(), 1e-9);
+    EXPECT_LT((wrench.tail<3>() - spin * spin * Vector3(-Jyz, Jxz, 0)).norm(), 1e-5);
   }
 }
 
