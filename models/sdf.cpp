@@ -189,8 +189,9 @@ class SdfReader {
       if (!(link.mass > 0)) file_.fail(inertial, "the mass of '" + own + "' is not above zero.", "give a mass in kg.");
       if (const pugi::xml_node I = inertial.child("inertia")) {
         const auto of = [&](const char* tag, double fallback) { return file_.content(I, tag, fallback); };
+        const double xx = of("ixx", 1), yy = of("iyy", 1), zz = of("izz", 1);
         const double xy = of("ixy", 0), xz = of("ixz", 0), yz = of("iyz", 0);
-        link.inertia << of("ixx", 1), xy, xz, xy, of("iyy", 1), yz, xz, yz, of("izz", 1);
+        link.inertia << xx, xy, xz, xy, yy, yz, xz, yz, zz;
       }
       if (inertial.child("fluid_added_mass") || inertial.child("density"))
         notes_.add(file_.line(inertial), "<fluid_added_mass> or <density>", "mass and inertia as given act");

@@ -599,11 +599,13 @@ class Reader {
     const auto [i, j] = ends(a);
     AdamsModel::Field field{.i = i, .j = j};
     const Vector3 zero = Vector3::Zero();
-    Vector6 k, c;
-    k << a.vector("K", zero), a.vector("KT", zero);
-    c << a.vector("C", zero), a.vector("CT", zero);
-    field.stiffness = k.asDiagonal(), field.damping = c.asDiagonal();
-    field.preload << a.vector("FORCE", zero), a.vector("TORQUE", zero);
+    const auto six = [&](const char* translation, const char* rotation) -> Vector6 {
+      const Vector3 first = a.vector(translation, zero), second = a.vector(rotation, zero);  // both may throw
+      return (Vector6() << first, second).finished();
+    };
+    field.stiffness = six("K", "KT").asDiagonal();
+    field.damping = six("C", "CT").asDiagonal();
+    field.preload = six("FORCE", "TORQUE");
     add_scaled(s, field, "BUSHING");
   }
 

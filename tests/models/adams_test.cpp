@@ -652,6 +652,7 @@ TEST(AdamsErrors, NameTheLineAndTheFix) {
       {all + "COUPLER/1, JOINTS=1,2, SCALES=1,2\nEND\n", "JOINT/1", 7},
       {all + "GEAR/1, JOINTS=1,2, CV=1\nEND\n", "JOINT/1", 7},
       {all + "BEAM/1, I=20, J=1, LENGTH=0\nEND\n", "LENGTH", 7},
+      {all + "BUSHING/1, I=20, J=1, K=1,2,3, KT=x,1,1\nEND\n", "where a number should be", 7},
       {all + "FIELD/1, I=20, J=1, KMATRIX=1,2,3\nEND\n", "KMATRIX with 3", 7},
       {all + "SIMULATE/TRANSIENT, END=0\nEND\n", "ends at the time 0", 7},
       {all + std::string("PART/3\0, MASS", 13) + "=1\nEND\n", "zero byte", 7}};
