@@ -120,3 +120,62 @@ void expect_equal(const Told& fast, const Told& general, const std::string& what
   expect("rate", fast.rate, general.rate, 1e-14);
   expect("bias", fast.bias, general.bias, 1e-14);
   expect("residual", fast.residual, general.residual, 1e-14);
+  expect("matrix", fast.matrix, general.matrix, 1e-14);
+  expect("x", fast.x, general.x, 1e-12);
+  expect("y", fast.y, general.y, 1e-12);
+}
+
+int plain_count(const System& system) {
+  int count = 0;
+  for (const auto& frame : system.blocks().frames) count += frame.plain;
+  return count;
+}
+
+template <class T>
+class PlainFrames : public testing::Test {};
+using Joints = testing::Types<SphericalJoint, RevoluteJoint, UniversalJoint, FixedJoint, ParallelAxesJoint,
+                              PerpendicularAxesJoint, OrientationJoint>;
+TYPED_TEST_SUITE(PlainFrames, Joints);
+
+TYPED_TEST(PlainFrames, TellWhatTheGeneralOnesDo) {
+  const AssembleOptions as_drawn{.start = AssembleOptions::Start::as_drawn};
+  for (const bool branches : {false, true})
+    for (const bool closed : {false, true}) {
+      if (closed && 5 * TypeParam::kRows + 3 > 30) continue;  // more rows than velocities
+      Scene fast, general;
+      const System system = assemble(fast.chain<TypeParam>(branches, closed).graph, as_drawn),
+                   other = assemble(general.chain<General<TypeParam>>(branches, closed).graph, as_drawn);
+      EXPECT_EQ(plain_count(system), 5) << "of bodies with two joints at most";
+      EXPECT_EQ(plain_count(other), 0);
+      for (int seed = 1; seed < 4; ++seed)
+        expect_equal(tell(system, seed), tell(other, seed),
+                     std::string(branches ? "tree" : "chain") + (closed ? ", closed" : ""));
+    }
+}
+
+/// What else acts on a body makes its block a full one.
+TEST(PlainFramesOf, BodiesUnderForcesAreNone) {
+  SystemGraph graph{{}};
+  auto& a = graph.add<RigidBody>("a", {});
+  auto& b = graph.add<RigidBody>("b", {.position = {2, 0, 0}});
+  graph.add<SphericalJoint>("pin", {graph.ground().marker({-1, 0, 0}), a.marker({-1, 0, 0})});
+  graph.add<SphericalJoint>("ball", {a.marker({1, 0, 0}), b.marker({-1, 0, 0})});
+  EXPECT_EQ(plain_count(assemble(graph)), 2);
+  graph.add<SpringDamper>("spring", {graph.ground().marker({3, 1, 0}), b.marker({1, 0, 0})}, {.stiffness = 10});
+  const System system = assemble(graph);
+  EXPECT_TRUE(system.blocks().frames[0].plain);
+  EXPECT_FALSE(system.blocks().frames[1].plain);
+}
+
+/// A joint between two markers of one body: what it does to the one it undoes to the other.
+TEST(PlainFramesOf, ABodyTiedToItselfIsNone) {
+  SystemGraph graph{{}};
+  auto& a = graph.add<RigidBody>("a", {});
+  graph.add<SphericalJoint>("pin", {graph.ground().marker({-1, 0, 0}), a.marker({-1, 0, 0})});
+  graph.add<ParallelAxesJoint>("itself", {a.marker({0, 0, 0}), a.marker({0, 1, 0})});
+  const System system = assemble(graph, {.start = AssembleOptions::Start::as_drawn});
+  EXPECT_FALSE(system.blocks().frames[0].plain);
+}
+
+}  // namespace
+}  // namespace lithe::test::plain_frames_test
