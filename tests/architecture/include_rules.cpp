@@ -27,7 +27,7 @@ const std::set<std::string> kPluginIncludes = {"engine/plugin.h", "engine/plugin
 // where plug-ins find them.
 const std::vector<std::string> kRooms = {"base",   "factor",   "cones",   "model",    "forward",  "archive",
                                          "output", "motion",   "contact", "assembly", "simplify", "observe",
-                                         "run",    "analysis", "page",    "study",    "gradient", "plugin"};
+                                         "run",    "analysis", "page",    "study",    "gradient", "fmu",      "plugin"};
 const std::set<std::string> kLibraries = {"engine", "bodies", "joints", "integrators", "models"};
 
 /// A third-party package: its headers, the files that may include them, and whether only one of those files may.

@@ -23,6 +23,8 @@ void add_body(CLI::App& app, int& exit_code);
 
 /// lithe model inspect PATH, lithe model run PATH: a model of another program (models/).
 void add_model(CLI::App& app, int& exit_code);
+/// lithe fmu SCENE: a scene as a functional mock-up unit (engine/fmu/).
+void add_fmu(CLI::App& app, int& exit_code);
 /// lithe view RUN...: one page of recorded runs (engine/page/).
 void add_view(CLI::App& app, int& exit_code);
 

@@ -1,0 +1,160 @@
+#pragma once
+
+#include <cstdint>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include "engine/base/error.h"
+#include "engine/base/log.h"
+#include "engine/fmu/fmu_instance.h"
+
+/// What the C functions of FMI 2.0 and 3.0 have in common: an instance with the mode it is in, behind which no
+/// exception passes. Included by the two borders alone, which are compiled into each FMU.
+namespace lithe::fmu {
+
+/// Modes as bits: a function names those that it is allowed in.
+enum Mode : int {
+  kInstantiated = 1,
+  kInitialization = 2,
+  kStep = 4,
+  kTerminated = 8,
+  kFailed = 16,
+  kAnywhere = 31,
+};
+
+enum class Outcome { ok = 0, warning = 1, discard = 2, error = 3, fatal = 4 };  // the numbers of both standards
+
+struct Saved {
+  std::vector<unsigned char> bytes;
+};
+
+class Component {
+ public:
+  /// What the importer is told: how it went, a category, a text.
+  using Tell = std::function<void(Outcome outcome, const char* category, const std::string& message)>;
+
+  Component(const FmuModel& model, Tell tell, bool tells_all)
+      : logging(tells_all), tell_(std::move(tell)), instance(guarded_make(model)) {}
+
+  Mode mode = kInstantiated;
+  bool logging;  // also what is no error
+
+ private:
+  Tell tell_;
+  std::unique_ptr<FmuInstance> guarded_make(const FmuModel& model) {
+    const log::Redirect redirect(sink());
+    return std::make_unique<FmuInstance>(model);
+  }
+  std::function<void(log::Level, const std::string&)> sink() {
+    return [this](log::Level level, const std::string& message) {
+      if (level == log::Level::warn)
+        tell(Outcome::warning, "logStatusWarning", message);
+      else if (logging)
+        tell(Outcome::ok, "logEvents", message);
+    };
+  }
+
+ public:
+  std::unique_ptr<FmuInstance> instance;  // after what its making needs
+
+  void tell(Outcome outcome, const char* category, const std::string& message) const {
+    try {
+      tell_(outcome, category, message);
+    } catch (...) {  // NOLINT: an importer written in C++ may throw; nothing of ours does
+    }
+  }
+
+  /// Runs `work` if the mode allows it; whatever it throws is told and becomes an outcome.
+  template <class Work>
+  Outcome guarded(const char* function, int allowed, Work&& work) noexcept {
+    if ((mode & allowed) == 0) {
+      tell(Outcome::error, "logStatusError", std::string(function) + " is not allowed in this mode");
+      return Outcome::error;
+    }
+    try {
+      const log::Redirect redirect(sink());
+      work();
+      return Outcome::ok;
+    } catch (const Error& error) {
+      tell(Outcome::error, "logStatusError", std::string(function) + ": " + error.what());
+    } catch (const std::exception& error) {
+      tell(Outcome::error, "logStatusError", std::string(function) + " threw: " + error.what());
+    } catch (...) {
+      tell(Outcome::error, "logStatusError", std::string(function) + " threw what is no std::exception");
+    }
+    return Outcome::error;
+  }
+
+  // ---- what both standards ask for ----
+
+  Outcome get(const char* function, const std::uint32_t* references, std::size_t count, double* values) {
+    return guarded(function, kInitialization | kStep | kTerminated, [&] {
+      for (std::size_t i = 0; i < count; ++i) values[i] = instance->get(references[i]);
+    });
+  }
+  Outcome set(const char* function, const std::uint32_t* references, std::size_t count, const double* values) {
+    return guarded(function, kInstantiated | kInitialization | kStep, [&] {
+      for (std::size_t i = 0; i < count; ++i) instance->set(references[i], values[i]);
+    });
+  }
+  /// None is of another type than Float64.
+  Outcome none(const char* function, std::size_t count) {
+    return guarded(function, kAnywhere, [&] {
+      if (count > 0) throw SceneError("no variable is of that type", function, "take types from modelDescription.xml");
+    });
+  }
+  Outcome reset() {
+    return guarded("Reset", kAnywhere, [&] {
+      instance->reset();
+      mode = kInstantiated;
+    });
+  }
+  Outcome save(void** state) {
+    return guarded("GetFMUState", kAnywhere & ~kFailed, [&] {
+      auto saved = std::make_unique<Saved>(Saved{instance->save(mode)});
+      if (*state)
+        *static_cast<Saved*>(*state) = *saved;
+      else
+        *state = saved.release();
+    });
+  }
+  Outcome load(const void* state) {
+    return guarded("SetFMUState", kAnywhere, [&] {
+      if (!state) throw SceneError("there is no state to restore", "SetFMUState", "give one that GetFMUState made");
+      const auto& bytes = static_cast<const Saved*>(state)->bytes;
+      const int saved = instance->load(bytes.data(), bytes.size());
+      mode = static_cast<Mode>(saved);
+    });
+  }
+  static void forget(void** state) {
+    if (!state || !*state) return;
+    delete static_cast<Saved*>(*state);
+    *state = nullptr;
+  }
+  Outcome size(const void* state, std::size_t* size) {
+    return guarded("SerializedFMUStateSize", kAnywhere,
+                   [&] { *size = static_cast<const Saved*>(state)->bytes.size(); });
+  }
+  Outcome serialize(const void* state, unsigned char* bytes, std::size_t size) {
+    return guarded("SerializeFMUState", kAnywhere, [&] {
+      const auto& all = static_cast<const Saved*>(state)->bytes;
+      if (size != all.size())
+        throw SceneError("the size given is " + std::to_string(size) + ", the state has " + std::to_string(all.size()),
+                         "SerializeFMUState", "ask SerializedFMUStateSize for this state");
+      std::copy(all.begin(), all.end(), bytes);
+    });
+  }
+  Outcome deserialize(const unsigned char* bytes, std::size_t size, void** state) {
+    return guarded("DeserializeFMUState", kAnywhere, [&] {
+      auto saved = std::make_unique<Saved>(Saved{{bytes, bytes + size}});
+      FmuInstance::check_saved(bytes, size);
+      forget(state);
+      *state = saved.release();
+    });
+  }
+};
+
+}  // namespace lithe::fmu
+
+#define LITHE_FMU_EXPORT extern "C" __attribute__((visibility("default")))

@@ -1,0 +1,219 @@
+#include "engine/fmu/fmu_instance.h"
+
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "engine/archive/archive.h"
+#include "engine/base/error.h"
+#include "engine/base/number_text.h"
+#include "engine/base/version.h"
+
+namespace lithe {
+namespace {
+
+constexpr double kSamePoint = 1e-9;  // of a step: communication points that differ by rounding
+constexpr char kMagic[8] = {'l', 'i', 't', 'h', 'e', 'F', 'M', 'U'};
+constexpr std::size_t kHead = sizeof kMagic + sizeof(std::uint64_t);
+
+std::uint64_t digest(const unsigned char* bytes, std::size_t size) {
+  std::uint64_t sum = 14695981039346656037ull;  // FNV-1a
+  for (std::size_t i = 0; i < size; ++i) sum = (sum ^ bytes[i]) * 1099511628211ull;
+  return sum;
+}
+
+}  // namespace
+
+FmuInstance::FmuInstance(const FmuModel& model) : model_(model), graph_({.gravity = model.scene.gravity}) {
+  sensors_ = model.scene.draw(graph_);
+  system_ = std::make_unique<const System>(assemble(graph_));
+  variables_.push_back({.name = "time", .unit = "s", .description = "simulation time"});
+  for (const Input* input : graph_.inputs()) {
+    const auto& p = input->parameters();
+    variables_.push_back({.name = input->name(),
+                          .unit = p.unit,
+                          .description = p.description,
+                          .role = p.parameter ? FmuVariable::Role::parameter : FmuVariable::Role::input,
+                          .start = p.value,
+                          .lower = p.lower,
+                          .upper = p.upper,
+                          .held = p.between == Input::Between::held});
+  }
+  for (std::size_t s = 0; s < sensors_.size(); ++s)
+    for (std::size_t c = 0; c < sensors_[s].columns().size(); ++c) {
+      variables_.push_back(
+          {.name = sensors_[s].columns()[c], .unit = sensors_[s].unit(c), .role = FmuVariable::Role::output});
+      outputs_.emplace_back(static_cast<int>(s), static_cast<int>(c));
+    }
+  std::set<std::string> names;
+  for (const FmuVariable& v : variables_)
+    if (!names.insert(v.name).second)
+      throw SceneError("two variables of the FMU would have the name '" + v.name + "'", model.scene.name,
+                       "name inputs and sensors differently, and none of them 'time'");
+  reset();
+}
+
+FmuInstance::~FmuInstance() = default;
+
+void FmuInstance::reset() {
+  simulation_.reset();
+  snapshot_ = std::make_unique<Snapshot>(*system_);
+  integrator_ = model_.integrator();
+  simulation_ = std::make_unique<Simulation>(*system_, *integrator_);
+  state_ = system_->initial_state();
+  started_ = inputs_set_ = evaluated_ = false;
+  start_ = state_.time;
+  given_.clear();
+  for (Input* input : graph_.inputs()) {
+    input->reset();
+    given_.push_back(input->parameters().value);
+  }
+}
+
+void FmuInstance::begin(double start) {
+  if (!std::isfinite(start))
+    throw SceneError("the start time is not finite", model_.scene.name, "give a time in seconds");
+  state_.time = start_ = start;
+  apply_inputs(start);
+}
+
+/// As given, at all times.
+void FmuInstance::apply_inputs(double time) {
+  for (std::size_t i = 0; i < given_.size(); ++i) graph_.inputs()[i]->reset(time, given_[i]);
+  evaluated_ = false;
+}
+
+int FmuInstance::input_of(unsigned reference) const {
+  return reference >= 1 && reference <= given_.size() ? static_cast<int>(reference) - 1 : -1;
+}
+
+Snapshot& FmuInstance::look() {
+  if (evaluated_) return *snapshot_;
+  const bool solved = !started_ || inputs_set_ || integrator_->approximates_accelerations();
+  snapshot_->evaluate(state_, solved ? Accelerations::solved : Accelerations::as_left);
+  evaluated_ = true;
+  return *snapshot_;
+}
+
+double FmuInstance::get(unsigned reference) {
+  if (reference >= variables_.size())
+    throw SceneError("no variable has the value reference " + std::to_string(reference), model_.scene.name,
+                     "take value references from modelDescription.xml");
+  if (reference == 0) return state_.time;
+  if (const int input = input_of(reference); input >= 0) return given_[static_cast<std::size_t>(input)];
+  const auto [sensor, column] = outputs_[reference - 1 - given_.size()];
+  const double value = sensors_[static_cast<std::size_t>(sensor)].value(look(), column);
+  if (!std::isfinite(value))
+    throw SimulationError("output '" + variables_[reference].name + "' is not finite", time_text(state_.time),
+                          "look for what makes it so: a division by zero, a locked mechanism");
+  return value;
+}
+
+void FmuInstance::set(unsigned reference, double value) {
+  const int place = input_of(reference);
+  if (place < 0)
+    throw SceneError("the value reference " + std::to_string(reference) + " is not that of an input or a parameter",
+                     model_.scene.name, "set inputs and parameters alone");
+  Input& input = *graph_.inputs()[static_cast<std::size_t>(place)];
+  const bool now = !started_ || input.between() == Input::Between::held;
+  if (now)
+    input.reset(state_.time, value);
+  else  // checked as if it were set
+    input.require(state_.time, value, model_.scene.name);
+  given_[static_cast<std::size_t>(place)] = value;
+  inputs_set_ = true;
+  evaluated_ = false;
+}
+
+void FmuInstance::step(double current, double size) {
+  if (!(size > 0) || !std::isfinite(size))
+    throw SceneError("a communication step of " + std::to_string(size) + " s", model_.scene.name,
+                     "give a positive step");
+  if (!(std::abs(current - state_.time) <= kSamePoint * size))
+    throw SceneError(
+        "the communication point " + time_text(current) + " is not the one reached, " + time_text(state_.time),
+        model_.scene.name, "step from where the last step has ended, or restore a state");
+  const double end = current + size;
+  for (std::size_t i = 0; i < given_.size(); ++i) {
+    Input& input = *graph_.inputs()[i];
+    const double present = input.value(state_.time);
+    if (input.between() == Input::Between::held || present == given_[i]) continue;
+    input.reset(state_.time, present);
+    input.set(end, given_[i]);
+  }
+  evaluated_ = inputs_set_ = false;
+  started_ = true;
+  simulation_->run(state_, end);
+}
+
+std::vector<unsigned char> FmuInstance::save(int mode) {
+  Archive archive("the FMU's state");
+  archive.same("token", model_.token);
+  archive("mode", mode);
+  archive("started", started_);
+  archive("inputs set", inputs_set_);
+  archive("start", start_);
+  archive("given", given_);
+  if (started_) archive.group("simulation", [&] { simulation_->save(state_, archive); });
+  const std::vector<unsigned char> content = archive.bytes();
+  std::vector<unsigned char> bytes(sizeof kMagic + sizeof(std::uint64_t));
+  const std::uint64_t sum = digest(content.data(), content.size());
+  std::memcpy(bytes.data(), kMagic, sizeof kMagic);
+  std::memcpy(bytes.data() + sizeof kMagic, &sum, sizeof sum);
+  bytes.insert(bytes.end(), content.begin(), content.end());
+  return bytes;
+}
+
+void FmuInstance::check_saved(const unsigned char* bytes, std::size_t size) {
+  std::uint64_t sum = 0;
+  if (size >= kHead) std::memcpy(&sum, bytes + sizeof kMagic, sizeof sum);
+  if (size < kHead || std::memcmp(bytes, kMagic, sizeof kMagic) != 0 || digest(bytes + kHead, size - kHead) != sum)
+    throw FileError("the bytes are not a state of an FMU, or are damaged", "FMU state",
+                    "restore what Get or Serialize of the FMU's state gave");
+}
+
+int FmuInstance::load(const unsigned char* bytes, std::size_t size) {
+  check_saved(bytes, size);
+  Archive archive = Archive::of_bytes("the FMU's state", bytes + kHead, size - kHead);
+  archive.same("token", model_.token);
+  reset();
+  int mode = 0;
+  archive("mode", mode);
+  archive("started", started_);
+  archive("inputs set", inputs_set_);
+  archive("start", start_);
+  std::vector<double> given = given_;
+  archive("given", given);
+  if (given.size() != given_.size())
+    throw FileError("the state is of an FMU with other inputs", model_.scene.name, "restore states of this FMU");
+  given_ = given;
+  try {
+    if (started_)
+      archive.group("simulation", [&] { state_ = simulation_->resume(archive); });
+    else
+      begin(start_);
+  } catch (...) {
+    reset();
+    throw;
+  }
+  return mode;
+}
+
+std::string fmu_facts(const FmuModel& model) {
+  const FmuInstance instance(model);
+  nlohmann::ordered_json facts = {
+      {"name", model.scene.name}, {"duration", model.scene.duration}, {"lithe", kVersion}, {"token", model.token}};
+  const auto bound = [](double value) { return std::isfinite(value) ? nlohmann::ordered_json(value) : nullptr; };
+  for (const FmuVariable& v : instance.variables())
+    facts["variables"].push_back({{"name", v.name},
+                                  {"unit", v.unit},
+                                  {"description", v.description},
+                                  {"role", static_cast<int>(v.role)},
+                                  {"start", v.start},
+                                  {"lower", bound(v.lower)},
+                                  {"upper", bound(v.upper)}});
+  return facts.dump();
+}
+
+}  // namespace lithe

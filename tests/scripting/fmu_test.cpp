@@ -1,0 +1,416 @@
+// FMUs: made by the command, loaded as an importer does, and compared with the native run bit for bit.
+#include <dlfcn.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdarg>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <random>
+#include <regex>
+#include <sstream>
+#include <thread>
+#include <vector>
+
+#include "tests/scripting/command.h"
+
+namespace lithe::test::fmu_test {
+namespace {
+
+namespace fs = std::filesystem;
+using Values = std::vector<double>;
+
+constexpr double kCommunication = 0.0123;  // s
+
+/// An FMU as made and unpacked.
+struct Unpacked {
+  fs::path folder, library;
+  std::string description;
+
+  Unpacked(const ScriptFolder& scratch, const std::string& scene, int version) {
+    const Outcome made =
+        scratch.shell("lithe fmu " + std::string(LITHE_SOURCE_DIR) + "/" + scene + " --step 1e-3 --fmi " +
+                      std::to_string(version) + " -o model.fmu && " + "python3 -m zipfile -e model.fmu unpacked");
+    EXPECT_EQ(made.exit_code, 0) << made.output;
+    folder = scratch.path() / "unpacked";
+    std::ifstream file(folder / "modelDescription.xml");
+    description = {std::istreambuf_iterator<char>(file), {}};
+    library = folder / (version == 3 ? "binaries/x86_64-linux" : "binaries/linux64") /
+              (fs::path(scene).stem().string() + ".so");
+  }
+  /// Of the first element with that name, or of the root.
+  std::string attribute(const std::string& name) const {
+    std::smatch found;
+    return std::regex_search(description, found, std::regex(" " + name + "=\"([^\"]*)\"")) ? found[1].str() : "";
+  }
+  unsigned reference(const std::string& variable) const {
+    std::smatch found;
+    const std::regex pattern("name=\"" + variable + "\" valueReference=\"(\\d+)\"");
+    EXPECT_TRUE(std::regex_search(description, found, pattern)) << variable;
+    return found.empty() ? 9999u : static_cast<unsigned>(std::stoul(found[1]));
+  }
+};
+
+/// The library's functions, by the standard's names and signatures (tests/data/fmi).
+class Library {
+ public:
+  explicit Library(const fs::path& path) : handle_(dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL)) {
+    EXPECT_NE(handle_, nullptr) << dlerror();
+  }
+  template <class Result, class... Arguments>
+  Result call(const char* name, Arguments... arguments) const {
+    const auto function = reinterpret_cast<Result (*)(Arguments...)>(dlsym(handle_, name));
+    if (!function) throw std::runtime_error(std::string(name) + " is missing");
+    return function(arguments...);
+  }
+  bool has(const std::string& name) const { return dlsym(handle_, name.c_str()) != nullptr; }
+
+ private:
+  void* handle_;  // for the rest of the process, as scenes have statics
+};
+
+struct Log {
+  std::string text;
+};
+void log3(void* environment, int, const char*, const char* message) {
+  static_cast<Log*>(environment)->text += std::string(message) + "\n";
+}
+void log2(void* environment, const char*, int, const char*, const char* format, ...) {
+  char text[4096];
+  va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  static_cast<Log*>(environment)->text += std::string(text) + "\n";
+}
+struct Callbacks2 {
+  void (*logger)(void*, const char*, int, const char*, const char*, ...) = log2;
+  void* (*allocate)(size_t, size_t) = std::calloc;
+  void (*release)(void*) = std::free;
+  void (*finished)(void*, int) = nullptr;
+  void* environment = nullptr;
+};
+
+/// One instance, by either standard.
+class Instance {
+ public:
+  Instance(const Library& library, const std::string& token, int version, bool logging = false)
+      : library_(library), three_(version == 3) {
+    callbacks_.environment = &log;
+    using Callback = void (*)();
+    if (three_)
+      component_ = library_.call<void*>("fmi3InstantiateCoSimulation", "one", token.c_str(), (const char*)nullptr,
+                                        false, logging, false, false, (const unsigned*)nullptr, size_t{0}, (void*)&log,
+                                        &log3, (Callback) nullptr);
+    else
+      component_ = library_.call<void*>("fmi2Instantiate", "one", 1, token.c_str(), "", (const void*)&callbacks_, 0,
+                                        static_cast<int>(logging));
+  }
+  ~Instance() { library_.call<void>(three_ ? "fmi3FreeInstance" : "fmi2FreeInstance", component_); }
+
+  bool exists() const { return component_ != nullptr; }
+  int start(double time = 0) {
+    if (three_) {
+      const int entered = library_.call<int>("fmi3EnterInitializationMode", component_, false, 0.0, time, false, 0.0);
+      return entered | library_.call<int>("fmi3ExitInitializationMode", component_);
+    }
+    return library_.call<int>("fmi2SetupExperiment", component_, 0, 0.0, time, 0, 0.0) |
+           library_.call<int>("fmi2EnterInitializationMode", component_) |
+           library_.call<int>("fmi2ExitInitializationMode", component_);
+  }
+  int set(unsigned reference, double value) {
+    return three_ ? library_.call<int>("fmi3SetFloat64", component_, &reference, size_t{1}, &value, size_t{1})
+                  : library_.call<int>("fmi2SetReal", component_, &reference, size_t{1}, &value);
+  }
+  int get(const std::vector<unsigned>& references, Values& values) {
+    values.assign(references.size(), NAN);
+    const size_t n = references.size();
+    return three_ ? library_.call<int>("fmi3GetFloat64", component_, references.data(), n, values.data(), n)
+                  : library_.call<int>("fmi2GetReal", component_, references.data(), n, values.data());
+  }
+  int step(double time, double size) {
+    bool flags[3];
+    double last = 0;
+    return three_ ? library_.call<int>("fmi3DoStep", component_, time, size, true, flags, flags + 1, flags + 2, &last)
+                  : library_.call<int>("fmi2DoStep", component_, time, size, 1);
+  }
+  int call(const std::string& name) { return library_.call<int>(full(name).c_str(), component_); }
+  int save(void** state) {
+    return library_.call<int>(three_ ? "fmi3GetFMUState" : "fmi2GetFMUstate", component_, state);
+  }
+  int restore(void* state) {
+    return library_.call<int>(three_ ? "fmi3SetFMUState" : "fmi2SetFMUstate", component_, state);
+  }
+  int forget(void** state) {
+    return library_.call<int>(three_ ? "fmi3FreeFMUState" : "fmi2FreeFMUstate", component_, state);
+  }
+  std::vector<unsigned char> serialized(void* state) {
+    size_t size = 0;
+    library_.call<int>(three_ ? "fmi3SerializedFMUStateSize" : "fmi2SerializedFMUstateSize", component_, state, &size);
+    std::vector<unsigned char> bytes(size);
+    EXPECT_EQ(library_.call<int>(three_ ? "fmi3SerializeFMUState" : "fmi2SerializeFMUstate", component_, state,
+                                 bytes.data(), size),
+              0);
+    return bytes;
+  }
+  int deserialize(const std::vector<unsigned char>& bytes, void** state) {
+    return library_.call<int>(three_ ? "fmi3DeserializeFMUState" : "fmi2DeSerializeFMUstate", component_, bytes.data(),
+                              bytes.size(), state);
+  }
+
+  Log log;
+
+ private:
+  std::string full(const std::string& name) const { return (three_ ? "fmi3" : "fmi2") + name; }
+  const Library& library_;
+  bool three_;
+  Callbacks2 callbacks_;
+  void* component_ = nullptr;
+};
+
+/// What a schedule of inputs does in step k: the k-th values of torque (held) and of the other one. In the native
+/// program too: numbers that are exact, however they are compiled.
+constexpr const char* kSchedule = R"(
+struct Given {
+  double torque, other;
+};
+inline Given given(int k) { return {k < 5 ? 0.0 : (k % 9 - 4) / 16.0, k < 12 ? 0.3125 : 0.3125 + (k % 7) / 64.0}; }
+)";
+struct Given {
+  double torque, other;
+};
+Given given(int k) { return {k < 5 ? 0.0 : (k % 9 - 4) / 16.0, k < 12 ? 0.3125 : 0.3125 + (k % 7) / 64.0}; }
+
+/// The same steps by Simulation itself, as the documentation of FmuInstance says, in a program that `lithe run`
+/// compiles as FMUs are; all outputs after each step.
+std::vector<Values> native(const ScriptFolder& scratch, const std::string& scene, const std::string& other, int steps) {
+  scratch.write("native.cpp", "#include \"" LITHE_SOURCE_DIR "/" + scene + "\"\n#include <cstdio>\n" + kSchedule + R"(
+int main() {
+  const StudyScene study = scene();
+  SystemGraph graph({.gravity = study.gravity});
+  const std::vector<Sensor> sensors = study.draw(graph);
+  Input &torque = graph.input("torque"), &smooth = graph.input(")" +
+                                  other + R"(");
+  graph.input("stiffness").reset(0, 1.7);
+  const System system = assemble(graph);
+  GeneralizedAlpha method{{.step = 1e-3}};
+  Simulation simulation{system, method};
+  State state = system.initial_state();
+  Snapshot now(system);
+  smooth.reset(0, given(0).other);
+  for (int k = 0; k < )" + std::to_string(steps) +
+                                  R"(; ++k) {
+    const double end = state.time + 0.0123;
+    torque.reset(state.time, given(k).torque);
+    if (const double present = smooth.value(state.time); present != given(k).other)
+      smooth.reset(state.time, present), smooth.set(end, given(k).other);
+    simulation.run(state, end);
+    // As observers see it.
+    now.evaluate(state, method.approximates_accelerations() ? Accelerations::solved : Accelerations::as_left);
+    std::printf("row");
+    for (const Sensor& sensor : sensors)
+      for (std::size_t c = 0; c < sensor.columns().size(); ++c)
+        std::printf(" %a", sensor.value(now, static_cast<int>(c)));
+    std::printf("\n");
+  }
+}
+)");
+  const Outcome ran = scratch.shell("lithe run native.cpp");
+  std::vector<Values> all;
+  std::istringstream lines(ran.output);
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with("row ")) continue;
+    std::istringstream words(line.substr(4));
+    Values& row = all.emplace_back();
+    for (std::string word; words >> word;) row.push_back(std::strtod(word.c_str(), nullptr));
+  }
+  EXPECT_EQ(all.size(), static_cast<std::size_t>(steps)) << ran.output;
+  return all;
+}
+
+struct Case {
+  const char* scene;
+  const char* other;  // the input that is not held
+  int version;
+};
+
+/// All that an importer does with one.
+void drive(const Case& c) {
+  const ScriptFolder scratch;
+  const Unpacked fmu(scratch, c.scene, c.version);
+  ASSERT_TRUE(fs::exists(fmu.library)) << fmu.library;
+  const std::string token = fmu.attribute(c.version == 3 ? "instantiationToken" : "guid");
+  const Library library(fmu.library);
+
+  // 1. Every function of the standard is there.
+  std::ifstream list(std::string(LITHE_TEST_DATA) + "/fmi/functions-" + std::to_string(c.version) + ".0.txt");
+  int functions = 0;
+  const std::regex declared("^[\\w* ]+?\\*? ?(fmi[23][A-Za-z0-9]+)\\(.*");
+  for (std::string line; std::getline(list, line);) {
+    std::smatch found;
+    if (line.starts_with("#") || line.find("(*") != std::string::npos) continue;
+    if (!std::regex_match(line, found, declared)) continue;
+    EXPECT_TRUE(library.has(found[1])) << found[1];
+    ++functions;
+  }
+  EXPECT_EQ(functions, c.version == 3 ? 75 : 44);
+
+  // 2. Co-simulation is the native run, bit for bit, also in a second instance in another thread at the same time.
+  constexpr int kSteps = 40;
+  const std::vector<Values> exact = native(scratch, c.scene, c.other, kSteps);
+  ASSERT_EQ(exact.size(), std::size_t{kSteps});
+  const unsigned torque = fmu.reference("torque"), stiffness = fmu.reference("stiffness"),
+                 other = fmu.reference(c.other);
+  std::vector<unsigned> outputs(exact[0].size());
+  const unsigned first = fmu.reference("angle");
+  for (std::size_t i = 0; i < outputs.size(); ++i) outputs[i] = first + static_cast<unsigned>(i);
+  const auto begin = [&](Instance& one) {
+    EXPECT_EQ(one.set(stiffness, 1.7), 0);
+    EXPECT_EQ(one.set(other, given(0).other), 0);
+    EXPECT_EQ(one.start(), 0);
+  };
+  const auto advance = [&](Instance& one, int k, double& time, Values& values) {
+    int worst = one.set(torque, given(k).torque);
+    worst |= one.set(other, given(k).other);
+    worst |= one.step(time, kCommunication);
+    time += kCommunication;
+    worst |= one.get(outputs, values);
+    EXPECT_EQ(worst, 0) << one.log.text;
+  };
+  const auto run = [&](std::vector<Values>& rows) {
+    Instance one(library, token, c.version);
+    begin(one);
+    double time = 0;
+    for (int k = 0; k < kSteps; ++k) advance(one, k, time, rows.emplace_back());
+  };
+  std::vector<Values> rows[2];
+  std::thread beside([&] { run(rows[1]); });
+  run(rows[0]);
+  beside.join();
+  for (const auto& mine : rows)
+    for (int k = 0; k < kSteps; ++k)
+      EXPECT_EQ(mine[static_cast<std::size_t>(k)], exact[static_cast<std::size_t>(k)]) << k;
+
+  // 3. Rolled back, and carried over to another instance: the same bits again, a hundred times.
+  std::mt19937 random(7);
+  Instance one(library, token, c.version, true), two(library, token, c.version);
+  begin(one);
+  double time = 0;
+  int k = 0;
+  for (int trial = 0; trial < 100; ++trial) {
+    void* state = nullptr;
+    ASSERT_EQ(one.save(&state), 0) << one.log.text;
+    const int saved = k, ahead = 1 + static_cast<int>(random() % 3);
+    const double saved_time = time;
+    std::vector<Values> forth, again, there;
+    for (int i = 0; i < ahead; ++i) advance(one, k++, time, forth.emplace_back());
+    ASSERT_EQ(one.restore(state), 0) << one.log.text;
+    k = saved, time = saved_time;
+    for (int i = 0; i < ahead; ++i) advance(one, k++, time, again.emplace_back());
+    ASSERT_EQ(forth, again) << trial;
+    void* copy = nullptr;
+    ASSERT_EQ(two.deserialize(one.serialized(state), &copy), 0) << two.log.text;
+    ASSERT_EQ(two.restore(copy), 0) << two.log.text;
+    double other_time = saved_time;
+    for (int i = 0; i < ahead; ++i) advance(two, saved + i, other_time, there.emplace_back());
+    ASSERT_EQ(forth, there) << trial;
+    if (trial % 2 == 0) one.restore(state), k = saved, time = saved_time;  // from the same copy, more than once
+    EXPECT_EQ(one.forget(&state), 0);
+    EXPECT_EQ(two.forget(&copy), 0);
+    EXPECT_EQ(state, nullptr);
+    if (k > kSteps) {
+      EXPECT_EQ(one.call("Reset"), 0);
+      begin(one);
+      k = 0, time = 0;
+    }
+  }
+  // After Reset it is the native run again.
+  EXPECT_EQ(one.call("Reset"), 0);
+  begin(one);
+  time = 0;
+  Values values;
+  for (int i = 0; i < 10; ++i) {
+    advance(one, i, time, values);
+    EXPECT_EQ(values, exact[static_cast<std::size_t>(i)]);
+  }
+  EXPECT_NE(one.log.text.find("assembled"), std::string::npos) << "milestones go to the importer's logger";
+
+  // 4. What importers get wrong: an error, a message, and the instance lives on.
+  constexpr int kError = 3;
+  Instance wrong_token(library, "another", c.version);
+  EXPECT_FALSE(wrong_token.exists());
+  EXPECT_NE(wrong_token.log.text.find("another FMU"), std::string::npos);
+  const auto refused = [&](int status, const std::string& words) {
+    EXPECT_EQ(status, kError) << words;
+    EXPECT_NE(one.log.text.find(words), std::string::npos) << words << " in " << one.log.text;
+    one.log.text.clear();
+  };
+  refused(one.set(torque, 1e3), "outside its bounds");
+  refused(one.set(torque, NAN), "not finite");
+  refused(one.set(other, NAN), "not finite");
+  refused(one.set(outputs[0], 1), "not that of an input");
+  refused(one.get({4711}, values), "value reference 4711");
+  refused(one.start(), "not allowed in this mode");
+  EXPECT_EQ(one.get(outputs, values), 0);
+  EXPECT_EQ(values, exact[9]);
+  void* state = nullptr;
+  ASSERT_EQ(one.save(&state), 0);
+  std::vector<unsigned char> bytes = one.serialized(state);
+  void* broken = nullptr;
+  for (const std::size_t at : {std::size_t{0}, bytes.size() / 2, bytes.size() - 1}) {
+    std::vector<unsigned char> damaged = bytes;
+    damaged[at] ^= 1;
+    refused(one.deserialize(damaged, &broken), "damaged");
+  }
+  bytes.resize(bytes.size() / 2);
+  refused(one.deserialize(bytes, &broken), "damaged");
+  bytes.clear();
+  refused(one.deserialize(bytes, &broken), "damaged");
+  EXPECT_EQ(broken, nullptr);
+  EXPECT_EQ(one.step(time + 1, kCommunication), kError);
+  EXPECT_NE(one.log.text.find("not the one reached"), std::string::npos);
+  EXPECT_EQ(one.step(time, kCommunication), kError) << "after an error: restore, reset or free";
+  ASSERT_EQ(one.restore(state), 0);
+  advance(one, 10, time, values);
+  EXPECT_EQ(values, exact[10]);
+  EXPECT_EQ(one.forget(&state), 0);
+  EXPECT_EQ(one.call("Terminate"), 0);
+  library.call<void>(c.version == 3 ? "fmi3FreeInstance" : "fmi2FreeInstance", (void*)nullptr);
+
+  // 5. The description, by the standard's schema and by FMPy, where these tools are.
+  const std::string schema = std::string(LITHE_TEST_DATA) + "/fmi/schema-" +
+                             (c.version == 3 ? "3.0.2/fmi3" : "2.0.5/fmi2") + "ModelDescription.xsd";
+  const Outcome valid =
+      scratch.shell("command -v xmllint >/dev/null || { echo no xmllint; exit 0; }; xmllint --noout --schema " +
+                    schema + " unpacked/modelDescription.xml");
+  EXPECT_EQ(valid.exit_code, 0) << valid.output;
+  const Outcome checked = scratch.shell(
+      "python3 -c 'import fmpy' 2>/dev/null || { echo no FMPy: pip install fmpy; exit 0; }; python3 -c '"
+      "import fmpy; from fmpy.validation import validate_fmu; p = validate_fmu(\"model.fmu\"); print(p); "
+      "r = fmpy.simulate_fmu(\"model.fmu\", stop_time=0.3, output_interval=0.01); print(r[-1]); exit(len(p))'");
+  EXPECT_EQ(checked.exit_code, 0) << checked.output;
+  std::printf("%s%s", valid.output.c_str(), checked.output.c_str());
+}
+
+TEST(Fmu, OfAFlexibleArmByFmi3IsTheNativeRunBitForBit) { drive({"examples/studies/driven_arm.cpp", "lift", 3}); }
+
+TEST(Fmu, OfARigidPendulumByFmi2IsTheNativeRunBitForBit) { drive({"tests/scripting/fmu_pendulum.cpp", "target", 2}); }
+
+TEST(Fmu, IsNotMadeOfASceneThatCannotBeDrawn) {
+  const ScriptFolder folder;
+  folder.write("scene.cpp",
+               "#include \"lithe/lithe.h\"\nlithe::StudyScene scene() { return {.name = \"x\", .draw = "
+               "[](lithe::SystemGraph& graph) -> std::vector<lithe::Sensor> { "
+               "graph.add<lithe::RigidBody>(\"a\", {.mass = -1}); return {}; }}; }\n");
+  const Outcome made = folder.shell("lithe fmu scene.cpp");
+  EXPECT_EQ(made.exit_code, 1);
+  EXPECT_NE(made.output.find("mass"), std::string::npos) << made.output;
+  EXPECT_FALSE(fs::exists(folder.path() / "scene.fmu"));
+  folder.write("scene.cpp", "int nothing;\n");
+  EXPECT_EQ(folder.shell("lithe fmu scene.cpp").exit_code, 2);
+  EXPECT_EQ(folder.shell("lithe fmu missing.cpp").exit_code, 1);
+}
+
+}  // namespace
+}  // namespace lithe::test::fmu_test

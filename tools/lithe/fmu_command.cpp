@@ -1,0 +1,218 @@
+#include <dlfcn.h>
+#include <unistd.h>
+#include <zip.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <fstream>
+
+#include "engine/base/error.h"
+#include "engine/base/number_text.h"
+#include "tools/lithe/commands.h"
+#include "tools/lithe/compiler_messages.h"
+#include "tools/lithe/fmu_description.h"
+#include "tools/lithe/process.h"
+#include "tools/lithe/scene_cache.h"
+#include "tools/lithe/scene_program.h"
+
+namespace lithe::command {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kFacts = "facts of the FMU: ";
+
+struct FmuOptions {
+  std::string scene, out, facts_of;
+  int version = 3;
+  double tolerance = 1e-6, step = 0;
+  bool verbose = false;
+};
+
+std::string number_text(double value) {
+  std::string text;
+  append_number(text, value);
+  return text;
+}
+
+/// What is compiled around a scene. A main() of its own is left aside.
+std::string source_around(const fs::path& scene, const FmuOptions& options, const std::string& token) {
+  const std::string integrator =
+      options.step > 0
+          ? "lithe::GeneralizedAlpha>(lithe::GeneralizedAlpha::Parameters{.step = " + number_text(options.step)
+          : "lithe::Automatic>(lithe::Automatic::Parameters{.tolerance = {" + number_text(options.tolerance) + ", " +
+                number_text(0.01 * options.tolerance) + "}";
+  return R"(#include "lithe/lithe.h"
+#include "engine/fmu/fmu_instance.h"
+lithe::StudyScene scene();
+#define main main_of_the_scene
+#include ")" +
+         scene.string() + R"("
+#undef main
+static lithe::FmuModel lithe_fmu_model() {
+  return {scene(), [] { return std::make_unique<)" +
+         integrator + R"(}); }, ")" + token + R"("};
+}
+#include "engine/fmu/fmi2_border.h"
+#include "engine/fmu/fmi3_border.h"
+LITHE_FMU_EXPORT const char* lithe_fmu_facts() {
+  static std::string facts;
+  try {
+    facts = lithe::fmu_facts(lithe_fmu_model());
+  } catch (const std::exception& error) {
+    facts = std::string("!") + error.what();
+  }
+  return facts.c_str();
+}
+)";
+}
+
+std::string identifier_of(const fs::path& path) {
+  std::string name = path.stem().string();
+  for (char& c : name)
+    if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
+  return name.empty() || std::isdigit(static_cast<unsigned char>(name[0])) ? "fmu_" + name : name;
+}
+
+/// A folder of its own, gone with it.
+class Scratch {
+ public:
+  Scratch() {
+    std::string pattern = (fs::temp_directory_path() / "lithe_fmu_XXXXXX").string();
+    if (!mkdtemp(pattern.data()))
+      throw FileError("no temporary folder can be made", pattern, "let TMPDIR name one that can be written");
+    path_ = pattern;
+  }
+  ~Scratch() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+/// Compiles the scene to a library beside which Lithe's own lies.
+void compile(const Installation& installation, const SceneFile& scene, const FmuOptions& options,
+             const std::string& source, const fs::path& library) {
+  const fs::path main = library.parent_path() / "main.cpp";
+  std::ofstream(main) << source;
+  const fs::path lithe = installation.library.parent_path() / "liblithe_fmu.so";
+  std::vector<std::string> command = compile_command(installation);
+  append_include_folders(command, installation);
+  command.insert(command.end(), {"-fPIC", "-shared", "-fvisibility=hidden", main.string(), "-o", library.string(),
+                                 lithe.string(), "-Wl,-Bsymbolic", "-Wl,-z,defs", "-Wl,-rpath,$ORIGIN"});
+  command.insert(command.end(), installation.link_flags.begin(), installation.link_flags.end());
+  const Finished compiled = run_captured(command);
+  if (options.verbose) std::fprintf(stderr, "%s", compiled.output.c_str());
+  if (compiled.exit_code != 0)
+    throw CompileFailure(options.verbose ? "" : explain(compiled.output, scene.path, scene.shown, installation));
+  fs::copy_file(lithe, library.parent_path() / lithe.filename());
+}
+
+/// What the library says of itself, asked in a process of its own: loading a scene runs its code.
+std::string facts_of(const Installation& installation, const fs::path& library) {
+  const Finished asked = run_captured({installation.command.string(), "fmu", "--facts-of", library.string()});
+  const std::size_t at = asked.output.find(kFacts);
+  if (asked.exit_code != 0 || at == std::string::npos)
+    throw SceneError("the scene cannot be drawn as an FMU: " + asked.output, library.filename().string(),
+                     "see what it says; `lithe chart` draws the same function scene()");
+  const std::size_t first = at + std::string(kFacts).size();
+  return asked.output.substr(first, asked.output.find('\n', first) - first);
+}
+
+int print_facts(const std::string& library) {
+  void* handle = dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (!handle) throw FileError(std::string("cannot be loaded: ") + dlerror(), library, "build Lithe again");
+  const auto facts = reinterpret_cast<const char* (*)()>(dlsym(handle, "lithe_fmu_facts"));
+  const std::string text = facts ? facts() : "!it is no FMU of Lithe";
+  if (text[0] == '!') {
+    std::printf("%s\n", text.c_str() + 1);
+    return 1;
+  }
+  std::printf("%s%s\n", kFacts, text.c_str());
+  std::fflush(stdout);
+  _exit(0);  // no destructors of a library that is not ours to unload
+}
+
+/// A zip whose entries appear together under its name, or not at all.
+void write_zip(const fs::path& path, const std::vector<std::pair<std::string, fs::path>>& files,
+               const std::string& description) {
+  if (path.has_parent_path()) fs::create_directories(path.parent_path());
+  const fs::path unfinished = path.string() + ".unfinished";
+  int code = 0;
+  zip_t* zip = zip_open(unfinished.c_str(), ZIP_CREATE | ZIP_TRUNCATE, &code);
+  const auto fail = [&](const std::string& why) {
+    if (zip) zip_discard(zip);
+    throw FileError("the FMU cannot be written: " + why, path.string(), "give a path that can be written, by -o");
+  };
+  if (!zip) fail("zip_open gives " + std::to_string(code));
+  const auto add = [&](const std::string& name, zip_source_t* source) {
+    const zip_int64_t place = source ? zip_file_add(zip, name.c_str(), source, ZIP_FL_ENC_UTF_8) : -1;
+    if (place < 0) fail(zip_strerror(zip));
+    // FMI knows methods 0 and 8 alone.
+    if (zip_set_file_compression(zip, static_cast<zip_uint64_t>(place), ZIP_CM_DEFLATE, 6) != 0)
+      fail(zip_strerror(zip));
+  };
+  add("modelDescription.xml", zip_source_buffer(zip, description.data(), description.size(), 0));
+  for (const auto& [name, file] : files) add(name, zip_source_file(zip, file.c_str(), 0, -1));
+  if (zip_close(zip) != 0) fail(zip_strerror(zip));
+  fs::rename(unfinished, path);
+}
+
+int make_fmu(const FmuOptions& options) {
+  if (!options.facts_of.empty()) return print_facts(options.facts_of);
+  if (options.scene.empty())
+    throw FileError("no scene is given", "lithe fmu", "give a .cpp file with  lithe::StudyScene scene()  in it");
+  const Installation installation = Installation::find();
+  const SceneFile scene = SceneFile::find(options.scene);
+  const fs::path out = options.out.empty() ? fs::path(scene.path.stem().string() + ".fmu") : fs::path(options.out);
+  const std::string identifier = identifier_of(scene.path);
+  Digest token;
+  token.add(headers_key(installation));
+  token.add_file(scene.path);
+  token.add(number_text(options.tolerance) + " " + number_text(options.step));
+
+  const Scratch scratch;
+  const fs::path library = scratch.path() / (identifier + ".so");
+  try {
+    compile(installation, scene, options, source_around(scene.path, options, "lithe-" + token.text()), library);
+  } catch (const CompileFailure& failure) {
+    std::fprintf(stderr, "%s", failure.what());
+    return 2;
+  }
+  const std::string facts = facts_of(installation, library);
+  const std::string folder = options.version == 3 ? "binaries/x86_64-linux/" : "binaries/linux64/";
+  write_zip(out,
+            {{folder + identifier + ".so", library}, {folder + "liblithe_fmu.so", scratch.path() / "liblithe_fmu.so"}},
+            fmu_description(facts, identifier, options.version));
+  std::printf("FMU: %s\n", out.string().c_str());
+  return 0;
+}
+
+}  // namespace
+
+void add_fmu(CLI::App& app, int& exit_code) {
+  auto* command = app.add_subcommand("fmu", "A scene as a functional mock-up unit (FMI 3.0 or 2.0, co-simulation)");
+  const auto options = std::make_shared<FmuOptions>();
+  command->add_option(
+      "scene", options->scene,
+      "A .cpp file with  lithe::StudyScene scene()  in it: its inputs become inputs and parameters, its "
+      "sensors outputs");
+  command->add_option("-o,--out", options->out, "The FMU; default: SCENE.fmu");
+  command->add_option("--fmi", options->version, "Version of the standard")
+      ->check(CLI::IsMember({2, 3}))
+      ->capture_default_str();
+  command->add_option("--tolerance", options->tolerance, "Of the integrator, Automatic")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--step", options->step, "s: a fixed step instead, by GeneralizedAlpha")
+      ->check(CLI::PositiveNumber);
+  command->add_flag("--verbose", options->verbose, "Show all messages of the compiler");
+  command->add_option("--facts-of", options->facts_of)->group("");  // our own call
+  command->callback([options, &exit_code] { exit_code = make_fmu(*options); });
+}
+
+}  // namespace lithe::command
