@@ -11,7 +11,9 @@ namespace lithe {
 namespace {
 
 constexpr int kMaxNewton = 10;
+constexpr int kMany = 32;              // linear coordinates of a body, from which on loops of their own are faster
 constexpr int kMaxSplits = 12;         // a step that will not converge is halved that often
+constexpr int kSteadySteps = 50;       // that a steady prediction goes first where the other failed
 constexpr double kLargestGrowth = 10;  // of a step, by which offsets may be scaled
 
 GeneralizedAlpha::Coefficients coefficients(double rho) {
@@ -45,7 +47,7 @@ std::string GeneralizedAlpha::name() const {
 
 void GeneralizedAlpha::prepare(EquationsOfMotion& equations, State& state) {
   const int nv = equations.layout().v_count(), rows = equations.layout().row_count();
-  if (!resumes()) statistics_ = {};
+  if (!resumes()) statistics_ = {}, steady_left_ = 0;
   for (VectorX* x : {&a_, &v_, &v_dot_, &d_, &v_dot_last_, &jerk_, &delta_, &change_, &rv_, &magnitudes_})
     x->setZero(nv);
   for (VectorX* x : {&lambda_, &rl_, &rl2_}) x->setZero(rows);
@@ -148,17 +150,34 @@ double GeneralizedAlpha::natural_step(const State& state, double t_stop) const {
   return std::abs(count * h_ - left) > 1e-9 * left ? left / count : h_;
 }
 
-void GeneralizedAlpha::predict(EquationsOfMotion& equations, const State& state, double h) {
-  // The old acceleration goes on; with it two Newton iterations are enough on smooth motion.
+/// The old acceleration goes on; with it two Newton iterations are enough on smooth motion. Steady: the old velocity
+/// does, d = h v; a worse guess of the motion, but a better one of what accelerations from step to step do not resolve,
+/// such as the stretch of a cable's short elements, whose tension makes the tangent.
+void GeneralizedAlpha::predict(EquationsOfMotion& equations, const State& state, double h, bool steady) {
   lambda_ = state.lambda;
   const double scale = 1 / (1 - am_);
   for (Eigen::Index i = 0; i < d_.size(); ++i) {
-    const double a = a_[i], next = scale * (state.v_dot[i] - am_ * a);  // a'
-    v_dot_[i] = state.v_dot[i];
+    const double a = a_[i];
+    const double next = steady ? (1 - 0.5 / beta_) * a : scale * (state.v_dot[i] - am_ * a);  // a'
+    v_dot_[i] = steady ? ((1 - am_) * next + am_ * a - af_ * state.v_dot[i]) / (1 - af_) : state.v_dot[i];
     d_[i] = h * state.v[i] + h * h * ((0.5 - beta_) * a + beta_ * next);
     v_[i] = state.v[i] + h * ((1 - gamma_) * a + gamma_ * next);
   }
   equations.layout().retract(state.q, d_, q_);
+}
+
+/// With the prediction that serves at present; where it fails with a fixed step, once more with the other one.
+GeneralizedAlpha::Newton GeneralizedAlpha::take(EquationsOfMotion& equations, const State& state, double time,
+                                                double h) {
+  const bool steady = steady_left_ > 0;
+  predict(equations, state, h, steady);
+  Newton newton = solve(equations, state, time, h);
+  if (steady) --steady_left_;
+  if (newton == Newton::converged || parameters_.step == 0) return newton;
+  predict(equations, state, h, !steady);
+  newton = solve(equations, state, time, h);
+  steady_left_ = newton == Newton::converged && !steady ? kSteadySteps : 0;
+  return newton;
 }
 
 /// Takes the Newton correction -rv_ over: d, v, v̇ and q, body by body in one pass over memory. The size of the largest
@@ -188,16 +207,28 @@ double GeneralizedAlpha::correct(const Layout& layout, const VectorX& q_start, d
       lanes::store4(lanes::rotated(lanes::load4(q0 + iq + 3), take3(iv + 3, turn)), q + iq + 3);
       iq += 7, iv += 6;
     }
-    for (int i = 0; i < b.linear; ++i) {
-      const double change = -x[iv + i];
-      delta[iv + i] = change;
-      d[iv + i] += change;
-      v[iv + i] += of_v * change;
-      v_dot[iv + i] += of_v_dot * change;
-      size = std::max(size, std::abs(change));
-      finite += 0 * change;
-      q[iq + i] = q0[iq + i] + d[iv + i];
+    if (b.linear < kMany) {
+      for (int i = 0; i < b.linear; ++i) {
+        const double change = -x[iv + i];
+        delta[iv + i] = change;
+        d[iv + i] += change;
+        v[iv + i] += of_v * change;
+        v_dot[iv + i] += of_v_dot * change;
+        size = std::max(size, std::abs(change));
+        finite += 0 * change;
+        q[iq + i] = q0[iq + i] + d[iv + i];
+      }
+      continue;
     }
+    const auto at = [&](VectorX& of) { return of.segment(iv, b.linear); };
+    auto change = at(delta_);
+    change = -at(rv_);
+    at(d_) += change;
+    at(v_) += of_v * change;
+    at(v_dot_) += of_v_dot * change;
+    q_.segment(iq, b.linear) = q_start.segment(iq, b.linear) + at(d_);
+    size = std::max(size, change.cwiseAbs().maxCoeff());
+    finite += 0 * change.sum();
   }
   return std::max({size, sizes[0], sizes[1], sizes[2]}) + finite + lanes::sum(all_finite);
 }
@@ -298,6 +329,7 @@ bool GeneralizedAlpha::keep(Archive& archive, EquationsOfMotion& /*equations*/, 
   archive("h_offset", h_offset_);
   archive("h_last", h_last_);
   archive("has_last", has_last_);
+  archive("steady_left", steady_left_);
   archive("a", a_);
   archive("v_dot_last", v_dot_last_);
   archive("lambda", lambda_);  // where begin() looks for reactions first
@@ -310,10 +342,9 @@ StepResult GeneralizedAlpha::advance(EquationsOfMotion& equations, State& state,
   double h = natural_step(state, t_stop);
   for (int attempt = 0;; ++attempt) {
     change_step(equations, state, h);
-    predict(equations, state, h);
     const bool last = std::abs(state.time + h - t_stop) < 1e-9 * h;
     const double time = last ? t_stop : state.time + h;
-    const Newton newton = solve(equations, state, time, h);
+    const Newton newton = take(equations, state, time, h);
     double ratio = 0;
     if (newton == Newton::converged && automatic) ratio = error(equations.layout(), state, h);
     if (newton == Newton::converged && !(ratio > 1)) {

@@ -64,7 +64,8 @@ class GeneralizedAlpha : public Integrator, public DifferentiableSteps {
   double natural_step(const State& state, double t_stop) const;
   void change_step(EquationsOfMotion& equations, State& state, double h);
   void shift_velocity(EquationsOfMotion& equations, State& state, double h_squared);
-  void predict(EquationsOfMotion& equations, const State& state, double h);
+  void predict(EquationsOfMotion& equations, const State& state, double h, bool steady);
+  Newton take(EquationsOfMotion& equations, const State& state, double time, double h);
   double correct(const Layout& layout, const VectorX& q_start, double of_v, double of_v_dot);
   Newton solve(EquationsOfMotion& equations, const State& start, double time, double h);
   double error(const Layout& layout, const State& start, double h);
@@ -78,6 +79,7 @@ class GeneralizedAlpha : public Integrator, public DifferentiableSteps {
   double h_last_ = 0;                   // length of the step before
   bool has_last_ = false;               // v_dot_last_ holds its start
   bool corrected_ = false;              // begin() has seen the jerk
+  int steady_left_ = 0;                 // steps that begin with a steady prediction
   VectorX a_;                           // acceleration-like state
   VectorX q_, v_, v_dot_, lambda_, d_;  // of the step being taken
   VectorX v_dot_last_, jerk_, delta_, change_, rl_, rl2_, rv_, magnitudes_;

@@ -16,6 +16,15 @@ using ConstVector3 = Eigen::Map<const Vector3>;
 Vector3 at(const double* values, int node) { return ConstVector3(values + 3 * node); }
 Eigen::Map<Vector3> to(double* values, int node) { return Eigen::Map<Vector3>(values + 3 * node); }
 
+/// Two at a time, then one.
+void add(const Lanes& a, double* to) {
+  const auto* from = reinterpret_cast<const double*>(&a);
+  Eigen::Map<Eigen::Vector2d>{to} += Eigen::Map<const Eigen::Vector2d>(from);
+  to[2] += from[2];
+}
+
+Lanes unit(int axis) { return lanes::of(axis == 0, axis == 1, axis == 2); }
+
 std::string number_text(double value) {
   std::string text;
   append_number(text, value);
@@ -45,7 +54,7 @@ double checked_length(const Cable::Parameters& p) {
 }  // namespace
 
 Cable::Cache::Cache(const Cable& cable)
-    : directions(Matrix3X::Zero(3, cable.element_count())),
+    : directions(static_cast<std::size_t>(cable.element_count()), lanes::none()),
       lengths(VectorX::Zero(cable.element_count())),
       tensions(lengths),
       force(VectorX::Zero(3 * cable.node_count())),
@@ -69,7 +78,7 @@ Cable::Cable(Parameters parameters) : parameters_(std::move(parameters)) {
     drawn_ = cable_drawing::hanging(p.from, p.to, p.sag, rest_lengths_);
   else
     drawn_ = cable_drawing::along({p.from, p.to}, arc_ / length);
-  set_mass();
+  set_constants();
   set_pattern();
 }
 
@@ -95,13 +104,16 @@ void Cable::set_lengths(double length) {
   rest_lengths_ = arc_.tail(arc_.size() - 1) - arc_.head(arc_.size() - 1);
 }
 
-/// μ L/6 [2 1; 1 2] of each element.
-void Cable::set_mass() {
+/// μ L/6 [2 1; 1 2] of each element; EI/L_i of each inner node.
+void Cable::set_constants() {
   mass_beside_ = parameters_.mass_per_length / 6 * rest_lengths_;
   mass_diagonal_.setZero(node_count());
   mass_diagonal_.head(element_count()) += 2 * mass_beside_;
   mass_diagonal_.tail(element_count()) += 2 * mass_beside_;
   nodal_mass_ = 1.5 * mass_diagonal_;
+  bend_stiffness_.setZero(node_count());
+  for (int i = 1; i < element_count(); ++i)
+    bend_stiffness_[i] = 2 * parameters_.bending_stiffness / (rest_lengths_[i - 1] + rest_lengths_[i]);
 }
 
 /// Blocks of 3 x 3: tridiagonal by mass and tension, pentadiagonal by bending.
@@ -147,8 +159,8 @@ void Cable::initial_state(VectorRef q, VectorRef v) const {
 void Cable::evaluate(const BodyState& state, Level level) const {
   auto& cache = static_cast<Cache&>(*state.cache);
   const double EA = parameters_.axial_stiffness, c = level == Level::position ? 0 : parameters_.axial_damping;
-  cache.force.setZero();
   cache.strain_energy = 0;
+  Vector3 before(0, 0, 0);  // pull of the element before
   for (int e = 0; e < element_count(); ++e) {
     const Vector3 d = at(state.q, e + 1) - at(state.q, e);
     const double l = d.norm(), strain = l / rest_lengths_[e] - 1;
@@ -156,64 +168,67 @@ void Cable::evaluate(const BodyState& state, Level level) const {
     double N = EA * strain;
     cache.strain_energy += 0.5 * N * strain * rest_lengths_[e];
     if (c > 0) N += c * t.dot(at(state.v, e + 1) - at(state.v, e)) / rest_lengths_[e];
-    cache.directions.col(e) = t;
+    for (int k = 0; k < 3; ++k) cache.directions[static_cast<std::size_t>(e)][k] = t[k];
     cache.lengths[e] = l;
     cache.tensions[e] = N;
-    to(cache.force.data(), e) -= N * t;
-    to(cache.force.data(), e + 1) += N * t;
+    const Vector3 pull = N * t;
+    to(cache.force.data(), e) = before - pull;
+    before = pull;
   }
+  to(cache.force.data(), element_count()) = before;
   if (parameters_.bending_stiffness > 0) add_bending(cache);
 }
 
-double Cable::bend_stiffness(int node) const {
-  return 2 * parameters_.bending_stiffness / (rest_lengths_[node - 1] + rest_lengths_[node]);
-}
-
-/// Of ½ k |b|², b = t₂ - t₁, by the elements' vectors d: ∂/∂d₁ = -k (b - t₁ (t₁·b))/l₁, ∂/∂d₂ = k (b - t₂ (t₂·b))/l₂.
+/// Of ½ k |b|², b = t₂ - t₁, by the elements' vectors d: ∂/∂d₁ = -k (b - t₁ (t₁·b))/l₁, ∂/∂d₂ = k (b - t₂ (t₂·b))/l₂,
+/// where t₂·b = -t₁·b = ½ |b|².
 void Cable::add_bending(Cache& cache) const {
   for (int i = 1; i < element_count(); ++i) {
-    const Vector3 t1 = cache.directions.col(i - 1), t2 = cache.directions.col(i), b = t2 - t1;
-    const double k = bend_stiffness(i);
-    const Vector3 f1 = -k / cache.lengths[i - 1] * (b - t1 * t1.dot(b));
-    const Vector3 f2 = k / cache.lengths[i] * (b - t2 * t2.dot(b));
-    cache.strain_energy += 0.5 * k * b.squaredNorm();
-    to(cache.force.data(), i - 1) -= f1;
-    to(cache.force.data(), i) += f1 - f2;
-    to(cache.force.data(), i + 1) += f2;
+    const Lanes* t = cache.directions.data() + i;
+    const Lanes t1 = t[-1], t2 = t[0], b = t2 - t1;
+    const double k = bend_stiffness_[i], s = 0.5 * lanes::dot(b, b);
+    const Lanes f1 = (-k / cache.lengths[i - 1]) * (b + s * t1), f2 = (k / cache.lengths[i]) * (b - s * t2);
+    cache.strain_energy += k * s;
+    double* force = cache.force.data() + 3 * i;
+    add(-f1, force - 3);
+    add(f1 - f2, force);
+    add(f2, force + 3);
   }
 }
 
 void Cable::add_residual(const BodyState& state, const double* v_dot, const Vector3& gravity, double* r) const {
   const auto& cache = static_cast<const Cache&>(*state.cache);
-  Eigen::Map<VectorX>(r, cache.force.size()) += cache.force;
-  for (int i = 0; i < node_count(); ++i) to(r, i) += mass_diagonal_[i] * at(v_dot, i) - nodal_mass_[i] * gravity;
-  for (int e = 0; e < element_count(); ++e) {
-    to(r, e) += mass_beside_[e] * at(v_dot, e + 1);
-    to(r, e + 1) += mass_beside_[e] * at(v_dot, e);
+  Vector3 before(0, 0, 0), here = at(v_dot, 0);
+  for (int i = 0; i < element_count(); ++i) {
+    const Vector3 after = at(v_dot, i + 1);
+    to(r, i) += at(cache.force.data(), i) + mass_diagonal_[i] * here + before + mass_beside_[i] * after -
+                nodal_mass_[i] * gravity;
+    before = mass_beside_[i] * here;
+    here = after;
   }
+  const int last = element_count();
+  to(r, last) += at(cache.force.data(), last) + mass_diagonal_[last] * here + before - nodal_mass_[last] * gravity;
 }
 
 void Cable::add_tangent(const BodyState& state, const double*, const Vector3&, const TangentWeights& weights,
                         BodyTangent& S) const {
   auto& cache = static_cast<Cache&>(*state.cache);
   Cache::Blocks* blocks = cache.blocks.data();
-  for (int i = 0; i < node_count(); ++i) {
-    blocks[i].own.setZero(), blocks[i].second.setZero();
-    blocks[i].own.diagonal().setConstant(weights.acceleration * mass_diagonal_[i]);
-  }
+  for (int j = 0; j < 3; ++j) blocks[0].own[j] = weights.acceleration * mass_diagonal_[0] * unit(j);
   const double EA = parameters_.axial_stiffness, c = parameters_.axial_damping;
+  const double stretch = weights.position * EA + weights.velocity * c;
   for (int e = 0; e < element_count(); ++e) {
-    const Vector3 t = cache.directions.col(e);
-    const double L = rest_lengths_[e], N = cache.tensions[e];
+    const Lanes t = cache.directions[static_cast<std::size_t>(e)];
+    const double N = cache.tensions[e];
     // Tension stiffens across the element; what compression softens is left out.
     const double across = N > 0 ? weights.position * N / cache.lengths[e] : 0;
-    const double axial = weights.position * EA / L + weights.velocity * c / L - across;
-    Matrix3 K = (axial * t) * t.transpose();
-    K.diagonal().array() += across;
-    blocks[e].own += K;
-    blocks[e + 1].own += K;
-    blocks[e].next = -K;
-    blocks[e].next.diagonal().array() += weights.acceleration * mass_beside_[e];
+    const Lanes axial = (stretch / rest_lengths_[e] - across) * t;
+    for (int j = 0; j < 3; ++j) {
+      const Lanes K = axial * t[j] + across * unit(j);
+      blocks[e].own[j] += K;
+      blocks[e + 1].own[j] = weights.acceleration * mass_diagonal_[e + 1] * unit(j) + K;
+      blocks[e].next[j] = weights.acceleration * mass_beside_[e] * unit(j) - K;
+      blocks[e].second[j] = lanes::none();
+    }
   }
   if (parameters_.bending_stiffness > 0 && weights.position != 0) add_bending_stiffness(cache, weights.position);
   // The rows of a column follow each other in the pattern.
@@ -221,35 +236,36 @@ void Cable::add_tangent(const BodyState& state, const double*, const Vector3&, c
     const int behind = std::min(reach_, element_count() - i);
     for (int j = 0; j < 3; ++j) {
       double* entry = S.linear.data() + columns_[static_cast<std::size_t>(3 * i + j)];
-      for (int row = j; row < 3; ++row) *entry++ += blocks[i].own(row, j);
-      if (behind > 0)
-        for (int row = 0; row < 3; ++row) *entry++ += blocks[i].next(row, j);
-      if (behind > 1)
-        for (int row = 0; row < 3; ++row) *entry++ += blocks[i].second(row, j);
+      for (int row = j; row < 3; ++row) *entry++ += blocks[i].own[j][row];
+      if (behind > 0) add(blocks[i].next[j], entry);
+      if (behind > 1) add(blocks[i].second[j], entry + 3);
     }
   }
 }
 
-/// Second derivatives of k (1 - c), c = t₁·t₂, with P = 1 - t tᵀ and g = ∂c/∂d:
-///   H₁₁ = k (t₁ g₁ᵀ + g₁ t₁ᵀ + c P₁/l₁)/l₁,   H₁₂ = -k P₁ P₂/(l₁ l₂),   H₂₂ as H₁₁
+/// Second derivatives of k (1 - c), c = t₁·t₂, by the elements' vectors d₁ = x_i - x_{i-1}, d₂ = x_{i+1} - x_i, with
+/// P = 1 - t tᵀ and p₁ = P₁ t₂, p₂ = P₂ t₁:
+///   H₁₁ = k (t₁ p₁ᵀ + p₁ t₁ᵀ + c P₁)/l₁²,   H₂₁ = -k P₂ P₁/(l₁ l₂) = -k (1 - t₁ t₁ᵀ - t₂ p₁ᵀ)/(l₁ l₂),   H₂₂ as H₁₁
 void Cable::add_bending_stiffness(Cache& cache, double weight) const {
   for (int i = 1; i < element_count(); ++i) {
-    const Vector3 t1 = cache.directions.col(i - 1), t2 = cache.directions.col(i), b = t2 - t1;
-    const double k = weight * bend_stiffness(i), l1 = cache.lengths[i - 1], l2 = cache.lengths[i];
-    const double cosine = 1 - 0.5 * b.squaredNorm();
-    const Matrix3 P1 = Matrix3::Identity() - t1 * t1.transpose(), P2 = Matrix3::Identity() - t2 * t2.transpose();
-    const Vector3 g1 = P1 * b / l1, g2 = -P2 * b / l2;
-    const Matrix3 H11 = k / l1 * (t1 * g1.transpose() + g1 * t1.transpose() + cosine / l1 * P1);
-    const Matrix3 H22 = k / l2 * (t2 * g2.transpose() + g2 * t2.transpose() + cosine / l2 * P2);
-    const Matrix3 H21 = -k / (l1 * l2) * (P2 * P1);
-    // d₁ = x_i - x_{i-1}, d₂ = x_{i+1} - x_i
+    const Lanes* t = cache.directions.data() + i;
+    const Lanes t1 = t[-1], t2 = t[0], b = t2 - t1;
+    const double s = 0.5 * lanes::dot(b, b), c = 1 - s;
+    const double of_1 = 1 / cache.lengths[i - 1], of_2 = 1 / cache.lengths[i], k = weight * bend_stiffness_[i];
+    const Lanes p1 = b + s * t1, p2 = s * t2 - b, q1 = p1 - 0.5 * c * t1, q2 = p2 - 0.5 * c * t2;
     Cache::Blocks* at = cache.blocks.data() + i;
-    at[-1].own += H11;
-    at[-1].next += H21 - H11;
-    at[-1].second -= H21;
-    at[0].own += H11 - H21 - H21.transpose() + H22;
-    at[0].next += H21 - H22;
-    at[1].own += H22;
+    for (int j = 0; j < 3; ++j) {
+      const Lanes H11 = (k * of_1 * of_1) * (t1 * q1[j] + q1 * t1[j] + c * unit(j));
+      const Lanes H22 = (k * of_2 * of_2) * (t2 * q2[j] + q2 * t2[j] + c * unit(j));
+      const Lanes H21 = (-k * of_1 * of_2) * (unit(j) - t1 * t1[j] - t2 * p1[j]);
+      const Lanes H12 = (-k * of_1 * of_2) * (unit(j) - t1 * t1[j] - p1 * t2[j]);
+      at[-1].own[j] += H11;
+      at[-1].next[j] += H21 - H11;
+      at[-1].second[j] -= H21;
+      at[0].own[j] += H11 + H22 - (H21 + H12);
+      at[0].next[j] += H21 - H22;
+      at[1].own[j] += H22;
+    }
   }
 }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "engine/assembly/batch.h"
+#include "engine/base/lanes.h"
 #include "engine/model/appearance.h"
 #include "engine/model/point_body.h"
 #include "engine/observe/sensors.h"
@@ -41,13 +42,13 @@ class Cable final : public PointBody, public DrawableBody {
   };
   struct Cache : BodyCache {
     explicit Cache(const Cable&);
-    Matrix3X directions;        // t, an element a column
-    VectorX lengths, tensions;  // l (m) and EA ε + c ε̇ (N)
-    VectorX force;              // ∂U/∂q + D v, N
-    double strain_energy = 0;   // J
-    /// Of the tangent: a node's columns in its own rows, and in those of the two nodes behind it.
+    std::vector<Lanes> directions;  // t of each element
+    VectorX lengths, tensions;      // l (m) and EA ε + c ε̇ (N)
+    VectorX force;                  // ∂U/∂q + D v, N
+    double strain_energy = 0;       // J
+    /// Of the tangent: a node's three columns in its own rows, and in those of the two nodes behind it.
     struct Blocks {
-      Matrix3 own, next, second;
+      Lanes own[3], next[3], second[3];
     };
     std::vector<Blocks> blocks;
   };
@@ -101,17 +102,17 @@ class Cable final : public PointBody, public DrawableBody {
     Matrix6X columns;  // constant
   };
   void set_lengths(double length);
-  void set_mass();
+  void set_constants();
   void set_pattern();
   void add_bending(Cache& cache) const;
   void add_bending_stiffness(Cache& cache, double weight) const;
-  double bend_stiffness(int node) const;  // EI/L_i, N m
   Matrix3X surface(const Matrix3X& axis) const;
 
   const Parameters parameters_;
   VectorX rest_lengths_, arc_;  // L of each element, unstretched length up to each node
   Matrix3X drawn_;              // nodes at t = 0
   VectorX mass_diagonal_, mass_beside_, nodal_mass_;
+  VectorX bend_stiffness_;  // EI/L_i of the inner nodes, N m
   LinearPattern pattern_;
   int reach_ = 1;             // nodes to each side that a node is coupled with
   std::vector<int> columns_;  // first entry of each column in the pattern

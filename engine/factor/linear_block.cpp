@@ -31,6 +31,25 @@ void subtract_product(const S* A, int stride, int m, int n, const S* x, S* y) {
   subtract_product<0>(A, stride, m, n, x, y);
 }
 
+/// Widens [begin, end) by what of n columns of m values is not zero: by sixteen values at a time, for most are.
+template <class S>
+void widen(const S* values, int m, int n, int& begin, int& end) {
+  constexpr int kBlock = 16;
+  const auto is_zero = [&](int from) {
+    bool any = false;
+    for (int k = 0; k < kBlock; ++k) any |= values[from + k] != S(0);
+    return !any;
+  };
+  int first = 0, last = m * n;
+  while (first + kBlock <= last && is_zero(first)) first += kBlock;
+  while (first < last && values[first] == S(0)) ++first;
+  if (first == last) return;
+  while (last - kBlock >= first && is_zero(last - kBlock)) last -= kBlock;
+  while (values[last - 1] == S(0)) --last;
+  begin = std::min(begin, first / m);
+  end = std::max(end, (last - 1) / m + 1);
+}
+
 /// s with s_i s_j >= |D_ij|, nearly, and nearly equal in each row (Ruiz 2001): D / s sᵀ has no units.
 template <class Scalar>
 VectorX symmetric_scale(const Eigen::SparseMatrix<Scalar>& D) {
@@ -117,37 +136,37 @@ template <class Scalar>
 void LinearBlock<Scalar>::load(const std::vector<Scalar>& values, const std::vector<char>& dropped) {
   using View = Eigen::Map<const Matrix>;
   const int n = linear_.size;
-  if (linear_.frame >= 0) {
+  const bool framed = linear_.frame >= 0;
+  X_.middleCols(used_, used_count_).setZero();
+  int begin = framed ? 0 : n, end = framed ? n : 0;
+  if (!framed)
+    for (const int j : jacobians_) {
+      const auto& G = structure_.jacobians[j];
+      widen(values.data() + G.linear_values, structure_.rows[G.rows].count, n, begin, end);
+    }
+  used_ = std::min(begin, end), used_count_ = end - used_;
+  if (framed) {
     X_.template topRows<6>() = View(values.data() + linear_.frame_linear, 6, n);
     T_.template leftCols<6>() = View(values.data() + linear_.linear_frame, n, 6);
+  } else if (used_count_ < n) {
+    T_.setZero();
   }
-  const std::size_t offset = linear_.frame >= 0 ? 1 : 0;
+  const std::size_t offset = framed ? 1 : 0;
   for (std::size_t j = 0; j < jacobians_.size(); ++j) {
     const auto& G = structure_.jacobians[jacobians_[j]];
     const auto& rows = structure_.rows[G.rows];
     const Part& part = parts_[j + offset];
-    X_.middleRows(part.column, rows.count) = View(values.data() + G.linear_values, rows.count, n);
+    auto own = X_.block(part.column, used_, rows.count, used_count_);
+    own = View(values.data() + G.linear_values + rows.count * used_, rows.count, used_count_);
     for (int r = 0; r < rows.count; ++r)
-      if (dropped[rows.first + r]) X_.row(part.column + r).setZero();
-    T_.middleCols(part.column, rows.count) = X_.middleRows(part.column, rows.count).transpose();
+      if (dropped[rows.first + r]) own.row(r).setZero();
+    T_.block(used_, part.column, used_count_, rows.count) = own.transpose();
   }
-}
-
-template <class Scalar>
-void LinearBlock<Scalar>::find_used() {
-  const auto is_zero = [&](int column) { return X_.col(column).isZero(0); };
-  const int n = linear_.size;
-  int end = n;
-  used_ = 0;
-  while (used_ < n && is_zero(used_)) ++used_;
-  while (end > used_ && is_zero(end - 1)) --end;
-  used_count_ = end - used_;
 }
 
 template <class Scalar>
 void LinearBlock<Scalar>::factorize(const std::vector<Scalar>& values, const std::vector<char>& dropped) {
   load(values, dropped);
-  find_used();
   const int n = linear_.size, m = neighbour_size();
   const Scalar* D = values.data() + linear_.values;
   if (full()) {
@@ -159,12 +178,9 @@ void LinearBlock<Scalar>::factorize(const std::vector<Scalar>& values, const std
     for (int i = 0; i < n; ++i) inverse_diagonal_[i] = 1.0 / D[i];
     T_ = inverse_diagonal_.asDiagonal() * T_;
   } else {
-    constexpr std::size_t kPlaces = Sparse::kReal ? 1 : 2;  // of each entry
-    const std::size_t count = sparse_->place.size() / kPlaces;
+    const std::size_t count = linear_.pattern->rows.size();
     if (sparse_->last.size() != count || !std::equal(D, D + count, sparse_->last.begin())) {
       sparse_->last.assign(D, D + count);
-      for (std::size_t k = 0; k < sparse_->place.size(); ++k)
-        sparse_->matrix.valuePtr()[sparse_->place[k]] = D[k / kPlaces];
       factorize_sparse();
     }
     solve_linear(T_);
@@ -194,6 +210,8 @@ void LinearBlock<Scalar>::factorize_sparse() {
   Sparse& s = *sparse_;
   singular_ = s.is_pivoted = false;
   if (s.band && s.band->factorize(s.last.data())) return;
+  constexpr std::size_t kPlaces = Sparse::kReal ? 1 : 2;  // of each entry
+  for (std::size_t k = 0; k < s.place.size(); ++k) s.matrix.valuePtr()[s.place[k]] = s.last[k / kPlaces];
   if (!s.band) s.factor.factorize(s.matrix);
   if constexpr (!Sparse::kReal) {
     if (s.band) s.factor.compute(s.matrix), s.is_pivoted = true;

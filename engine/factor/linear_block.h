@@ -46,7 +46,6 @@ class LinearBlock {
 
  private:
   void load(const std::vector<Scalar>& values, const std::vector<char>& dropped_rows);
-  void find_used();
   void solve_linear(Eigen::Ref<Matrix> columns) const;
   void factorize_full();
   void factorize_sparse();

@@ -43,7 +43,8 @@ struct Band {
 };
 
 TEST(BandedCholesky, SolvesAsADenseFactorDoes) {
-  for (const auto& [size, band] : {std::pair(1, 0), {7, 1}, {60, 8}, {9, 8}}) {
+  for (const auto& [size, band] :
+       {std::pair(1, 0), {4, 0}, {7, 1}, {60, 8}, {61, 8}, {9, 8}, {10, 8}, {12, 8}, {9, 5}, {26, 24}, {40, 20}}) {
     const Band scene(size, band);
     BandedCholesky<double> factor(size, scene.pattern);
     for (const double weight : {1.0, 3.0}) {  // the second time with other values
@@ -59,13 +60,13 @@ TEST(BandedCholesky, SolvesAsADenseFactorDoes) {
 
 /// Semidefinite ones at two angles, as M and K are weighed by Radau's complex stages.
 TEST(BandedCholesky, SolvesComplexCombinations) {
-  const Band scene(60, 8);
-  BandedCholesky<std::complex<double>> factor(60, scene.pattern);
+  const Band scene(61, 8);
+  BandedCholesky<std::complex<double>> factor(61, scene.pattern);
   using Complex = std::complex<double>;
   for (const Complex shift : {Complex(2.7, 3.1), Complex(-2.5, 0.4), Complex(0, 1)}) {
     const Eigen::MatrixXcd D = shift * scene.definite.cast<Complex>() + scene.semidefinite.cast<Complex>();
     ASSERT_TRUE(factor.factorize(scene.entries(D).data()));
-    Eigen::MatrixXcd x = Eigen::MatrixXcd::Random(60, 2);
+    Eigen::MatrixXcd x = Eigen::MatrixXcd::Random(61, 4);
     const Eigen::MatrixXcd right = x;
     factor.solve(x);
     expect_below("complex", (D * x - right).norm() / right.norm(), 1e-11);
@@ -75,11 +76,14 @@ TEST(BandedCholesky, SolvesComplexCombinations) {
 TEST(BandedCholesky, RefusesWhatIsNotDefinite) {
   const Band scene(20, 3);
   BandedCholesky<double> factor(20, scene.pattern);
-  MatrixX D = scene.definite;
-  D(10, 10) = -1;
-  EXPECT_FALSE(factor.factorize(scene.entries(D).data()));
-  D(10, 10) = std::nan("");
-  EXPECT_FALSE(factor.factorize(scene.entries(D).data()));
+  MatrixX D;
+  for (const int row : {0, 10, 19}) {  // of an end, of the middle, of the other end
+    D = scene.definite;
+    D(row, row) = -1;
+    EXPECT_FALSE(factor.factorize(scene.entries(D).data()));
+    D(row, row) = std::nan("");
+    EXPECT_FALSE(factor.factorize(scene.entries(D).data()));
+  }
   EXPECT_TRUE(factor.factorize(scene.entries(scene.definite).data()));
 }
 
