@@ -25,9 +25,9 @@ const std::map<std::string, std::set<std::string>> kArrows = {
 const std::set<std::string> kPluginIncludes = {"engine/plugin.h", "engine/plugin_abi.h"};
 // engine/ has rooms in the order of the pipeline: each knows itself and those before it. Two headers stand at the door,
 // where plug-ins find them.
-const std::vector<std::string> kRooms = {"base",   "factor",   "cones",   "model",    "forward",  "archive",
-                                         "output", "motion",   "contact", "assembly", "simplify", "observe",
-                                         "run",    "analysis", "page",    "study",    "gradient", "fmu",      "plugin"};
+const std::vector<std::string> kRooms = {"base",   "factor",  "cones",    "model",    "forward", "archive", "output",
+                                         "motion", "contact", "assembly", "simplify", "observe", "run",     "analysis",
+                                         "page",   "study",   "gradient", "fmu",      "plugin"};
 const std::set<std::string> kLibraries = {"engine", "bodies", "joints", "integrators", "models"};
 
 /// A third-party package: its headers, the files that may include them, and whether only one of those files may.
