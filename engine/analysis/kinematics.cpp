@@ -20,6 +20,7 @@ constexpr double kRateTolerance = 1e-7;              // of ġ beside |∂g/∂t|
 // At a change point two ways of assembly cross; only one goes on with the velocity that the mechanism had.
 constexpr double kVelocityJump = 0.3,
                  kFromRest = 0.1;    // of v; below kFromRest of the new v there is nothing to compare
+constexpr double kAtRest = 1e-6;     // of the speed before
 constexpr double kNearby = 1e-3;     // of the step: so near to a change point velocities may be carried on
 constexpr double kCarriedOn = 1e-2;  // of ġ beside |v|, for velocities carried on
 
@@ -90,9 +91,11 @@ bool Kinematics::reach(EquationsOfMotion& equations, double time, State& state) 
   for (int round = 0; round < 2; ++round) projector.velocity(time, trial_.q, trial_.v);  // the second fixes round-off
   const double speed = trial_.v.lpNorm<Eigen::Infinity>(), former = state.v.lpNorm<Eigen::Infinity>();
   const bool solved = trial_.v.allFinite() && rate_error(trial_.v) <= kRateTolerance * (asked + 1e-9 * speed) + 1e-12;
-  const bool smooth = h == 0 || former <= kFromRest * speed ||
-                      (trial_.v - v_expected).lpNorm<Eigen::Infinity>() <=
-                          kVelocityJump * (former + h * state.v_dot.lpNorm<Eigen::Infinity>());  // it may come to rest
+  // A drive that ends at rest slows down by more than its acceleration at the step's start tells, at any step.
+  const double change = h * state.v_dot.lpNorm<Eigen::Infinity>();
+  const bool rests = speed <= kAtRest * former && former <= change;
+  const bool smooth = h == 0 || rests || former <= kFromRest * speed ||
+                      (trial_.v - v_expected).lpNorm<Eigen::Infinity>() <= kVelocityJump * (former + change);
 
   // 3. Accelerations and the forces of drives and joints.
   if (solved && smooth) {

@@ -5,14 +5,14 @@
 namespace lithe {
 namespace {
 
-/// force += Gᵀ y on a plain frame: the translations feel ±y, or nothing.
+/// force += Gᵀ y on a plain frame: the translations feel ±y, or nothing; of the rates of G, nothing either.
 void add_to_plain_frame(const double* G, int rows, int point, const double* y, double* force) {
   const double* turns = G + 3 * rows;
   Lanes torque = lanes::load3(force + 3);
   int first = 0;
   if (point != 0) {
     const Lanes pull = lanes::load3(y);
-    lanes::store3(lanes::load3(force) + static_cast<double>(point) * pull, force);
+    lanes::store3(lanes::load3(force) + G[0] * pull, force);
     torque += lanes::transposed(lanes::load3x3(turns, rows)) * pull;
     first = 3;
   }

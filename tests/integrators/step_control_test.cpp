@@ -47,7 +47,7 @@ TEST(AutomaticStep, MeetsTheTolerance) {
                                {"generalized-alpha, index 3", automatic_index3, 1e-3, 1e-6, 2. / 3, 10},
                                {"generalized-alpha, index 2", automatic_index2, 1e-3, 1e-6, 2. / 3, 10}};
   for (const Automatic& method : methods) {
-    double last = 1e300;
+    double last = 1e300, before = 1e300;
     for (double tolerance = method.from; tolerance > method.to / 2; tolerance /= 10) {
       Scene scene = box_chain(3, true);
       Method integrator = method.make(tolerance);
@@ -57,8 +57,10 @@ TEST(AutomaticStep, MeetsTheTolerance) {
                                std::to_string(integrator->statistics().steps) + " steps, " +
                                std::to_string(integrator->statistics().rejected) + " rejected)";
       expect_below(name + ", error", error, method.factor * std::pow(tolerance, method.exponent));
-      EXPECT_LT(error, 0.7 * last) << name << ": no better than at ten times the tolerance";
-      last = error;
+      // Which steps a method takes hangs on rounding, and with it a factor of two or three from one tolerance to the
+      // next.
+      EXPECT_LT(error, 0.3 * before) << name << ": no better than at a hundred times the tolerance";
+      before = last, last = error;
     }
   }
 }

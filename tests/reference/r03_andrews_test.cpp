@@ -116,7 +116,7 @@ void check_motion(Method method, double position, double energy) {
 
 TEST(R03AndrewsSqueezer, FollowsTheTableAndBalancesEnergyForFiftyMilliseconds) {
   check_motion(runge_kutta(1e-9), 1e-10, 5e-9);
-  check_motion(ida(1e-8), 1e-7, 1e-6);
+  check_motion(ida(1e-9), 1e-7, 1e-6);
 }
 
 TEST(R03AndrewsSqueezer, MeetsItsMarkByDefault) {
