@@ -68,4 +68,33 @@ void expect_gradient(const ParametricScene& scene, const std::vector<Quantity>& 
   }
 }
 
+void expect_bits_of_the_run(const ParametricScene& scene, const std::vector<DesignParameter>& parameters,
+                            const std::vector<std::string>& columns) {
+  std::vector<Quantity> quantities;
+  for (const std::string& column : columns) quantities.push_back(value_at(column, scene.duration));
+  const Gradient found = gradient(scene, quantities, parameters);
+  Table table;
+  for (const DesignParameter& parameter : parameters)
+    table.columns.push_back(parameter.name), table.values.push_back(parameter.value);
+  SystemGraph graph{{.gravity = scene.gravity}};
+  const std::vector<Sensor> sensors = scene.draw(graph, SweepPoint(table, 0));
+  const System system = assemble(graph);
+  State state = system.initial_state();
+  const auto integrator = scene.integrator();
+  Simulation simulation(system, *integrator);
+  simulation.run(state, scene.duration);
+  Snapshot now(system);
+  now.evaluate(state, Accelerations::solved);
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    int seen = 0;
+    for (const Sensor& sensor : sensors)
+      for (std::size_t c = 0; c < sensor.columns().size(); ++c)
+        if (sensor.columns()[c] == columns[i]) {
+          EXPECT_EQ(found.values[i], sensor.value(now, static_cast<int>(c))) << columns[i];
+          ++seen;
+        }
+    EXPECT_EQ(seen, 1) << columns[i];
+  }
+}
+
 }  // namespace lithe::test

@@ -22,4 +22,9 @@ inline MakeIntegrator exact_alpha(double step) {
 void expect_gradient(const ParametricScene& scene, const std::vector<Quantity>& quantities,
                      const std::vector<DesignParameter>& parameters, double tolerance = 1e-8, bool has_adjoint = true);
 
+/// What gradient() reads at the end of its run is, to the bit, what these columns of the scene's sensors read at the
+/// end of the run alone.
+void expect_bits_of_the_run(const ParametricScene& scene, const std::vector<DesignParameter>& parameters,
+                            const std::vector<std::string>& columns);
+
 }  // namespace lithe::test

@@ -9,7 +9,7 @@
 #include "joints/forces/coordinate_motor.h"
 #include "models/draw_model.h"
 #include "models/read_model.h"
-#include "tests/models/scratch_folder.h"
+#include "tests/models/refusal.h"
 #include "tests/support/json_file.h"
 #include "tests/support/methods.h"
 
@@ -287,18 +287,6 @@ TEST(Mjcf, OrientationsAndSeveralJointsOfABody) {
 }
 
 // ---- bad input ----
-
-std::string refusal(const std::string& file, const std::string& text) {
-  const ScratchFolder folder;
-  try {
-    const ModelDescription model = read_model(folder.write(file, text));
-    SystemGraph graph;
-    draw_model(graph, model);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
-}
 
 TEST(SdfErrors, NameTheLineAndTheFix) {
   const std::string head = "<sdf version='1.7'>\n<model name='m'>\n<link name='a'/>\n<link name='b'/>\n",

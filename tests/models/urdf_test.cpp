@@ -9,7 +9,7 @@
 #include "joints/forces/point_force.h"
 #include "models/draw_model.h"
 #include "models/read_model.h"
-#include "tests/models/scratch_folder.h"
+#include "tests/models/refusal.h"
 #include "tests/support/json_file.h"
 
 namespace lithe {
@@ -160,29 +160,16 @@ TEST(UrdfNotes, SayWhatDoesNotActAndWhere) {
   EXPECT_EQ(read_model(data("anymal_c.urdf")).joints.size(), 77u);
 }
 
-/// A file of the given text; what reading it says.
-std::string refusal(const std::string& text) {
-  const test::ScratchFolder folder;
-  try {
-    const ModelDescription model = read_model(folder.write("robot.urdf", text));
-    SystemGraph graph;
-    draw_model(graph, model);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
-}
-
 TEST(UrdfErrors, NameTheLineAndTheFix) {
   const std::string arm =
       "<robot name='r'>\n<link name='base'/>\n"
       "<link name='arm'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1'/></inertial></link>\n";
   const std::string hinge = "<joint name='j' type='revolute'><parent link='base'/><child link='arm'/></joint>\n";
   const auto says = [](const std::string& text, const std::string& what) {
-    const std::string told = refusal(text);
+    const std::string told = test::refusal("robot.urdf", text);
     EXPECT_NE(told.find(what), std::string::npos) << "wanted: " << what << "\n" << told;
   };
-  EXPECT_EQ(refusal(arm + hinge + "</robot>"), "");
+  EXPECT_EQ(test::refusal("robot.urdf", arm + hinge + "</robot>"), "");
   says("<robot name='r'>\n<link name='base'>\n</robot>", "robot.urdf:3");
   says("<banana version='1.7'/>", "of no known format");
   says("<robot name='r'/>", "has no link");
@@ -223,7 +210,8 @@ TEST(UrdfErrors, NameTheLineAndTheFix) {
       "moves and has no mass");
   says(arm + hinge.substr(0, hinge.size() - 9) + "<mimic joint='j'/></joint></robot>", "cannot follow");
   EXPECT_NE(
-      refusal(
+      test::refusal(
+          "robot.urdf",
           "<robot name='r'><link name='a'><visual><geometry><sphere radius='-1'/></geometry></visual></link></robot>"),
       "");
 }
