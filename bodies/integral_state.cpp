@@ -5,20 +5,8 @@
 
 namespace lithe {
 
-IntegralState::IntegralState(Parameters parameters) : start_(parameters.start) {
-  require::finite(start_, "start");
-  set_marker_count(2);
-}
-
-void IntegralState::marker_kinematics(const BodyState& state, int marker, Level, MarkerKinematics& k) const {
-  static constexpr double kAlongX[6] = {1, 0, 0, 0, 0, 0};
-  const bool moves = marker == 1;
-  k.p = k.r = moves ? Vector3(state.q[0], 0, 0) : Vector3(0, 0, 0);
-  k.v = moves ? Vector3(state.v[0], 0, 0) : Vector3(0, 0, 0);
-  k.R = Matrix3::Identity();
-  k.w = k.bias_v = k.bias_w = Vector3::Zero();
-  k.A = &state.cache->A;
-  k.elastic = moves ? kAlongX : nullptr;
+IntegralState::IntegralState(Parameters parameters) : ScalarBody(/*mass=*/1, parameters.start) {
+  require::finite(parameters.start, "start");
 }
 
 template std::unique_ptr<BodyBatch> make_body_batch<IntegralState>();

@@ -7,6 +7,7 @@
 #include "engine/assembly/find_rigid_scene.h"
 #include "engine/assembly/least_norm.h"
 #include "engine/assembly/moment_check.h"
+#include "engine/assembly/plain_frames.h"
 #include "engine/assembly/redundancy.h"
 #include "engine/assembly/system.h"
 #include "engine/assembly/tangent_factors.h"
@@ -193,6 +194,7 @@ class SystemBuilder {
       BodyRecord record{s.q, s.v, -1, -1, c.frames, {}, {}, {}};
       if (s.frame) record.frame = static_cast<int>(b.frames.size());
       for (int i = 0; i < c.frames; ++i) b.frames.push_back({s.v + 6 * i, b.reserve(36)});
+      if (c.frames == 1 && s.linear == 0) b.frames.back().plain = rigid_inertia_of(*s.body) != nullptr;
       for (const FramePair& p : c.pairs) couplings.emplace_back(record.frame + p.first, record.frame + p.second);
       if (s.linear > 0) {
         record.linear = static_cast<int>(b.linears.size());
@@ -214,7 +216,7 @@ class SystemBuilder {
       if (connector::couples(*c.constraint, drawn(c.markers))) add_couplings(record, couplings);
       constraint_records_.push_back(record);
     }
-    find_plain_frames();
+    plain_.exclude_by(constraint_records_);
     b.row_count = layout.row_count();
     const auto plan_force = [&](const SystemGraph::ForceEntry& f) {
       const int rows = f.force->row_count();
@@ -224,7 +226,7 @@ class SystemBuilder {
       record.first_angle = system_.first_angles_[graph_.constraints().size() + force_records_.size()];
       reactions_.push_back(reaction_of(*f.force, record));
       if (record.marker_count <= kMaxMarkers) add_couplings(record, couplings);
-      not_plain(record);
+      plain_.exclude(record);
       force_records_.push_back(record);
       b.row_count += rows;
       system_.compliant_count_ += rows;
@@ -246,67 +248,7 @@ class SystemBuilder {
         const auto& coupling = b.couplings[at - couplings.begin()];
         record.pairs.push_back({coupling.ab, coupling.ba});
       }
-    mark_rigid_pairs();
-  }
-
-  /// Frames of rigid bodies on which nothing acts but joints of RigidRows. Of many joints on one body each would come
-  /// to know all others where its translations are eliminated first.
-  void find_plain_frames() {
-    constexpr int kMostJoints = 2;
-    BlockStructure& b = system_.blocks_;
-    std::vector<int> joints(b.frames.size(), 0);
-    for (std::size_t i = 0; i < records_.size(); ++i) {
-      const BodyRecord& record = records_[i];
-      if (record.frames == 1 && record.linear < 0)
-        b.frames[record.frame].plain = rigid_inertia_of(*system_.layout_.bodies()[first_slices_[i]].body) != nullptr;
-    }
-    for (std::size_t i = 0; i < constraint_records_.size(); ++i) {
-      const ConnectorRecord& record = constraint_records_[i];
-      const int frames[] = {record.slots[0].frame, record.slots[record.slot_count - 1].frame};
-      if (!rigid_rows(i) || (frames[0] == frames[1])) not_plain(record);
-      for (int frame : frames)
-        if (frame >= 0 && ++joints[frame] > kMostJoints) b.frames[frame].plain = false;
-    }
-  }
-
-  /// A connector that acts on frames in other ways.
-  void not_plain(const ConnectorRecord& record) {
-    for (int i = 0; i < record.slot_count; ++i)
-      if (record.slots[i].frame >= 0) system_.blocks_.frames[record.slots[i].frame].plain = false;
-  }
-
-  void mark_rigid_pairs() {
-    BlockStructure& b = system_.blocks_;
-    const auto is_rigid = [&](const MarkerSlot& slot) {
-      return slot.velocity < 0 || (slot.frame >= 0 && b.frames[slot.frame].plain);
-    };
-    for (std::size_t i = 0; i < constraint_records_.size(); ++i) {
-      const RigidRows* rows = rigid_rows(i);
-      ConnectorRecord& record = constraint_records_[i];
-      if (!rows) continue;
-      for (int k = 0; k < record.slot_count; ++k) {
-        const MarkerSlot& slot = record.slots[k];
-        if (rows->point && slot.frame >= 0 && b.frames[slot.frame].plain)
-          b.jacobians[slot.jacobian].point = slot.place == 0 ? -1 : 1;
-      }
-      const MarkerSlot &A = record.slots[0], &B = record.slots[1];
-      record.rigid = record.slot_count == 2 && is_rigid(A) && is_rigid(B);
-      if (!record.rigid) continue;
-      const std::pair<int, int> frames = std::minmax(A.frame, B.frame);
-      const auto at = std::lower_bound(b.couplings.begin(), b.couplings.end(), frames,
-                                       [](const auto& c, const auto& key) { return std::pair(c.a, c.b) < key; });
-      if (at == b.couplings.end() || std::pair(at->a, at->b) != frames) continue;
-      record.ab = A.frame < B.frame ? at->ab : at->ba;
-      record.ba = A.frame < B.frame ? at->ba : at->ab;
-    }
-  }
-
-  /// Of the graph's i-th constraint; null if its type has none.
-  const RigidRows* rigid_rows(std::size_t i) {
-    const auto& entry = graph_.constraints()[i];
-    const auto [at, fresh] = rigid_rows_.try_emplace(entry.type, nullptr);
-    if (fresh) at->second = entry.make_batch()->rigid_rows();
-    return at->second;
+    plain_.mark(constraint_records_);
   }
 
   ConnectorRecord connect(const std::vector<Marker>& markers, int first_row, int rows, int compliant, bool loads) {
@@ -387,7 +329,7 @@ class SystemBuilder {
   void add_contact(const SystemGraph::ContactEntry& entry) {
     const std::vector<Marker>& markers = entry.markers;
     const ConnectorRecord record = connect(markers, system_.blocks_.row_count, 0, -1, true);
-    not_plain(record);
+    plain_.exclude(record);
     ContactRecord contact{entry.contact, static_cast<int>(system_.contacts_.size()), entry.place, markers, {}, {}};
     for (std::size_t i = 0; i < markers.size(); ++i) {
       contact.places.push_back(record.slots[i].marker);
@@ -634,7 +576,7 @@ class SystemBuilder {
   std::vector<ConnectorRecord> constraint_records_, force_records_;
   std::vector<ReactionRecord> reactions_;
   std::vector<int> batch_sizes_;
-  std::map<std::type_index, const RigidRows*> rigid_rows_;
+  PlainFrames plain_{graph_, system_.blocks_};
 };
 
 System assemble(SystemGraph& graph, const AssembleOptions& options) try {

@@ -14,20 +14,6 @@ inline Columns rotation_columns(const double* e) {
            of(x * z2 + w * y2, y * z2 - w * x2, 1 - (x * x2 + y * y2))}};
 }
 
-/// c = cos √t, s = sin √t / (2 √t): of half a rotation vector whose square is 4 t. The series is that of rotated().
-inline void half_angle(double t, double& c, double& s) {
-  if (t < 0.1) {  // to round-off
-    constexpr double a2 = 1.0 / 2, a4 = a2 / 12, a6 = a4 / 30, a8 = a6 / 56, a10 = a8 / 90, a12 = a10 / 132;
-    constexpr double b1 = 1.0 / 2, b3 = b1 / 6, b5 = b3 / 20, b7 = b5 / 42, b9 = b7 / 72, b11 = b9 / 110;
-    c = 1 - t * (a2 - t * (a4 - t * (a6 - t * (a8 - t * (a10 - t * a12)))));
-    s = b1 - t * (b3 - t * (b5 - t * (b7 - t * (b9 - t * b11))));
-  } else {
-    const double half = std::sqrt(t);
-    c = std::cos(half);
-    s = std::sin(half) / (2 * half);
-  }
-}
-
 /// rotated(e, psi).
 inline Lanes rotated(const Lanes& e, const Lanes& psi) {
   double c, s;  // cos(|psi|/2), sin(|psi|/2)/|psi|

@@ -45,10 +45,8 @@ inline Vector4 quaternion_product(const Vector4& a, const Vector4& b) {
   return c;
 }
 
-/// e ∘ exp(psi): turns by the rotation vector psi given in body axes. Renormalised, so the norm never drifts.
-inline Vector4 rotated(const Vector4& e, const Vector3& psi) {
-  const double t = 0.25 * psi.squaredNorm();  // (|psi|/2)²
-  double c, s;                                // cos(|psi|/2), sin(|psi|/2)/|psi|
+/// c = cos √t, s = sin √t / (2 √t): of half a rotation vector whose square is 4 t.
+inline void half_angle(double t, double& c, double& s) {
   if (t < 0.1) {  // to round-off; the compiler may not turn divisions by constants into products
     constexpr double a2 = 1.0 / 2, a4 = a2 / 12, a6 = a4 / 30, a8 = a6 / 56, a10 = a8 / 90, a12 = a10 / 132;
     constexpr double b1 = 1.0 / 2, b3 = b1 / 6, b5 = b3 / 20, b7 = b5 / 42, b9 = b7 / 72, b11 = b9 / 110;
@@ -59,6 +57,12 @@ inline Vector4 rotated(const Vector4& e, const Vector3& psi) {
     c = std::cos(half);
     s = std::sin(half) / (2 * half);
   }
+}
+
+/// e ∘ exp(psi): turns by the rotation vector psi given in body axes. Renormalised, so the norm never drifts.
+inline Vector4 rotated(const Vector4& e, const Vector3& psi) {
+  double c, s;  // cos(|psi|/2), sin(|psi|/2)/|psi|
+  half_angle(0.25 * psi.squaredNorm(), c, s);
   Vector4 turn;
   turn[0] = c;
   turn.tail<3>() = s * psi;

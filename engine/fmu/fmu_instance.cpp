@@ -7,6 +7,7 @@
 
 #include "engine/archive/archive.h"
 #include "engine/base/error.h"
+#include "engine/base/fnv1a.h"
 #include "engine/base/number_text.h"
 #include "engine/base/version.h"
 
@@ -17,10 +18,8 @@ constexpr double kSamePoint = 1e-9;  // of a step: communication points that dif
 constexpr char kMagic[8] = {'l', 'i', 't', 'h', 'e', 'F', 'M', 'U'};
 constexpr std::size_t kHead = sizeof kMagic + sizeof(std::uint64_t);
 
-std::uint64_t digest(const unsigned char* bytes, std::size_t size) {
-  std::uint64_t sum = 14695981039346656037ull;  // FNV-1a
-  for (std::size_t i = 0; i < size; ++i) sum = (sum ^ bytes[i]) * 1099511628211ull;
-  return sum;
+std::string_view view(const unsigned char* bytes, std::size_t size) {
+  return {reinterpret_cast<const char*>(bytes), size};
 }
 
 }  // namespace
@@ -158,7 +157,7 @@ std::vector<unsigned char> FmuInstance::save(int mode) {
   if (started_) archive.group("simulation", [&] { simulation_->save(state_, archive); });
   const std::vector<unsigned char> content = archive.bytes();
   std::vector<unsigned char> bytes(sizeof kMagic + sizeof(std::uint64_t));
-  const std::uint64_t sum = digest(content.data(), content.size());
+  const std::uint64_t sum = fnv1a(view(content.data(), content.size()));
   std::memcpy(bytes.data(), kMagic, sizeof kMagic);
   std::memcpy(bytes.data() + sizeof kMagic, &sum, sizeof sum);
   bytes.insert(bytes.end(), content.begin(), content.end());
@@ -168,7 +167,7 @@ std::vector<unsigned char> FmuInstance::save(int mode) {
 void FmuInstance::check_saved(const unsigned char* bytes, std::size_t size) {
   std::uint64_t sum = 0;
   if (size >= kHead) std::memcpy(&sum, bytes + sizeof kMagic, sizeof sum);
-  if (size < kHead || std::memcmp(bytes, kMagic, sizeof kMagic) != 0 || digest(bytes + kHead, size - kHead) != sum)
+  if (size < kHead || std::memcmp(bytes, kMagic, sizeof kMagic) != 0 || fnv1a(view(bytes + kHead, size - kHead)) != sum)
     throw FileError("the bytes are not a state of an FMU, or are damaged", "FMU state",
                     "restore what Get or Serialize of the FMU's state gave");
 }

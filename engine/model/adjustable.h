@@ -29,6 +29,10 @@ class Adjustable {
     for (const double bound : {p.lower, p.upper})
       if (std::isfinite(bound)) check(bound, which + " at its bound");
   }
+  /// Of all three: finite.
+  void require_finite(const std::string& parameter) const {
+    require([](double value, const std::string& name) { lithe::require::finite(value, name); }, parameter);
+  }
 
  private:
   double value_;

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <type_traits>
 
+#include "engine/base/fnv1a.h"
 #include "engine/output/partial_file.h"
 
 namespace lithe {
@@ -23,12 +24,6 @@ template <class T>
 void append(std::string& bytes, T value) {
   static_assert(std::is_trivially_copyable_v<T>);
   bytes.append(reinterpret_cast<const char*>(&value), sizeof(T));
-}
-
-std::uint64_t fnv1a(std::string_view bytes) {
-  std::uint64_t hash = 14695981039346656037ull;
-  for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ull;
-  return hash;
 }
 
 // Takes pieces off the front of the file; every count is checked against what is left before it is believed.

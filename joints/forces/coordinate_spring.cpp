@@ -8,11 +8,10 @@ namespace lithe {
 CoordinateSpring::CoordinateSpring(CoordinateSet coordinate, Parameters parameters)
     : coordinate_(std::move(coordinate)), parameters_(std::move(parameters)) {
   coordinate_.require_one("a spring");
-  const auto finite = [](double value, const std::string& parameter) { require::finite(value, parameter); };
   parameters_.stiffness.require(require::not_negative, "stiffness");
   parameters_.damping.require(require::not_negative, "damping");
-  parameters_.preload.require(finite, "preload");
-  if (parameters_.free_value) parameters_.free_value->require(finite, "free_value");
+  parameters_.preload.require_finite("preload");
+  if (parameters_.free_value) parameters_.free_value->require_finite("free_value");
 }
 
 void CoordinateSpring::evaluate(double t, std::span<const MarkerView> markers, ForceRows& rows) const {

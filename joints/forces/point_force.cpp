@@ -8,7 +8,7 @@ namespace lithe {
 PointForce::PointForce(Parameters parameters) : parameters_(parameters) {
   require::finite(parameters.force, "force");
   require::finite(parameters.torque, "torque");
-  parameters.factor.require([](double value, const std::string& name) { require::finite(value, name); }, "factor");
+  parameters.factor.require_finite("factor");
 }
 
 template std::unique_ptr<ForceBatch> make_force_batch<PointForce>();

@@ -7,11 +7,10 @@ namespace lithe {
 
 SpringDamper::SpringDamper(Parameters parameters)
     : parameters_(parameters), natural_length_(parameters.natural_length.value_or(0.0)) {
-  const auto finite = [](double value, const std::string& parameter) { require::finite(value, parameter); };
   parameters.stiffness.require(require::not_negative, "stiffness");
   parameters.damping.require(require::not_negative, "damping");
   if (parameters.natural_length) parameters.natural_length->require(require::not_negative, "natural_length");
-  parameters.preload.require(finite, "preload");
+  parameters.preload.require_finite("preload");
 }
 
 void SpringDamper::initialize(std::span<const MarkerView> m) {

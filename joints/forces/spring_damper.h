@@ -11,8 +11,8 @@ namespace lithe {
 
 /// Spring and damper along the line between two markers.
 ///   σ = k (l - l₀) + c l̇ + σ₀,   l = |p_B - p_A|,   V = ½ k (l - l₀)² + σ₀ (l - l₀);   or σ(l - l₀, l̇) by a law
-/// σ > 0 pulls the markers together. A stiffness, damping, natural length or preload may be an Input.
-///  If they coincide (l = 0), the line has no direction: the force is taken as zero.
+/// σ > 0 pulls the markers together. A stiffness, damping, natural length or preload may be an Input. If they
+/// coincide (l = 0), the line has no direction: the force is taken as zero.
 class SpringDamper final : public Force</*markers=*/2, /*rows=*/1> {
  public:
   struct Parameters {

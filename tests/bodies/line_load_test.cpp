@@ -10,6 +10,7 @@
 #include "bodies/cable/cable.h"
 #include "engine/analysis/equilibrium.h"
 #include "engine/analysis/linearization.h"
+#include "engine/model/input.h"
 #include "engine/run/simulation.h"
 #include "joints/fixed_joint.h"
 #include "joints/prismatic_joint.h"
@@ -165,6 +166,27 @@ TEST(LineLoad, FollowsItsLawInTime) {
                                     }});
   EXPECT_TRUE(pieces[0]->depends_on_time());
   EXPECT_LT((resultant(graph, pieces, 3) - (Vector6() << 0, 6, 0, 0, 0, 8).finished()).norm(), 1e-13);
+}
+
+TEST(LineLoad, IsTimesItsAmplitude) {
+  SystemGraph graph;
+  auto& beam = graph.add<Beam>("beam", {.axis = along_x(2), .sections = {{0, rod(1, 1, 1)}}, .elements = 3});
+  auto& twice = graph.add<Input>("twice", {.value = 2});
+  const auto even = add_line_load(graph, "even", beam, {.density = {{0, force({0, 1, 0})}}, .amplitude = ramp(0, 2)});
+  const auto given = add_line_load(graph, "given", beam, {.density = {{0, force({0, 1, 0})}}, .amplitude = twice});
+  const auto gust = add_line_load(graph, "gust", beam,
+                                  {.law =
+                                       [](double s, double t) {
+                                         return force({0, s * t, 0});
+                                       },
+                                   .amplitude = twice});
+  EXPECT_TRUE(even[0]->depends_on_time() && given[0]->depends_on_time());
+  const auto off = [&](const auto& pieces, double force_y, double moment_z) {
+    return (resultant(graph, pieces, 3) - (Vector6() << 0, force_y, 0, 0, 0, moment_z).finished()).norm();
+  };
+  EXPECT_LT(off(even, 12, 12), 1e-13);  // 6 N/m at t = 3 s over 2 m
+  EXPECT_LT(off(given, 4, 4), 1e-13);
+  EXPECT_LT(off(gust, 12, 16), 1e-13);
 }
 
 /// As the weight of consistent mass, at the same points; of a cable, as its weight.
