@@ -6,6 +6,7 @@
 #include "engine/assembly/batch_of.h"
 #include "engine/base/checks.h"
 #include "engine/base/error.h"
+#include "engine/base/lanes.h"
 
 namespace lithe {
 namespace {
@@ -215,66 +216,91 @@ void FlexibleBody::add_residual(const BodyState& state, const double* v_dot, con
 
 void FlexibleBody::add_tangent(const BodyState& state, const double* v_dot, const Vector3& gravity,
                                const TangentWeights& weights, BodyTangent& S) const {
+  using namespace lanes;
   auto& cache = static_cast<Cache&>(*state.cache);
   const InertiaTerms& t = cache.terms;
-  DeflectionTerms& map = cache.deflection;
-  const Matrix3& A = cache.A;
-  const Matrix3X &Ct = deflection_ ? map.Ct : inertia_->Ct, &Cr_columns = deflection_ ? map.Cr : t.Cr;
-  const ConstVector3 w(state.v + 3);
   const double a = weights.acceleration, d = weights.velocity, p = weights.position;
+  const Columns A = load3x3(cache.A.data()), J = load3x3(t.J.data()), s = skewed(load3(t.s.data()));
 
-  // Mass matrix, symmetric: [m E, -A s~, A Ct; ·, J, Cr; ·, ·, Mff].
-  const Matrix3 As = A * skew(t.s);
-  for (int i = 0; i < 3; ++i) S.frame(i, i) += a * inertia_->mass;
-  S.frame.topRightCorner<3, 3>() -= a * As;
-  S.frame.bottomLeftCorner<3, 3>() -= a * As.transpose();
-  S.frame.bottomRightCorner<3, 3>() += a * t.J;
-  for (int k = 0; k < modes_; ++k) {
-    const Vector3 ACt = a * (A * Ct.col(k)), Cr = a * Cr_columns.col(k);
-    S.frame_linear.col(k).head<3>() += ACt;
-    S.frame_linear.col(k).tail<3>() += Cr;
-    for (int i = 0; i < 3; ++i) S.linear_frame(k, i) += ACt[i], S.linear_frame(k, 3 + i) += Cr[i];
+  // Of the frame. Mass matrix, symmetric: [m E, -A s~, A Ct; ·, J, Cr; ·, ·, Mff].
+  Columns upper = a * s, turn = a * J;  // -Aᵀ times the block of p and ω, and that of ω
+  const Columns lower = transposed(A * upper);
+  Lanes lift = none();
+  if (d != 0) {  // docs/equations.md 3.3, left-hand side; the small modal-modal gyroscopic part is left to Newton
+    const Lanes w = load3(state.v + 3), spin = J * w + load3(t.h.data());
+    const Columns W = skewed(w);
+    upper = upper + d * (skewed(cross(w, load3(t.s.data()))) + W * s + skewed(2 * load3(t.s_rate.data())));
+    turn = turn + d * (load3x3(t.J_rate.data()) + W * J - skewed(spin));
   }
+  if (p != 0) {  // turning the body under gravity and acceleration
+    const Eigen::Map<const Vector3> w(state.v + 3), w_dot(v_dot + 3);
+    const Vector3 acceleration = Eigen::Map<const Vector3>(v_dot) - gravity;
+    Vector3 pull = w_dot.cross(t.s) + w.cross(w.cross(t.s)) + 2 * w.cross(t.s_rate);
+    pull.noalias() += (deflection_ ? cache.deflection.Ct : inertia_->Ct).lazyProduct(ConstVector(v_dot + 6, modes_));
+    if (deflection_) pull.noalias() += inertia_->Ct.lazyProduct(cache.deflection.xi_bias);
+    lift = p * A.transposed_times(of(acceleration));
+    upper = upper + skewed(p * of(pull));
+    turn = turn + s * skewed(lift);
+  }
+  double* frame = S.frame.data();
+  for (int i = 0; i < 3; ++i) frame[7 * i] += a * inertia_->mass;
+  store3x3(load3x3(frame + 18, 6) - A * upper, frame + 18, 6);
+  store3x3(load3x3(frame + 3, 6) - lower, frame + 3, 6);
+  store3x3(load3x3(frame + 21, 6) + turn, frame + 21, 6);
+
+  add_couplings(cache, state.v + 3, v_dot + 3, vector(lift), weights, S);
   if (diagonal_)
     for (int k = 0; k < modes_; ++k) S.linear[k] += a + d * damping_[k] + p * stiffness_[k];
   else if (deflection_)
     add_linear_tangent(cache, v_dot, gravity, weights, S.linear);
   else
     S.linear += a * modal_mass_ + d * damping_ + p * stiffness_;
+}
 
-  if (d != 0) {  // docs/equations.md 3.3, left-hand side; the small modal-modal gyroscopic part is left to Newton
-    const Matrix3 W = skew(w);
-    const Vector3 spin = t.J * w + t.h;
-    const Matrix3X &G_omega = deflection_ ? map.G_omega : t.G_omega, &u_columns = deflection_ ? map.u : t.u,
-                   &Cr_rate = deflection_ ? map.Cr_rate : t.Cr_rate;
-    S.frame.topRightCorner<3, 3>() -= d * (A * (skew(w.cross(t.s)) + W * skew(t.s) + 2 * skew(t.s_rate)));
-    S.frame.bottomRightCorner<3, 3>() += d * (t.J_rate + W * t.J - skew(spin));
-    for (int k = 0; k < modes_; ++k) {
-      const Vector3 Gw = G_omega.col(k), u = u_columns.col(k), c = Cr_rate.col(k);
-      S.frame_linear.col(k).head<3>() += 2 * d * (A * w.cross(Vector3(Ct.col(k))));
-      S.frame_linear.col(k).tail<3>() += d * (Gw + w.cross(Vector3(Cr_columns.col(k))) + u + c);
-      if (deflection_) {  // ξ̈ = P η̈ + Ṗ η̇, of which the second part is quadratic in η̇
-        S.frame_linear.col(k).head<3>() += 2 * d * (A * map.Ct_rate.col(k));
-        S.frame_linear.col(k).tail<3>() += 2 * d * map.Cr_turn.col(k);
-      }
-      const Vector3 row = d * (Gw + u - c);
-      for (int i = 0; i < 3; ++i) S.linear_frame(k, 3 + i) -= row[i];
-    }
+/// The blocks of frame and deformation. Of the frame's rows by η gravity's moment and the inertia that balances it are
+/// taken both: half of them is worse for Newton than none. Terms with η̇ and η̈ in them are left out.
+/// lift: p Aᵀ (p̈ - g).
+void FlexibleBody::add_couplings(Cache& cache, const double* omega, const double* omega_dot, const Vector3& lift,
+                                 const TangentWeights& weights, BodyTangent& S) const {
+  using namespace lanes;
+  InertiaTerms& t = cache.terms;
+  const DeflectionTerms& map = cache.deflection;
+  const Matrix3X &Ct = deflection_ ? map.Ct : inertia_->Ct, &Cr = deflection_ ? map.Cr : t.Cr,
+                 &G_omega = deflection_ ? map.G_omega : t.G_omega, &u = deflection_ ? map.u : t.u,
+                 &Cr_rate = deflection_ ? map.Cr_rate : t.Cr_rate;
+  const double a = weights.acceleration, d = weights.velocity, p = weights.position;
+  const bool moving = d != 0 || p != 0;
+  const Columns A = load3x3(cache.A.data()), W = skewed(load3(omega)), L = skewed(of(lift)), none = scalar(0);
+  const Columns aA = a * A, rate = moving ? d * W : none;
+  Columns pull = aA, slope = none;
+  if (moving) {
+    pull = A * (scalar(a) + 2 * rate + p * (skewed(load3(omega_dot)) + W * W));
+    slope = scalar(d) + p * W;
+    if (p != 0) inertia_->inertia_slopes(t, ConstVector3(omega_dot), t.G_omega_dot);
   }
-  if (p != 0) {  // turning the body under gravity and acceleration
-    const ConstVector3 acceleration(v_dot), w_dot(v_dot + 3);
-    const Vector3 lift = p * (A.transpose() * (acceleration - gravity));
-    Vector3 pull = w_dot.cross(t.s) + Ct.lazyProduct(ConstVector(v_dot + 6, modes_)) + w.cross(w.cross(t.s)) +
-                   2 * w.cross(t.s_rate);
-    if (deflection_) pull.noalias() += inertia_->Ct.lazyProduct(map.xi_bias);
-    const Matrix3 L = skew(lift);
-    S.frame.topRightCorner<3, 3>() -= p * (A * skew(pull));
-    S.frame.bottomRightCorner<3, 3>() += skew(t.s) * L;
-    for (int k = 0; k < modes_; ++k) {
-      const Vector3 moment = Vector3(Ct.col(k)).cross(lift);
-      S.frame_linear.col(k).tail<3>() += moment;
-      for (int i = 0; i < 3; ++i) S.linear_frame(k, 3 + i) += moment[i];
+  for (int k = 0; k < modes_; ++k) {
+    const Lanes ct = load3(Ct.data() + 3 * k), cr = load3(Cr.data() + 3 * k);
+    Lanes force = pull * ct, torque = a * cr, row = torque;
+    if (moving) {
+      const Lanes Gw = load3(G_omega.data() + 3 * k), uk = load3(u.data() + 3 * k), c = load3(Cr_rate.data() + 3 * k);
+      const Lanes moment = L * ct;
+      torque += rate * cr + slope * Gw + d * (uk + c) - moment;
+      row -= d * (Gw + uk - c) + moment;
+      if (p != 0) {
+        Vector3 through;
+        if (deflection_) through = t.G_omega_dot.lazyProduct(map.P.col(k));
+        torque += p * load3(deflection_ ? through.data() : t.G_omega_dot.data() + 3 * k);
+      }
+      if (deflection_) {  // ξ̈ = P η̈ + Ṗ η̇, of which the second part is quadratic in η̇
+        force += (2 * d) * (A * load3(map.Ct_rate.data() + 3 * k));
+        torque += (2 * d) * load3(map.Cr_turn.data() + 3 * k);
+      }
     }
+    double* column = S.frame_linear.data() + 6 * k;
+    store3(load3(column) + force, column);
+    store3(load3(column + 3) + torque, column + 3);
+    const Lanes start = aA * ct;
+    for (int i = 0; i < 3; ++i) S.linear_frame(k, i) += start[i], S.linear_frame(k, 3 + i) += row[i];
   }
 }
 

@@ -182,6 +182,8 @@ class FlexibleBody final : public DeformableBody, public DrawableBody {
   /// out += (mass Mff + damping D + stiffness K^) x
   void add_modal(double mass, double damping, double stiffness, const double* x, double* out) const;
 
+  void add_couplings(Cache& cache, const double* omega, const double* omega_dot, const Vector3& lift,
+                     const TangentWeights& weights, BodyTangent& S) const;
   void add_linear_tangent(Cache& cache, const double* v_dot, const Vector3& gravity, const TangentWeights& weights,
                           Eigen::Map<VectorX>& linear) const;
 

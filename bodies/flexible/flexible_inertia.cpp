@@ -1,15 +1,22 @@
 #include "bodies/flexible/flexible_inertia.h"
 
+#include "engine/base/lanes.h"
+
 namespace lithe {
 namespace {
 
 using ConstVector = Eigen::Map<const VectorX>;
 
-Matrix3 full(const Vector6& s) {
-  Matrix3 J;
-  J << s[0], s[3], s[4], s[3], s[1], s[5], s[4], s[5], s[2];
-  return J;
-}
+/// A symmetric matrix as (xx yy zz xy xz yz).
+struct Six {
+  Lanes four = lanes::none();
+  lanes::Pair two{0, 0};
+
+  Six() = default;
+  explicit Six(const double* x) : four(lanes::load4(x)), two{x[4], x[5]} {}
+  void add(double factor, const Six& x) { four += factor * x.four, two += factor * x.two; }
+  void write(Matrix3& J) const { J << four[0], four[3], two[0], four[3], four[1], two[1], two[0], two[1], four[2]; }
+};
 
 }  // namespace
 
@@ -17,9 +24,10 @@ InertiaTerms::InertiaTerms(int modes)
     : Cr(Matrix3X::Zero(3, modes)),
       quadratic(VectorX::Zero(modes)),
       G_omega(Matrix3X::Zero(3, modes)),
+      G_omega_dot(Matrix3X::Zero(3, modes)),
       u(Matrix3X::Zero(3, modes)),
       Cr_rate(Matrix3X::Zero(3, modes)),
-      modal_scratch(VectorX::Zero(6 * modes)) {}
+      slopes(VectorX::Zero(6 * modes)) {}
 
 ModalInertia::ModalInertia(InertiaIntegrals integrals) : I_(std::move(integrals)) {
   mass = I_.mass;
@@ -28,50 +36,72 @@ ModalInertia::ModalInertia(InertiaIntegrals integrals) : I_(std::move(integrals)
 
 void ModalInertia::evaluate(const double* eta_data, const double* rate_data, const Vector3& w, Level level,
                             InertiaTerms& t) const {
+  using namespace lanes;
   const int nm = I_.mode_count();
   const ConstVector eta(eta_data, nm), rate(rate_data, nm);
   // ∂J/∂η_k = G_k = J1_k + 2 η_l J2_kl, as 6-vectors; J = J0 + ½ η_k (J1_k + G_k).
-  Eigen::Map<VectorX> G(t.modal_scratch.data(), 6 * nm);
-  const ConstVector J1(I_.J1.data(), 6 * nm);
-  G = J1;
-  G.noalias() += 2 * (I_.J2 * eta);
-  const Eigen::Map<const Matrix6X> Gk(G.data(), 6, nm);
-
-  t.s = I_.s0;
-  t.s.noalias() += Ct * eta;
-  Vector6 J = I_.J0;
-  for (int k = 0; k < nm; ++k) J += 0.5 * eta[k] * (I_.J1.col(k) + Gk.col(k));
-  t.J = full(J);
-  Eigen::Map<VectorX> Cr(t.Cr.data(), 3 * nm);
-  Cr = ConstVector(I_.C0.data(), 3 * nm);
-  if (I_.antisymmetric) {
-    Cr.noalias() -= I_.C1 * eta;  // η_k C1_k e_l = -C1_l η
-  } else {
-    for (int l = 0; l < nm; ++l)
-      for (int k = 0; k < nm; ++k) t.Cr.col(l) += eta[k] * I_.C1.block<3, 1>(3 * k, l);
+  t.slopes = ConstVector(I_.J1.data(), 6 * nm);
+  t.slopes.noalias() += 2 * (I_.J2 * eta);
+  const double *ct = Ct.data(), *j1 = I_.J1.data(), *g = t.slopes.data();
+  Lanes first = load3(I_.s0.data());
+  Six J(I_.J0.data());
+  for (int k = 0; k < nm; ++k) {
+    first += eta[k] * load3(ct + 3 * k);
+    J.add(0.5 * eta[k], Six(j1 + 6 * k));
+    J.add(0.5 * eta[k], Six(g + 6 * k));
   }
-  if (level == Level::position) return;
-
-  t.s_rate.noalias() = Ct * rate;
-  Vector6 J_rate = Vector6::Zero();
-  for (int k = 0; k < nm; ++k) J_rate += rate[k] * Gk.col(k);
-  t.J_rate = full(J_rate);
-  t.h.noalias() = t.Cr * rate;
-  Eigen::Map<VectorX>(t.u.data(), 3 * nm).noalias() = I_.C1 * rate;
-  if (I_.antisymmetric) {
-    t.Cr_rate = -t.u;
-  } else {
-    t.Cr_rate.setZero();
+  store3(first, t.s.data());
+  J.write(t.J);
+  // Cr = C0 + η_k C1_k, Ċr = η̇_k C1_k.
+  const bool moving = level != Level::position;
+  t.Cr = I_.C0;
+  if (moving) t.Cr_rate.setZero();
+  if (!I_.antisymmetric) {
     for (int l = 0; l < nm; ++l)
-      for (int k = 0; k < nm; ++k) t.Cr_rate.col(l) += rate[k] * I_.C1.block<3, 1>(3 * k, l);
+      for (int k = 0; k < nm; ++k) {
+        t.Cr.col(l) += eta[k] * I_.C1.block<3, 1>(3 * k, l);
+        if (moving) t.Cr_rate.col(l) += rate[k] * I_.C1.block<3, 1>(3 * k, l);
+      }
+  } else {  // C1_k e_l = -C1_l e_k
+    Eigen::Map<VectorX>(t.Cr.data(), 3 * nm).noalias() -= I_.C1 * eta;
+    if (moving) Eigen::Map<VectorX>(t.Cr_rate.data(), 3 * nm).noalias() -= I_.C1 * rate;
+  }
+  if (!moving) return;
+
+  Lanes first_rate = none(), h = none();
+  Six J_rate;
+  for (int k = 0; k < nm; ++k) {
+    first_rate += rate[k] * load3(ct + 3 * k);
+    h += rate[k] * load3(t.Cr.data() + 3 * k);
+    J_rate.add(rate[k], Six(g + 6 * k));
+  }
+  store3(first_rate, t.s_rate.data());
+  store3(h, t.h.data());
+  J_rate.write(t.J_rate);
+  if (I_.antisymmetric) {
+    t.u = -t.Cr_rate;
+  } else {
+    Eigen::Map<VectorX>(t.u.data(), 3 * nm).noalias() = I_.C1 * rate;
     t.Cr_rate_h.noalias() = t.Cr_rate * rate;
   }
-  for (int k = 0; k < nm; ++k) {
-    const double* g = Gk.data() + 6 * k;
-    Vector3 gw(g[0] * w[0] + g[3] * w[1] + g[4] * w[2], g[3] * w[0] + g[1] * w[1] + g[5] * w[2],
-               g[4] * w[0] + g[5] * w[1] + g[2] * w[2]);
-    t.G_omega.col(k) = gw;
-    t.quadratic[k] = w.dot(0.5 * gw + t.u.col(k) - t.Cr_rate.col(k));
+  inertia_slopes(t, w, t.G_omega);
+  const Lanes omega = of(w);
+  for (int k = 0; k < nm; ++k)
+    t.quadratic[k] =
+        dot(omega, 0.5 * load3(t.G_omega.data() + 3 * k) + load3(t.u.data() + 3 * k) - load3(t.Cr_rate.data() + 3 * k));
+}
+
+void ModalInertia::inertia_slopes(const InertiaTerms& t, const Vector3& x, Matrix3X& columns) const {
+  using namespace lanes;
+  // G x of G = (xx yy zz xy xz yz), row by row: three products each.
+  const Lanes a = of(x), b = of(x[1], x[0], x[0]), c = of(x[2], x[2], x[1]);
+  const double* g = t.slopes.data();
+  double* to = columns.data();
+  for (int k = 0; k < I_.mode_count(); ++k, g += 6, to += 3) {
+    const Lanes sides = load3(g + 3);
+    store3(a * load3(g) + b * __builtin_shufflevector(sides, sides, 0, 0, 1, 3) +
+               c * __builtin_shufflevector(sides, sides, 1, 2, 2, 3),
+           to);
   }
 }
 
@@ -112,10 +142,19 @@ void NodalInertia::evaluate(const double* eta, const double* rate, const Vector3
     const int i = free[k] / 3, a = free[k] % 3;
     const Vector3 e = Vector3::Unit(a), p = t.mr.row(i), p_rate = t.mu.row(i);
     t.quadratic[k] = -(w.cross(w.cross(p)) + 2 * w.cross(p_rate))[a];
-    t.G_omega.col(k) = 2 * p[a] * w - p.dot(w) * e - w[a] * p;
     t.u.col(k) = e.cross(p_rate);
   }
   t.Cr_rate = -t.u;
+  inertia_slopes(t, w, t.G_omega);
+}
+
+void NodalInertia::inertia_slopes(const InertiaTerms& t, const Vector3& x, Matrix3X& columns) const {
+  const auto& free = basis_->free_dofs;
+  for (std::size_t k = 0; k < free.size(); ++k) {
+    const int a = free[k] % 3;
+    const Vector3 p = t.mr.row(free[k] / 3);
+    columns.col(k) = 2 * p[a] * x - p.dot(x) * Vector3::Unit(a) - x[a] * p;
+  }
 }
 
 }  // namespace lithe

@@ -19,9 +19,10 @@ struct InertiaTerms {
   Vector3 Cr_rate_h = Vector3::Zero();  // Ċr η̇; zero for scalar interpolation
   VectorX quadratic;                    // f_v, modal rows
   Matrix3X G_omega;                     // columns (∂J/∂η_k) ω
+  Matrix3X G_omega_dot;                 // columns (∂J/∂η_k) ω̇, for the tangent
   Matrix3X u;                           // columns C1_k η̇
   Matrix3X Cr_rate;                     // Ċr = η̇_k C1_k
-  VectorX modal_scratch;
+  VectorX slopes;                       // by invariants: ∂J/∂η_k (xx yy zz xy xz yz), one after another
   Eigen::MatrixX3d r, u_nodal, mr, mu;  // nodal form only: positions, velocities, and the mass times them, n x 3
 
   explicit InertiaTerms(int modes);
@@ -35,6 +36,8 @@ class FlexibleInertia {
   /// Level::position fills s, J, Cr; above, the rest.
   virtual void evaluate(const double* eta, const double* eta_rate, const Vector3& omega, Level level,
                         InertiaTerms& terms) const = 0;
+  /// Columns (∂J/∂η_k) x at the state evaluated last.
+  virtual void inertia_slopes(const InertiaTerms& terms, const Vector3& x, Matrix3X& columns) const = 0;
   double mass = 0;
   Matrix3X Ct;  // 3 x nm, constant
 };
@@ -45,6 +48,7 @@ class ModalInertia final : public FlexibleInertia {
   explicit ModalInertia(InertiaIntegrals integrals);
   void evaluate(const double* eta, const double* eta_rate, const Vector3& omega, Level level,
                 InertiaTerms& terms) const override;
+  void inertia_slopes(const InertiaTerms& terms, const Vector3& x, Matrix3X& columns) const override;
   const InertiaIntegrals& integrals() const { return I_; }
 
  private:
@@ -58,6 +62,7 @@ class NodalInertia final : public FlexibleInertia {
   explicit NodalInertia(std::shared_ptr<const ModalBasis> basis);
   void evaluate(const double* eta, const double* eta_rate, const Vector3& omega, Level level,
                 InertiaTerms& terms) const override;
+  void inertia_slopes(const InertiaTerms& terms, const Vector3& x, Matrix3X& columns) const override;
 
  private:
   std::shared_ptr<const ModalBasis> basis_;

@@ -137,4 +137,34 @@ void check_body(SystemGraph& graph, const Body& body, const std::vector<Marker>&
   }
 }
 
+void check_position_tangent(SystemGraph& graph, const Body& body, const BodyExpectation& expected) {
+  const System system = assemble(graph);
+  const Layout& layout = system.layout();
+  Evaluator equations(system);
+  const int n = layout.v_count(), frame = 6 * body.coordinates().frames, linear = n - frame;
+  const VectorX no_rows = VectorX::Zero(layout.row_count());
+  RandomNumbers random(11);
+  VectorX d(n), q(layout.q_count()), v = random.vector(n, expected.speed), a = random.vector(n, 10 * expected.speed);
+  d << random.vector(frame), random.vector(linear, expected.deformation);
+  v.tail(linear).setZero();
+  a.tail(linear).setZero();
+  layout.retract(system.initial_state().q, d, q);
+  MatrixX exact = jacobian(
+      layout, q,
+      [&](const VectorX& at) {
+        equations.evaluate(0, at, v, Level::velocity);
+        VectorX r(n);
+        equations.residual(a, no_rows, r);
+        return r;
+      },
+      expected.deformation);
+  equations.evaluate(0, q, v, Level::velocity);
+  equations.factorize({1, 0, 0}, a, no_rows, nullptr);
+  MatrixX K = dense(equations).S();
+  // The stiffness of the modes, many times larger than the rest, is left out of both.
+  K.bottomRightCorner(linear, linear).setZero();
+  exact.bottomRightCorner(linear, linear).setZero();
+  EXPECT_LT(relative(K, exact), 1e-8);
+}
+
 }  // namespace lithe::test

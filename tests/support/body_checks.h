@@ -26,4 +26,8 @@ struct BodyExpectation {
 void check_body(SystemGraph& graph, const Body& body, const std::vector<Marker>& markers,
                 const BodyExpectation& expected);
 
+/// The tangent's position part but for the modal-modal block, where the deformation is at rest and the frame is not:
+/// the derivative of the residual by differences. Newton leaves terms with the rates of deformation out.
+void check_position_tangent(SystemGraph& graph, const Body& body, const BodyExpectation& expected);
+
 }  // namespace lithe::test
