@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# check_archives.sh BUILD SCRATCH: makes the .deb and the tarball, unpacks each into an empty root, and there makes a project
-# and runs its scene. Nothing of the build or of the checkout is used then.
+# check_archives.sh BUILD SCRATCH: makes the .deb and the tarball, unpacks each into an empty root, makes a project from the
+# .deb and runs its scene, and compares the two. Nothing of the build or of the checkout is used then.
 set -euo pipefail
 build=$1 scratch=$2
 rm -rf "$scratch"
@@ -24,23 +24,21 @@ for package in libhdf5 libspdlog libsundials libeigen3-dev g++; do
   [[ $depends == *"$package"* ]] || fail "the .deb does not depend on $package: $depends"
 done
 
-check() {  # ROOT PREFIX: what lies there, and a scene's first run
-  local prefix=$1/$2 home=$1/home
-  for path in bin/lithe include/lithe/lithe.h include/lithe_headers/engine/plugin.h lib/lithe/plugins/massless_rod.so \
-    share/doc/lithe/examples/01_rigid_pendulum.cpp share/doc/lithe/docs/page.md share/doc/lithe/README.md; do
-    [[ -e $prefix/$path ]] || fail "$path is not in $(basename "$1")"
-  done
-  mkdir "$home"
-  (
-    cd "$home"
-    export HOME=$home XDG_CACHE_HOME=$home/.cache LITHE_PRECOMPILED=off PATH=$prefix/bin:/usr/bin:/bin
-    lithe new swing
-    cd swing
-    lithe run ./*.cpp
-  ) > "$1.log" 2>&1 || { cat "$1.log" >&2; fail "lithe new, lithe run in $(basename "$1")"; }
-  grep -q "$build" "$prefix"/lib/cmake/lithe/*.cmake && fail "the package names the build folder"
-  echo "$(basename "$1"): $(tail -n 1 "$1.log")"
-}
-check "$scratch/deb" usr
-check "$scratch/tarball" .
+prefix=$scratch/deb/usr home=$scratch/deb/home
+for path in bin/lithe include/lithe/lithe.h include/lithe_headers/engine/plugin.h lib/lithe/plugins/massless_rod.so \
+  share/doc/lithe/examples/01_rigid_pendulum.cpp share/doc/lithe/docs/page.md share/doc/lithe/README.md; do
+  [[ -e $prefix/$path ]] || fail "$path is not in the .deb"
+done
+grep -q "$build" "$prefix"/lib/cmake/lithe/*.cmake && fail "the package names the build folder"
+diff -rq "$prefix" "$scratch/tarball" >&2 || fail "the tarball holds other files than the .deb"
+
+mkdir "$home"
+(
+  cd "$home"
+  export HOME=$home XDG_CACHE_HOME=$home/.cache LITHE_PRECOMPILED=off PATH=$prefix/bin:/usr/bin:/bin
+  lithe new swing
+  cd swing
+  lithe run ./*.cpp
+) > "$scratch/run.log" 2>&1 || { cat "$scratch/run.log" >&2; fail "lithe new, lithe run"; }
+tail -n 1 "$scratch/run.log"
 rm -rf "$scratch/deb" "$scratch/tarball"
