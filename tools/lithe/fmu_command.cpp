@@ -96,13 +96,14 @@ class Scratch {
 
 /// Compiles the scene to a library beside which Lithe's own lies.
 void compile(const Installation& installation, const SceneFile& scene, const FmuOptions& options,
-             const std::string& source, const fs::path& library) {
+             const std::string& key, const std::string& source, const fs::path& library) {
   const fs::path main = library.parent_path() / "main.cpp";
   std::ofstream(main) << source;
   const fs::path lithe = installation.library.parent_path() / "liblithe_fmu.so";
   std::vector<std::string> command = compile_command(installation);
   append_include_folders(command, installation);
-  command.insert(command.end(), {"-fPIC", "-shared", "-fvisibility=hidden", main.string(), "-o", library.string(),
+  append_precompiled(command, key);
+  command.insert(command.end(), {"-shared", "-fvisibility=hidden", main.string(), "-o", library.string(),
                                  lithe.string(), "-Wl,-Bsymbolic", "-Wl,-z,defs", "-Wl,-rpath,$ORIGIN"});
   command.insert(command.end(), installation.link_flags.begin(), installation.link_flags.end());
   const Finished compiled = run_captured(command);
@@ -170,15 +171,16 @@ int make_fmu(const FmuOptions& options) {
   const SceneFile scene = SceneFile::find(options.scene);
   const fs::path out = options.out.empty() ? fs::path(scene.path.stem().string() + ".fmu") : fs::path(options.out);
   const std::string identifier = identifier_of(scene.path);
+  const std::string key = headers_key(installation);
   Digest token;
-  token.add(headers_key(installation));
+  token.add(key);
   token.add_file(scene.path);
   token.add(number_text(options.tolerance) + " " + number_text(options.step));
 
   const Scratch scratch;
   const fs::path library = scratch.path() / (identifier + ".so");
   try {
-    compile(installation, scene, options, source_around(scene.path, options, "lithe-" + token.text()), library);
+    compile(installation, scene, options, key, source_around(scene.path, options, "lithe-" + token.text()), library);
   } catch (const CompileFailure& failure) {
     std::fprintf(stderr, "%s", failure.what());
     return 2;

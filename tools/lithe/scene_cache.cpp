@@ -86,7 +86,7 @@ std::string headers_key(const Installation& installation) {
 
   std::vector<fs::path> headers;
   for (const fs::path& folder : installation.includes)
-    for (const std::string library : {"lithe", "engine", "bodies", "joints", "integrators"}) {
+    for (const std::string library : {"lithe", "engine", "bodies", "joints", "integrators", "models"}) {
       if (!fs::is_directory(folder / library)) continue;
       for (const auto& entry : fs::recursive_directory_iterator(folder / library))
         if (entry.path().extension() == ".h") headers.push_back(entry.path());
@@ -103,7 +103,8 @@ bool is_precompiled(const std::string& key) { return fs::exists(precompiled_head
 std::vector<std::string> compile_command(const Installation& installation) {
   std::vector<std::string> command = {installation.compiler};
   command.insert(command.end(), installation.flags.begin(), installation.flags.end());
-  command.push_back("-fdiagnostics-color=never");
+  // Of programs and of the libraries beneath FMUs alike: they share the precompiled header.
+  command.insert(command.end(), {"-fdiagnostics-color=never", "-fPIC"});
   return command;
 }
 
@@ -111,6 +112,10 @@ void append_include_folders(std::vector<std::string>& command, const Installatio
   for (const fs::path& folder : installation.includes) command.push_back("-I" + folder.string());
   for (const fs::path& folder : installation.system_includes)
     command.insert(command.end(), {"-isystem", folder.string()});
+}
+
+void append_precompiled(std::vector<std::string>& command, const std::string& key) {
+  if (is_precompiled(key)) command.insert(command.end(), {"-include", precompiled_header(key).string()});
 }
 
 void precompile(const Installation& installation, const std::string& key) {

@@ -47,6 +47,8 @@ std::string headers_key(const Installation& installation);
 /// The header of this key that includes lithe/lithe.h and stands, once precompiled, for it.
 std::filesystem::path precompiled_header(const std::string& key);
 bool is_precompiled(const std::string& key);
+/// Lets a compiler read it, if there is one. It must come before all else that the source includes.
+void append_precompiled(std::vector<std::string>& command, const std::string& key);
 /// Compiles lithe/lithe.h unless that was done, or is being done: then waits. Throws FileError.
 void precompile(const Installation& installation, const std::string& key);
 

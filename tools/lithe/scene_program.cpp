@@ -109,8 +109,7 @@ class SceneProgram {
     append_include_folders(command, installation_);
     // A precompiled header must come first, wherever the scene includes it.
     static const std::regex includes_lithe(R"((^|\n)\s*#\s*include\s*["<]lithe/lithe\.h[">])");
-    if (is_precompiled(key_) && std::regex_search(read_text(source()), includes_lithe))
-      command.insert(command.end(), {"-include", precompiled_header(key_).string()});
+    if (std::regex_search(read_text(source()), includes_lithe)) append_precompiled(command, key_);
     // The library also tells errors that a scene does not catch: it is linked even where no call needs it.
     const std::string library = installation_.library.string();
     command.insert(command.end(),
