@@ -29,6 +29,14 @@ Deflation deflate(const SparseMatrix& M, MatrixX X) {
   return found;
 }
 
+SparseMatrix diagonal_matrix(const VectorX& diagonal) {
+  // No reserve(): of no columns it would leave the compressed form, and makeCompressed() would write behind its end.
+  SparseMatrix D(diagonal.size(), diagonal.size());
+  for (Eigen::Index k = 0; k < diagonal.size(); ++k) D.insert(k, k) = diagonal[k];
+  D.makeCompressed();
+  return D;
+}
+
 MatrixX beside(const MatrixX& left, const MatrixX& right) {
   MatrixX both(left.rows(), left.cols() + right.cols());
   both << left, right;

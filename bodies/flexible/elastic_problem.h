@@ -23,6 +23,7 @@ struct Deflation {
 Deflation deflate(const SparseMatrix& M, MatrixX X);
 /// X ← X L⁻ᵀ with Xᵀ M X = L Lᵀ, twice: M-orthonormal to round-off. The columns are independent.
 void orthonormalise(const SparseMatrix& M, MatrixX& X);
+SparseMatrix diagonal_matrix(const VectorX& diagonal);
 /// The columns of both.
 MatrixX beside(const MatrixX& left, const MatrixX& right);
 

@@ -41,14 +41,6 @@ BodyMatrices in_body_axes(const FiniteElementModel& model, const Matrix3& rotati
   return {turned(model.stiffness), scalar ? model.mass : turned(model.mass), turned(model.damping)};
 }
 
-SparseMatrix diagonal_matrix(const VectorX& d) {
-  SparseMatrix D(d.size(), d.size());
-  D.reserve(Eigen::VectorXi::Ones(d.size()));
-  for (Eigen::Index k = 0; k < d.size(); ++k) D.insert(k, k) = d[k];
-  D.makeCompressed();
-  return D;
-}
-
 SupportedProblem supported(const SparseMatrix& K, const SparseMatrix& M, SparseMatrix T, const MatrixX& rigid,
                            const MatrixX& means) {
   if (T.cols() == T.rows() && T.nonZeros() == T.cols()) return {std::move(T), K, M, rigid, means};  // all is free

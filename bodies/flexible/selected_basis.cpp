@@ -3,6 +3,7 @@
 #include <Eigen/SVD>
 #include <cmath>
 
+#include "bodies/flexible/elastic_problem.h"
 #include "bodies/flexible/inertia_integrals.h"
 #include "engine/base/error.h"
 
@@ -12,13 +13,6 @@ namespace {
 constexpr double kSmallestField = 2e-3;  // of the largest, pairs of modes at equal strain energy
 
 int pair_of(int k, int l) { return l * (l + 1) / 2 + k; }  // k <= l
-
-SparseMatrix diagonal(const VectorX& values) {
-  SparseMatrix matrix(values.size(), values.size());
-  for (int k = 0; k < values.size(); ++k) matrix.insert(k, k) = values[k];
-  matrix.makeCompressed();
-  return matrix;
-}
 
 void check_selection(const ModalBasis& whole, const Fidelity& fidelity) {
   const auto refuse = [&](const std::string& problem, const std::string& fix) {
@@ -127,8 +121,8 @@ SelectedBasis selected(const ModalBasis& whole, const Fidelity& fidelity) {
   part->nodal_mass = whole.nodal_mass;
   part->modes = whole.modes(Eigen::all, modes);
   const VectorX stiffness = VectorX(whole.stiffness.diagonal())(modes);
-  part->stiffness = diagonal(stiffness);
-  part->modal_mass = diagonal(VectorX::Ones(count));
+  part->stiffness = diagonal_matrix(stiffness);
+  part->modal_mass = diagonal_matrix(VectorX::Ones(count));
   if (whole.damping.size() > 0) part->damping = whole.damping(modes, modes);
   part->diagonal = true;
   part->frequencies = whole.frequencies(modes);
