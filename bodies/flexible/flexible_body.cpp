@@ -222,8 +222,9 @@ void FlexibleBody::add_tangent(const BodyState& state, const double* v_dot, cons
   const double a = weights.acceleration, d = weights.velocity, p = weights.position;
   const Columns A = load3x3(cache.A.data()), J = load3x3(t.J.data()), s = skewed(load3(t.s.data()));
 
-  // Of the frame. Mass matrix, symmetric: [m E, -A s~, A Ct; ·, J, Cr; ·, ·, Mff].
-  Columns upper = a * s, turn = a * J;  // -Aᵀ times the block of p and ω, and that of ω
+  // The frame's blocks: force by turning is -A upper, torque by turning is turn. Mass matrix, symmetric:
+  // [m E, -A s~, A Ct; ·, J, Cr; ·, ·, Mff].
+  Columns upper = a * s, turn = a * J;
   const Columns lower = transposed(A * upper);
   Lanes lift = none();
   if (d != 0) {  // docs/equations.md 3.3, left-hand side; the small modal-modal gyroscopic part is left to Newton
@@ -233,8 +234,8 @@ void FlexibleBody::add_tangent(const BodyState& state, const double* v_dot, cons
     turn = turn + d * (load3x3(t.J_rate.data()) + W * J - skewed(spin));
   }
   if (p != 0) {  // turning the body under gravity and acceleration
-    const Eigen::Map<const Vector3> w(state.v + 3), w_dot(v_dot + 3);
-    const Vector3 acceleration = Eigen::Map<const Vector3>(v_dot) - gravity;
+    const ConstVector3 w(state.v + 3), w_dot(v_dot + 3);
+    const Vector3 acceleration = ConstVector3(v_dot) - gravity;
     Vector3 pull = w_dot.cross(t.s) + w.cross(w.cross(t.s)) + 2 * w.cross(t.s_rate);
     pull.noalias() += (deflection_ ? cache.deflection.Ct : inertia_->Ct).lazyProduct(ConstVector(v_dot + 6, modes_));
     if (deflection_) pull.noalias() += inertia_->Ct.lazyProduct(cache.deflection.xi_bias);
@@ -257,8 +258,8 @@ void FlexibleBody::add_tangent(const BodyState& state, const double* v_dot, cons
     S.linear += a * modal_mass_ + d * damping_ + p * stiffness_;
 }
 
-/// The blocks of frame and deformation. Of the frame's rows by η gravity's moment and the inertia that balances it are
-/// taken both: half of them is worse for Newton than none. Terms with η̇ and η̈ in them are left out.
+/// The blocks that couple frame and deformation. The frame's rows by η hold gravity's moment and the inertia that
+/// balances it: one without the other is worse for Newton than neither. Terms with η̇ and η̈ in them are left out.
 /// lift: p Aᵀ (p̈ - g).
 void FlexibleBody::add_couplings(Cache& cache, const double* omega, const double* omega_dot, const Vector3& lift,
                                  const TangentWeights& weights, BodyTangent& S) const {
@@ -269,13 +270,14 @@ void FlexibleBody::add_couplings(Cache& cache, const double* omega, const double
                  &G_omega = deflection_ ? map.G_omega : t.G_omega, &u = deflection_ ? map.u : t.u,
                  &Cr_rate = deflection_ ? map.Cr_rate : t.Cr_rate;
   const double a = weights.acceleration, d = weights.velocity, p = weights.position;
+  // With a mass matrix alone the rates below may be of another state, and no numbers: they are not read.
   const bool moving = d != 0 || p != 0;
-  const Columns A = load3x3(cache.A.data()), W = skewed(load3(omega)), L = skewed(of(lift)), none = scalar(0);
-  const Columns aA = a * A, rate = moving ? d * W : none;
-  Columns pull = aA, slope = none;
+  const Columns A = load3x3(cache.A.data()), W = skewed(load3(omega)), L = skewed(of(lift)), aA = a * A;
+  Columns pull = aA, rate = scalar(0), slope = scalar(0);
   if (moving) {
-    pull = A * (scalar(a) + 2 * rate + p * (skewed(load3(omega_dot)) + W * W));
+    rate = d * W;
     slope = scalar(d) + p * W;
+    pull = A * (scalar(a) + 2 * rate + p * (skewed(load3(omega_dot)) + W * W));
     if (p != 0) inertia_->inertia_slopes(t, ConstVector3(omega_dot), t.G_omega_dot);
   }
   for (int k = 0; k < modes_; ++k) {

@@ -156,7 +156,7 @@ std::vector<unsigned char> FmuInstance::save(int mode) {
   archive("given", given_);
   if (started_) archive.group("simulation", [&] { simulation_->save(state_, archive); });
   const std::vector<unsigned char> content = archive.bytes();
-  std::vector<unsigned char> bytes(sizeof kMagic + sizeof(std::uint64_t));
+  std::vector<unsigned char> bytes(kHead);
   const std::uint64_t sum = fnv1a(view(content.data(), content.size()));
   std::memcpy(bytes.data(), kMagic, sizeof kMagic);
   std::memcpy(bytes.data() + sizeof kMagic, &sum, sizeof sum);

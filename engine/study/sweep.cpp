@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/base/fnv1a.h"
 #include "engine/base/number_text.h"
 #include "engine/output/partial_file.h"
 #include "engine/study/study_run.h"
@@ -76,15 +77,10 @@ SweepOutcome compute(const SweepScene& scene, const Table& parameters, int row) 
   return outcome;
 }
 
-/// FNV-1a.
 std::uint64_t fingerprint(const Table& table) {
-  std::uint64_t hash = 14695981039346656037u;
-  const auto add = [&](const void* data, std::size_t size) {
-    for (std::size_t i = 0; i < size; ++i) hash = (hash ^ static_cast<const unsigned char*>(data)[i]) * 1099511628211u;
-  };
-  for (const std::string& name : table.columns) add(name.c_str(), name.size() + 1);
-  add(table.values.data(), table.values.size() * sizeof(double));
-  return hash;
+  std::uint64_t hash = kFnvStart;
+  for (const std::string& name : table.columns) hash = fnv1a({name.c_str(), name.size() + 1}, hash);
+  return fnv1a({reinterpret_cast<const char*>(table.values.data()), table.values.size() * sizeof(double)}, hash);
 }
 
 /// The outcomes, by row, as a table. Its columns are those of the first point that has results.

@@ -157,7 +157,7 @@ TEST_P(DeflectedBody, has_the_frames_part_of_its_position_tangent) {
   SystemGraph graph{{.gravity = {1, -2, -9.81}}};
   auto& body = graph.add<FlexibleBody>(
       "rod", FlexibleBody::Parameters{.basis = rod(GetParam().first, GetParam().second), .velocity = {0.1, 0.2, -0.3}});
-  check_position_tangent(graph, body, {.mass = 0.26, .speed = 3, .deformation = 2e-3});
+  check_position_tangent(graph, body, 3, 2e-3);
 }
 
 TEST_P(DeflectedBody, in_free_flight_keeps_energy_and_momenta) {

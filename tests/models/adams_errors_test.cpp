@@ -31,7 +31,7 @@ TEST(AdamsErrors, NameTheLineAndTheFix) {
       {all + "JOINT/1, REVOLUTE, I=20\nEND\n", "has no J", 7},
       {all + "JOINT/1, REVOLUTE, I=20, J=99\nEND\n", "MARKER/99", 7},
       {all + "JOINT/1, REVOLUTE, I=20, J=1, I=20\nEND\n", "has I twice", 7},
-      {all + "JOINT/1, REVOLUTE, I=20, J=x\nEND\n", "belongs to no argument", -1},
+      {all + "JOINT/1, REVOLUTE, I=20, J=x\nEND\n", "where a number should be", 7},
       {all + "MARKER/21, PART=2\nJOINT/1, REVOLUTE, I=20, J=21\nEND\n", "two markers of one part", 8},
       {all + "JOINT/0, REVOLUTE, I=20, J=1\nEND\n", "no whole number above zero", 7},
       {all + "JOINT, REVOLUTE, I=20, J=1\nEND\n", "has no identifier", 7},
@@ -59,7 +59,7 @@ TEST(AdamsErrors, NameTheLineAndTheFix) {
       {all + "VARIABLE/1, FUNCTION=SINE(1)\nEND\n", "'SINE' is no function", 7},
       {all + "VARIABLE/1, FUNCTION=STEP(1,2,3)\nEND\n", "STEP has 3 arguments", 7},
       {all + "VARIABLE/1, FUNCTION=DX(77)\nEND\n", "MARKER/77", 7},
-      {all + "VARIABLE/1, FUNCTION=DX(1.5)\nEND\n", "", 7},
+      {all + "VARIABLE/1, FUNCTION=DX(1.5)\nEND\n", "'.' stands where ')' should", 7},
       {all + "VARIABLE/1, FUNCTION=VARVAL(1)\nEND\n", "reads itself", 7},
       {all + "VARIABLE/1, FUNCTION=VARVAL(2)\nVARIABLE/2, FUNCTION=VARVAL(1)\nEND\n", "reads itself", 7},
       {all + "VARIABLE/1, FUNCTION=VARVAL(5)\nEND\n", "VARIABLE/5", 7},
@@ -88,8 +88,6 @@ TEST(AdamsErrors, NameTheLineAndTheFix) {
       {all + std::string("PART/3\0, MASS", 13) + "=1\nEND\n", "zero byte", 7}};
   for (const auto& [text, words, line] : bad) {
     const std::string told = refusal("bad.adm", text);
-    EXPECT_NE(told, "") << text;
-    if (line < 0) continue;
     EXPECT_NE(told.find(words), std::string::npos) << "wanted: " << words << "\n" << told << text;
     EXPECT_NE(told.find("bad.adm:" + std::to_string(line)), std::string::npos) << line << "\n" << told << text;
   }

@@ -41,4 +41,5 @@ mkdir "$home"
   lithe run ./*.cpp
 ) > "$scratch/run.log" 2>&1 || { cat "$scratch/run.log" >&2; fail "lithe new, lithe run"; }
 tail -n 1 "$scratch/run.log"
+(cd "$home" && "$scratch/tarball/bin/lithe" new swing_of_the_tarball > /dev/null) || fail "lithe new of the tarball"
 rm -rf "$scratch/deb" "$scratch/tarball"

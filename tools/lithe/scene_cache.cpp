@@ -36,8 +36,7 @@ void remove_old_precompiled(const fs::path& newest) {
 }  // namespace
 
 void Digest::add(const std::string& text) {
-  for (const unsigned char c : text) value_ = (value_ ^ c) * 1099511628211ull;
-  value_ = (value_ ^ 0x100) * 1099511628211ull;  // ends the text: "ab", "c" is not "a", "bc"
+  value_ = (fnv1a(text, value_) ^ 0x100) * kFnvPrime;  // ends the text: "ab", "c" is not "a", "bc"
 }
 
 void Digest::add_file(const fs::path& file) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/base/fnv1a.h"
 #include "tools/lithe/installation.h"
 
 /// What `lithe run` keeps between runs, in $XDG_CACHE_HOME/lithe (else ~/.cache/lithe):
@@ -23,7 +24,7 @@ class Digest {
   std::string text() const;
 
  private:
-  std::uint64_t value_ = 14695981039346656037ull;
+  std::uint64_t value_ = kFnvStart;
 };
 
 /// Held as long as it lives; others who want the same folder wait. Throws FileError if the folder cannot be written.
