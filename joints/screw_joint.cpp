@@ -13,13 +13,13 @@ ScrewJoint::ScrewJoint(Parameters parameters) : rise_(parameters.lead / (2 * std
 }
 
 void ScrewJoint::evaluate(double, std::span<const MarkerView> markers, ConstraintRows& rows) const {
-  using Kind = JointCoordinate::Kind;
+  constexpr auto displacement = JointCoordinate::Kind::displacement, angle = JointCoordinate::Kind::angle;
   const auto &A = markers[0], &B = markers[1];
   perpendicular(A, A.x(), B, B.z(), rows);
   perpendicular(A, A.y(), B, B.z(), rows);
   in_plane(A, A.x(), B, rows);
   in_plane(A, A.y(), B, rows);
-  const MeasuredCoordinate s = measure(Kind::displacement, 2, A, B), phi = measure(Kind::angle, 2, A, B);
+  const MeasuredCoordinate s = measure(displacement, 2, A, B), phi = measure(angle, 2, A, B);
   rows.add(s.value - rise_ * rows.wound(0, phi.value) - offset_, {s.on_A - rise_ * phi.on_A, s.on_B - rise_ * phi.on_B},
            s.bias - rise_ * phi.bias);
 }

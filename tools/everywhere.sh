@@ -7,7 +7,7 @@ cd "$(dirname "$0")/.."
 
 jobs=${LITHE_JOBS:-$(nproc)}
 table=docs/hardening.md
-all=(v2 release v4 native o1 clang asan tsan)
+all=(v2 release v4 native o1 gcc asan tsan)
 declare -A needs=([release]="avx2 bmi2 fma movbe" [v4]="avx2 bmi2 fma movbe avx512f avx512bw avx512cd avx512dq avx512vl"
                   [o1]="avx2 bmi2 fma movbe")
 names=("${all[@]}")
@@ -30,7 +30,7 @@ obstacle() {
       return
     fi
   done
-  if [[ $1 == clang && ! -e /usr/lib/llvm-16/lib/clang/16/include/omp.h ]]; then
+  if [[ $1 != gcc && ! -e /usr/lib/llvm-16/lib/clang/16/include/omp.h ]]; then
     echo "it needs clang-16 and, for SUNDIALS, libomp-16-dev"
   fi
 }
@@ -58,6 +58,7 @@ tested() {
   [[ -n $count && -z $failed ]]
 }
 
+tools/install_packages.sh
 mkdir -p build/everywhere
 bad=0
 for name in "${names[@]}"; do

@@ -119,8 +119,8 @@ struct InTime {
             a.acceleration * b.value + 2 * a.rate * b.rate + a.value * b.acceleration};
   }
   friend InTime operator/(const InTime& a, const InTime& b) {
-    const double inverse = 1 / b.value, x = a.value * inverse, rate = (a.rate - x * b.rate) * inverse;
-    return {x, rate, (a.acceleration - 2 * rate * b.rate - x * b.acceleration) * inverse};
+    const double inverse = 1 / b.value, x = a.value * inverse, x_dot = (a.rate - x * b.rate) * inverse;
+    return {x, x_dot, (a.acceleration - 2 * x_dot * b.rate - x * b.acceleration) * inverse};
   }
   friend auto operator<=>(const InTime& a, const InTime& b) { return a.value <=> b.value; }
   friend bool operator==(const InTime& a, const InTime& b) { return a.value == b.value; }

@@ -327,7 +327,7 @@ class Estimate {
   /// `lambda`, if any, gains the multipliers that go with it.
   VectorX completed(const VectorX& elastic, VectorX* lambda = nullptr) {
     constexpr int kMostRounds = 12;
-    constexpr double kAccuracy = 1e-4, kHeld = 1e-3;
+    constexpr double kAccuracy = 1e-4, kHeldShare = 1e-3;
     VectorX x = zero_v_, r = elastic, z = inertia_ * r, p = z;
     double rz = r.dot(z);
     for (int round = 0; round < kMostRounds && r.norm() > kAccuracy * elastic.norm(); ++round) {
@@ -337,7 +337,7 @@ class Estimate {
       VectorX Ap(p.size());
       for (Eigen::Index i = 0; i < p.size(); ++i) Ap[i] = motion[elastic_[static_cast<size_t>(i)].v];
       const double pAp = p.dot(Ap);
-      if (!(pAp > kHeld * rz)) break;  // what is left, joints hold
+      if (!(pAp > kHeldShare * rz)) break;  // what is left, joints hold
       const double step = rz / pAp;
       r -= step * Ap;
       x += step * motion;

@@ -248,7 +248,7 @@ TEST(ContactSurfaces, a_falling_box_meets_bumpy_ground_when_it_must_and_never_be
                          {{0.1, 0, 0}, {-0.1, 0, 0}, {0, 0.12, 0}, {0, -0.12, 0}, {0.02, 0, 0.1}, {0, 0.02, -0.13}})
                    : shape::box({0.22, 0.17, 0.13});
     const Matrix3 R =
-        rotation_exp(Vector3(k % 5 ? 3 * unit(random) : 1e-3, k % 5 ? 3 * unit(random) : 0, unit(random)));
+        rotation_exp(Vector3{k % 5 ? 3 * unit(random) : 1e-3, k % 5 ? 3 * unit(random) : 0, unit(random)});
     Vector3 p{0.1 * unit(random), 0.1 * unit(random), 0.5};
     p[2] -= clearance(box, p, R, ground.data());
     for (double height : {1e-7, -1e-7, -2e-4}) {

@@ -115,7 +115,7 @@ TEST(Mistakes, OutsideOfJointsAreToldToo) {
   const Outcome outcome = folder.shell("lithe run scene.cpp");
   EXPECT_TRUE(says(outcome, "RigidBody::Parameters has no field 'mas'; its fields are: mass, inertia, position"));
   EXPECT_TRUE(says(outcome, "GeneralizedAlpha::Parameters has no field 'stepp'"));
-  EXPECT_TRUE(says(outcome, "'tipp' was not declared in this scope; did you mean 'tip'?"));
+  EXPECT_TRUE(says(outcome, "'tipp' is not declared; did you mean 'tip'?"));
 
   folder.write("scene.cpp", "#include \"lithe/lithe.h\"\nSystemGraph graph;\n");
   EXPECT_TRUE(says(folder.shell("lithe run scene.cpp"), "using namespace lithe;"));

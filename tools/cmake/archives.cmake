@@ -11,7 +11,11 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 # `lithe run` compiles scenes against the shared library and Eigen alone; find_package(lithe) links the static ones.
-set(CPACK_DEBIAN_PACKAGE_DEPENDS "g++ (>= 12), libeigen3-dev (>= 3.4)")
+set(compiler "g++ (>= 12)")
+if(CMAKE_CXX_COMPILER_ID STREQUAL Clang)
+  string(PREPEND compiler "clang-16 | ")
+endif()
+set(CPACK_DEBIAN_PACKAGE_DEPENDS "${compiler}, libeigen3-dev (>= 3.4)")
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS
     "gnuplot-nox, libbullet-dev, libhdf5-dev, libpugixml-dev, libspdlog-dev, libsuitesparse-dev, libsundials-dev, zlib1g-dev")
 include(CPack)

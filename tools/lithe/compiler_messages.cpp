@@ -13,10 +13,11 @@ namespace lithe::command {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr int kShown = 5;  // errors; what follows them is mostly their consequence
+constexpr const char* kNoList = "; its list is no ";  // scene_call.cpp reads it
+constexpr int kShown = 5;                             // errors; what follows them is mostly their consequence
 
-/// One "file:line:column: error: message", moved to the user's line where a header of Lithe was instantiated from
-/// there.
+/// One "file:line:column: error: message" of GCC or Clang, moved to the user's line where a header of Lithe was
+/// instantiated from there.
 struct Diagnostic {
   std::string file;
   int line = 0, column = 0;
@@ -41,7 +42,11 @@ bool is_users(const std::string& file, const Installation& installation) {
 
 std::vector<Diagnostic> read_errors(const std::string& output, const Installation& installation) {
   static const std::regex head(R"(^(.+?):(\d+):(\d+): (?:fatal )?error: (.*)$)");
-  static const std::regex from(R"(^(.+?):(\d+):(\d+):\s+required from.*$)");
+  static const std::regex from(R"(^(.+?):(\d+):(\d+):\s+required from.*$)");  // GCC, before the error
+  static const std::regex wanted(
+      R"(^(.+?):(\d+):(\d+): note: in instantiation of .* requested here$)");  // Clang, after
+  static const std::regex list(
+      R"(^.* note: candidate .* cannot convert initializer list argument to '(?:const )?([\w:]+)(?: &)?'.*$)");
   std::vector<Diagnostic> errors;
   Diagnostic origin;  // of the instantiation that is being reported
   std::istringstream stream(output);
@@ -49,19 +54,30 @@ std::vector<Diagnostic> read_errors(const std::string& output, const Installatio
     std::smatch match;
     if (std::regex_match(line, match, from)) {
       if (is_users(match[1], installation)) origin = {match[1], std::stoi(match[2]), std::stoi(match[3]), ""};
+    } else if (!errors.empty() && std::regex_match(line, match, wanted)) {
+      Diagnostic& error = errors.back();
+      if (!is_users(error.file, installation) && is_users(match[1], installation))
+        error.file = match[1], error.line = std::stoi(match[2]), error.column = std::stoi(match[3]);
+    } else if (!errors.empty() && std::regex_match(line, match, list)) {
+      std::string& message = errors.back().message;
+      if (message.find(kNoList) == std::string::npos) message += kNoList + match[1].str();
     } else if (std::regex_match(line, match, head)) {
       Diagnostic error{match[1], std::stoi(match[2]), std::stoi(match[3]), match[4]};
       if (!is_users(error.file, installation) && origin.line > 0)
         error.file = origin.file, error.line = origin.line, error.column = origin.column;
-      // An error in a header is mostly the detail of the one just before it; alone it is shown as it stands.
-      if (is_users(error.file, installation) || errors.empty()) errors.push_back(error);
+      errors.push_back(error);
       origin = {};
     }
   }
+  // An error in a header is mostly the detail of the one just before it; the first is shown as it stands.
+  if (!errors.empty())
+    errors.erase(std::remove_if(errors.begin() + 1, errors.end(),
+                                [&](const Diagnostic& error) { return !is_users(error.file, installation); }),
+                 errors.end());
   return errors;
 }
 
-/// What GCC and the linker say where no line is known.
+/// What the compiler and the linker say where no line is known.
 std::string linker_message(const std::string& output) {
   if (output.find("undefined reference to `main'") != std::string::npos)
     return "error: the scene has no main().\n  fix:  write  int main() { ... }  in it\n";

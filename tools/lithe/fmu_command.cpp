@@ -99,12 +99,16 @@ void compile(const Installation& installation, const SceneFile& scene, const Fmu
              const std::string& key, const std::string& source, const fs::path& library) {
   const fs::path main = library.parent_path() / "main.cpp";
   std::ofstream(main) << source;
+  // Hidden by the linker, not by -fvisibility: Clang refuses a precompiled header made without that flag.
+  const fs::path exported = library.parent_path() / "exported.map";
+  std::ofstream(exported) << "{ global: fmi*; lithe_fmu_facts; local: *; };\n";
   const fs::path lithe = installation.library.parent_path() / "liblithe_fmu.so";
   std::vector<std::string> command = compile_command(installation);
   append_include_folders(command, installation);
   append_precompiled(command, key);
-  command.insert(command.end(), {"-shared", "-fvisibility=hidden", main.string(), "-o", library.string(),
-                                 lithe.string(), "-Wl,-Bsymbolic", "-Wl,-z,defs", "-Wl,-rpath,$ORIGIN"});
+  command.insert(command.end(),
+                 {"-shared", main.string(), "-o", library.string(), lithe.string(),
+                  "-Wl,--version-script=" + exported.string(), "-Wl,-Bsymbolic", "-Wl,-z,defs", "-Wl,-rpath,$ORIGIN"});
   command.insert(command.end(), installation.link_flags.begin(), installation.link_flags.end());
   const Finished compiled = run_captured(command);
   if (options.verbose) std::fprintf(stderr, "%s", compiled.output.c_str());

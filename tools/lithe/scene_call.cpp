@@ -12,14 +12,21 @@ std::string plain(std::string text) {
   return std::regex_replace(text, space, "");
 }
 
-/// The bracketed text that begins (or ends) at a place, without its brackets; empty if there is none.
-std::string bracketed(const std::vector<std::string>& source, int line, int column) {
+/// The source as one text, and the place in it that the compiler names.
+struct Place {
   std::string text;
   std::size_t at = 0;
-  for (int i = 0; i < static_cast<int>(source.size()); ++i) {
-    if (i + 1 == line) at = text.size() + static_cast<std::size_t>(column - 1);
-    text += source[i] + "\n";
+
+  Place(const std::vector<std::string>& source, int line, int column) {
+    for (int i = 0; i < static_cast<int>(source.size()); ++i) {
+      if (i + 1 == line) at = text.size() + static_cast<std::size_t>(column - 1);
+      text += source[i] + "\n";
+    }
   }
+};
+
+/// The bracketed text that begins (or ends) there, without its brackets; empty if there is none.
+std::string bracketed(const std::string& text, std::size_t at) {
   if (at >= text.size()) return "";
   const bool backwards = text[at] == ')' || text[at] == '}';
   int depth = 0;
@@ -112,50 +119,107 @@ Explanation explain_add(const std::string& type, const std::string& call, const 
           form + (fields ? "\n        its fields:" + declarations_of(*fields) : "")};
 }
 
-}  // namespace
+Explanation explain_constructor(const std::string& type, const std::string& call, const Vocabulary& vocabulary) {
+  const std::string parameters = type + "::Parameters";
+  for (const std::string& argument : split_arguments(call))
+    if (const auto found = explain_fields(argument, parameters, vocabulary)) return *found;
+  const std::vector<FieldText>* fields = vocabulary.find_fields(parameters);
+  return {"the arguments do not fit " + type,
+          fields ? "the fields of its parameters are:" + declarations_of(*fields) : ""};
+}
 
-Explanation explain_call(const std::string& message, const std::vector<std::string>& source, int line, int column,
-                         const Vocabulary& vocabulary) {
+/// GCC's words, which name the type that is called. nullopt: none that we know.
+std::optional<Explanation> explain_gcc(const std::string& message, const Place& place, const Vocabulary& vocabulary) {
   std::smatch match;
-  // graph.add<T>(...)
+  // graph.add<T>(...): the caret is at a bracket
   static const std::regex add(R"(no matching function for call to '.*SystemGraph::add<(?:\w+::)*(\w+)>\(.*)");
-  if (std::regex_match(message, match, add)) return explain_add(match[1], bracketed(source, line, column), vocabulary);
+  if (std::regex_match(message, match, add)) return explain_add(match[1], bracketed(place.text, place.at), vocabulary);
 
   // T integrator{{.step = ...}}: the caret is at the last brace
   static const std::regex made(R"(no matching function for call to '(?:lithe::)?((?:\w+::)*)(\w+)::\2\(.*)");
-  if (std::regex_match(message, match, made)) {
-    const std::string type = match[2];
-    for (const std::string& argument : split_arguments(bracketed(source, line, column)))
-      if (const auto found = explain_fields(argument, type + "::Parameters", vocabulary)) return *found;
-    if (const auto* fields = vocabulary.find_fields(type + "::Parameters"))
-      return {"the arguments do not fit " + type, "the fields of its parameters are:" + declarations_of(*fields)};
-  }
+  if (std::regex_match(message, match, made) && vocabulary.find_fields(match[2].str() + "::Parameters"))
+    return explain_constructor(match[2], bracketed(place.text, place.at), vocabulary);
 
   static const std::regex order(R"(designator order for field '(?:lithe::)?([\w:]+)::(\w+)' does not match .*)");
   if (std::regex_match(message, match, order))
     if (const auto* fields = vocabulary.find_fields(match[1])) return too_late(match[1], match[2], *fields);
 
-  // ChartLine{.titel = ...}
-  static const std::regex no_member(R"('(?:lithe::)?([\w:]+)' has no non-static data member named '(\w+)')");
-  if (std::regex_match(message, match, no_member))
-    if (const auto* fields = vocabulary.find_fields(match[1])) return unknown_field(match[1], match[2], *fields);
-
   // write_chart({.titel = ...}, ...)
   static const std::regex no_conversion(
       R"(could not convert '([\s\S]*)' from '<brace-enclosed .*>' to '(?:const )?(?:lithe::)?([\w:]+)&?')");
   if (std::regex_match(message, match, no_conversion))
-    for (const std::string& argument : split_arguments(bracketed(source, line, column)))
+    for (const std::string& argument : split_arguments(bracketed(place.text, place.at)))
       if (const auto found = explain_fields(argument, match[2], vocabulary)) return *found;
+  return std::nullopt;
+}
 
-  // an unknown type
+/// Clang's, which name the function alone; the caret is at the name, and the type stands in the source.
+std::optional<Explanation> explain_clang(const std::string& message, const Place& place, const Vocabulary& vocabulary) {
+  const std::string& text = place.text;
+  const auto call_at = [&](std::size_t at) {
+    const std::size_t open = text.find_first_of("({", at);
+    return open == std::string::npos ? "" : bracketed(text, open);
+  };
+  static const std::regex call_of_add(R"(^add<(?:\w+::)*(\w+)>)");
+  const auto add_at = [&](std::size_t at) -> std::optional<Explanation> {
+    std::smatch match;
+    const std::string rest = text.substr(std::min(at, text.size()));
+    if (!std::regex_search(rest, match, call_of_add)) return std::nullopt;
+    return explain_add(match[1], call_at(at), vocabulary);
+  };
+
+  if (message == "no matching member function for call to 'add'") return add_at(place.at);
+
+  std::smatch match;
+  static const std::regex made(R"(no matching constructor for initialization of '(?:const )?(?:lithe::)?([\w:]+)')");
+  if (std::regex_match(message, match, made) && vocabulary.find_fields(match[1].str() + "::Parameters"))
+    return explain_constructor(match[1], call_at(place.at), vocabulary);
+
+  // Clang itself would only warn; scene_cache.cpp makes an error of it, as it is to GCC.
+  static const std::regex order(R"(ISO C\+\+ requires field designators .*; field '(\w+)' will be .*)");
+  if (std::regex_match(message, match, order)) {
+    const std::size_t add = text.rfind("add<", place.at);
+    if (const auto found = add == std::string::npos ? std::nullopt : add_at(add)) return found;
+    return Explanation{"field '" + match[1].str() + "' comes too early", "C++ wants the fields as they are declared"};
+  }
+
+  // write_chart({.titel = ...}, ...): compiler_messages.cpp appends the type, which Clang's note names
+  static const std::regex no_conversion(
+      R"(no matching function for call to '\w+'; its list is no (?:lithe::)?([\w:]+))");
+  if (std::regex_match(message, match, no_conversion))
+    for (const std::string& argument : split_arguments(call_at(place.at)))
+      if (const auto found = explain_fields(argument, match[1], vocabulary)) return *found;
+  return std::nullopt;
+}
+
+}  // namespace
+
+Explanation explain_call(const std::string& message, const std::vector<std::string>& source, int line, int column,
+                         const Vocabulary& vocabulary) {
+  const Place place(source, line, column);
+  if (const auto found = explain_gcc(message, place, vocabulary)) return *found;
+  if (const auto found = explain_clang(message, place, vocabulary)) return *found;
+
+  std::smatch match;
+  // ChartLine{.titel = ...}
+  static const std::regex no_member(R"('(?:lithe::)?([\w:]+)' has no non-static data member named '(\w+)')");
+  if (std::regex_match(message, match, no_member))
+    if (const auto* fields = vocabulary.find_fields(match[1])) return unknown_field(match[1], match[2], *fields);
+  static const std::regex no_field(R"(field designator '(\w+)' does not refer to .* '(?:lithe::)?([\w:]+)'.*)");
+  if (std::regex_match(message, match, no_field))
+    if (const auto* fields = vocabulary.find_fields(match[2])) return unknown_field(match[2], match[1], *fields);
+
+  // an unknown name, by GCC and by Clang
   static const std::regex undeclared(R"('(\w+)' (?:was not declared in this scope|does not name a type)(.*))");
-  if (std::regex_match(message, match, undeclared)) {
+  static const std::regex unknown(R"((?:use of undeclared identifier|unknown type name) '(\w+)'(.*))");
+  if (std::regex_match(message, match, undeclared) || std::regex_match(message, match, unknown)) {
     const std::string word = match[1], guess = vocabulary.nearest_type(word);
     if (vocabulary.has_type(word) || word == "assemble")
       return {"'" + word + "' is not known here",
               "#include \"lithe/lithe.h\" and write  using namespace lithe;  above"};
-    if (match[2].length() == 0 && !guess.empty() && std::isupper(static_cast<unsigned char>(word[0])))
-      return {"there is no type '" + word + "'", "did you mean '" + guess + "'?"};
+    const bool type = std::isupper(static_cast<unsigned char>(word[0])) != 0;
+    if (type && !guess.empty()) return {"there is no type '" + word + "'", "did you mean '" + guess + "'?"};
+    return {"'" + word + "' is not declared" + plain(match[2]), ""};
   }
   return {plain(message), ""};
 }
