@@ -60,7 +60,8 @@ std::vector<Diagnostic> read_errors(const std::string& output, const Installatio
         error.file = match[1], error.line = std::stoi(match[2]), error.column = std::stoi(match[3]);
     } else if (!errors.empty() && std::regex_match(line, match, list)) {
       std::string& message = errors.back().message;
-      if (message.find(kNoList) == std::string::npos) message += kNoList + match[1].str();
+      if (message.starts_with("no matching function") && message.find(kNoList) == std::string::npos)
+        message += kNoList + match[1].str();
     } else if (std::regex_match(line, match, head)) {
       Diagnostic error{match[1], std::stoi(match[2]), std::stoi(match[3]), match[4]};
       if (!is_users(error.file, installation) && origin.line > 0)

@@ -205,7 +205,8 @@ Explanation explain_call(const std::string& message, const std::vector<std::stri
   static const std::regex no_member(R"('(?:lithe::)?([\w:]+)' has no non-static data member named '(\w+)')");
   if (std::regex_match(message, match, no_member))
     if (const auto* fields = vocabulary.find_fields(match[1])) return unknown_field(match[1], match[2], *fields);
-  static const std::regex no_field(R"(field designator '(\w+)' does not refer to .* '(?:lithe::)?([\w:]+)'.*)");
+  static const std::regex no_field(
+      R"(field designator '(\w+)' does not refer to any field in type '(?:lithe::)?([\w:]+)'.*)");
   if (std::regex_match(message, match, no_field))
     if (const auto* fields = vocabulary.find_fields(match[2])) return unknown_field(match[2], match[1], *fields);
 
