@@ -59,6 +59,7 @@ tested() {
 }
 
 tools/install_packages.sh
+tools/install_packages.sh tools/everywhere_packages.txt
 mkdir -p build/everywhere
 bad=0
 for name in "${names[@]}"; do

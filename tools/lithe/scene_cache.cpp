@@ -33,6 +33,8 @@ void remove_old_precompiled(const fs::path& newest) {
   for (std::size_t i = kKeptPrecompiled - 1; i < folders.size(); ++i) fs::remove_all(folders[i], ignored);
 }
 
+bool is_clang(const Installation& installation) { return installation.compiler.find("clang") != std::string::npos; }
+
 }  // namespace
 
 void Digest::add(const std::string& text) {
@@ -105,7 +107,7 @@ std::vector<std::string> compile_command(const Installation& installation) {
   // Of programs and of the libraries beneath FMUs alike: they share the precompiled header.
   command.insert(command.end(), {"-fdiagnostics-color=never", "-fPIC"});
   // Fields out of order: an error of C++ and of GCC, to Clang a warning.
-  if (installation.compiler.find("clang") != std::string::npos) command.push_back("-Werror=reorder-init-list");
+  if (is_clang(installation)) command.push_back("-Werror=reorder-init-list");
   return command;
 }
 
@@ -128,6 +130,7 @@ void precompile(const Installation& installation, const std::string& key) {
   std::vector<std::string> command = compile_command(installation);
   append_include_folders(command, installation);
   command.insert(command.end(), {"-x", "c++-header", header.string(), "-o", unfinished.string()});
+  if (is_clang(installation)) command.push_back("-fpch-instantiate-templates");  // once, not in every scene
   const Finished compiler = run_captured(command);
   if (compiler.exit_code != 0)
     throw FileError("lithe/lithe.h does not compile:\n" + compiler.output, installation.compiler,
