@@ -135,7 +135,8 @@ void TrianglePatch::meet_edges(const btConvexShape& shape, const btTransform& bt
         if (gap >= reach || !leans(k, i, j, d)) continue;
         if (beyond > kRound) {
           // What went in over the edge may be beyond its end by no more than the corner there is inside.
-          if (beyond * along.norm() > -point_convex(shape, bt, s < 0 ? a0 : a1).distance) continue;
+          const double over = beyond * along.norm();
+          if (over > -gap || over > -point_convex(shape, bt, s < 0 ? a0 : a1).distance) continue;
           s = std::clamp(s, 0.0, 1.0);
         }
         // The shape must lie beyond its edge, and not be through the surface.

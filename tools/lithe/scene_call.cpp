@@ -119,10 +119,17 @@ Explanation explain_add(const std::string& type, const std::string& call, const 
           form + (fields ? "\n        its fields:" + declarations_of(*fields) : "")};
 }
 
+/// What is wrong with the first of a call's arguments that is such a list of fields.
+std::optional<Explanation> explain_arguments(const std::string& call, const std::string& type,
+                                             const Vocabulary& vocabulary) {
+  for (const std::string& argument : split_arguments(call))
+    if (const auto found = explain_fields(argument, type, vocabulary)) return found;
+  return std::nullopt;
+}
+
 Explanation explain_constructor(const std::string& type, const std::string& call, const Vocabulary& vocabulary) {
   const std::string parameters = type + "::Parameters";
-  for (const std::string& argument : split_arguments(call))
-    if (const auto found = explain_fields(argument, parameters, vocabulary)) return *found;
+  if (const auto found = explain_arguments(call, parameters, vocabulary)) return *found;
   const std::vector<FieldText>* fields = vocabulary.find_fields(parameters);
   return {"the arguments do not fit " + type,
           fields ? "the fields of its parameters are:" + declarations_of(*fields) : ""};
@@ -148,8 +155,7 @@ std::optional<Explanation> explain_gcc(const std::string& message, const Place& 
   static const std::regex no_conversion(
       R"(could not convert '([\s\S]*)' from '<brace-enclosed .*>' to '(?:const )?(?:lithe::)?([\w:]+)&?')");
   if (std::regex_match(message, match, no_conversion))
-    for (const std::string& argument : split_arguments(bracketed(place.text, place.at)))
-      if (const auto found = explain_fields(argument, match[2], vocabulary)) return *found;
+    return explain_arguments(bracketed(place.text, place.at), match[2], vocabulary);
   return std::nullopt;
 }
 
@@ -187,8 +193,7 @@ std::optional<Explanation> explain_clang(const std::string& message, const Place
   static const std::regex no_conversion(
       R"(no matching function for call to '\w+'; its list is no (?:lithe::)?([\w:]+))");
   if (std::regex_match(message, match, no_conversion))
-    for (const std::string& argument : split_arguments(call_at(place.at)))
-      if (const auto found = explain_fields(argument, match[1], vocabulary)) return *found;
+    return explain_arguments(call_at(place.at), match[1], vocabulary);
   return std::nullopt;
 }
 
@@ -218,8 +223,10 @@ Explanation explain_call(const std::string& message, const std::vector<std::stri
     if (vocabulary.has_type(word) || word == "assemble")
       return {"'" + word + "' is not known here",
               "#include \"lithe/lithe.h\" and write  using namespace lithe;  above"};
-    const bool type = std::isupper(static_cast<unsigned char>(word[0])) != 0;
-    if (type && !guess.empty()) return {"there is no type '" + word + "'", "did you mean '" + guess + "'?"};
+    const bool may_be_type = std::isupper(static_cast<unsigned char>(word[0])) && !guess.empty();
+    // The compiler's own guess, if any, is the same: else it knows a nearer name.
+    if (may_be_type && (match[2].length() == 0 || match[2].str().find("'" + guess + "'") != std::string::npos))
+      return {"there is no type '" + word + "'", "did you mean '" + guess + "'?"};
     return {"'" + word + "' is not declared" + plain(match[2]), ""};
   }
   return {plain(message), ""};
