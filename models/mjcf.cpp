@@ -15,6 +15,13 @@ namespace {
 
 using Attributes = std::map<std::string, std::string>;
 
+/// The least rotation that takes the z axis there; for its opposite, half a turn about x, as MuJoCo has it.
+Matrix3 z_turned_to(const Vector3& direction) {
+  const Vector3 axis = Vector3::UnitZ().cross(direction);
+  const double size = axis.norm();
+  return rotation_about(size > 0 ? Vector3(axis / size) : Vector3::UnitX(), std::atan2(size, direction.z()));
+}
+
 class MjcfReader {
  public:
   explicit MjcfReader(const XmlFile& file) : file_(file) {
@@ -196,7 +203,7 @@ class MjcfReader {
       }
       if (node.attribute("zaxis")) {
         const Vector3 z = direction(node, "zaxis", file_.vector(node, "zaxis", Vector3::Zero()));
-        return Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), z).toRotationMatrix();
+        return z_turned_to(z);
       }
     } catch (const SceneError& error) {
       file_.fail(node, error.problem(), error.fix());
@@ -309,7 +316,7 @@ class MjcfReader {
       const Vector3 a(ends[0], ends[1], ends[2]), b(ends[3], ends[4], ends[5]);
       if (type == "sphere" || !((b - a).norm() > 1e-12))
         file_.fail(node, "fromto gives no length.", "give two points.");
-      at = {0.5 * (a + b), Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), Vector3(b - a)).toRotationMatrix()};
+      at = {0.5 * (a + b), z_turned_to(b - a)};
       size.resize(1);
       if (three) size.push_back(size[0]);
       size.push_back(0.5 * (b - a).norm());

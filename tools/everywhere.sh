@@ -30,7 +30,7 @@ obstacle() {
       return
     fi
   done
-  if [[ " gcc asan tsan " != *" $1 "* && ! -e /usr/lib/llvm-16/lib/clang/16/include/omp.h ]]; then
+  if [[ $1 != gcc && ! -e /usr/lib/llvm-16/lib/clang/16/include/omp.h ]]; then
     echo "it needs clang-16 and, for SUNDIALS, libomp-16-dev"
   fi
 }
@@ -51,7 +51,10 @@ tested() {
     return 1
   fi
   echo "$name: testing"
-  ctest --preset "$name" --parallel "$jobs" --no-tests=error >> "$log" 2>&1 || true
+  # The command, the package and the pages do not depend on how numbers are rounded: twice is enough.
+  local left_out=()
+  [[ $name == release || $name == gcc ]] || left_out=(--label-exclude "scripting|package|docs|page")
+  ctest --preset "$name" --parallel "$jobs" --no-tests=error "${left_out[@]}" >> "$log" 2>&1 || true
   count=$(sed -n 's/.*tests failed out of \([0-9]*\)$/\1/p' "$log" | tail -1)
   failed=$(sed -n 's/^\t *[0-9]* - \(.*\) (.*)$/\1/p' "$log" | sort -u | paste -sd, | sed 's/,/, /g')
   note "$name" "${count:-none}" "${failed:-none}"

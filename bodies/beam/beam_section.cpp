@@ -173,7 +173,7 @@ void BeamSection::check(const std::string& which) const {
   const Matrix6 C = size.asDiagonal() * stiffness * size.asDiagonal();
   if ((C - C.transpose()).cwiseAbs().maxCoeff() > 1e-9)
     throw SceneError("the stiffness of " + which + " is not symmetric", "", "give a symmetric 6 x 6 matrix");
-  const double lowest = Eigen::SelfAdjointEigenSolver<Matrix6>(C).eigenvalues()[0];
+  const double lowest = Eigen::SelfAdjointEigenSolver<MatrixX>(MatrixX(C)).eigenvalues()[0];
   if (lowest < 1e-10)
     throw SceneError("the stiffness of " + which + " is not positive definite: scaled to ones on its diagonal it has " +
                          "the eigenvalue " + std::to_string(lowest),

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "bodies/flexible/elastic_problem.h"
+#include "engine/base/dense_inverse.h"
 #include "engine/base/error.h"
 
 namespace lithe {
@@ -114,7 +115,7 @@ MatrixX dense_modes(const ElasticProblem& problem, int count) {
   }
   // In the complement: columns Z that meet the conditions, from a full QR of these.
   const Eigen::HouseholderQR<MatrixX> qr(held);
-  const MatrixX Q = qr.householderQ();
+  const MatrixX Q = written_out(qr.householderQ());
   const MatrixX Z = Q.rightCols(M.rows() - held.cols());
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixX> all{MatrixX(Z.transpose() * (K * Z)),
                                                               MatrixX(Z.transpose() * (M * Z))};

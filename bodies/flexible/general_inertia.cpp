@@ -106,7 +106,7 @@ InertiaIntegrals general_inertia_integrals(const ModalBasis& basis, const Sparse
   Eigen::CompleteOrthogonalDecomposition<MatrixX> rigid_lumped(6, 6);
   rigid_lumped.setThreshold(1e-9);
   rigid_lumped.compute(mR.transpose() * translations);
-  lumped.modes += translations * rigid_lumped.solve(coupling - mR.transpose() * lumped.modes);
+  lumped.modes += translations * rigid_lumped.solve(MatrixX(coupling - mR.transpose() * lumped.modes));
 
   InertiaIntegrals I = inertia_integrals(lumped);
   I.mass = rigid.topLeftCorner<3, 3>().trace() / 3;

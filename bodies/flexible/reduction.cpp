@@ -119,7 +119,8 @@ MatrixX rows_of(const MatrixX& A, const std::vector<int>& rows) { return A(rows,
 MatrixX without_rigid_motion_of(const std::vector<int>& held, const MatrixX& R, const MatrixX& B) {
   if (held.empty()) return B;
   const Eigen::CompleteOrthogonalDecomposition<MatrixX> LR(rows_of(R, held));
-  MatrixX moved = B - R * LR.solve(rows_of(B, held));
+  const MatrixX seen = LR.solve(MatrixX(rows_of(B, held)));
+  MatrixX moved = B - R * seen;
   return moved;
 }
 

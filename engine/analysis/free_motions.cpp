@@ -3,6 +3,8 @@
 #include <Eigen/QR>
 #include <algorithm>
 
+#include "engine/base/dense_inverse.h"
+
 namespace lithe {
 namespace {
 
@@ -40,7 +42,7 @@ RowSpace::RowSpace(const MatrixX& G) : row_lengths_(G.rowwise().norm()) {
   Eigen::ColPivHouseholderQR<MatrixX> qr((row_lengths_.cwiseInverse().asDiagonal() * G).transpose());
   qr.setThreshold(kDependent);
   rank_ = static_cast<int>(qr.rank());
-  const MatrixX Q = qr.householderQ();
+  const MatrixX Q = written_out(qr.householderQ());
   range_ = Q.leftCols(rank_);
   null_space_ = Q.rightCols(n - rank_);
   triangle_ = qr.matrixR().topLeftCorner(rank_, rank_).template triangularView<Eigen::Upper>();

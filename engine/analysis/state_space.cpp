@@ -139,7 +139,7 @@ class Columns {
   using Direction = Perturbation::Direction;
   VectorX multipliers(const Direction& along) {
     if (G_.rows() == 0) return VectorX();
-    return GT_.solve(-near_.residual(along));
+    return -GT_.solve(near_.residual(along));
   }
   VectorX position_rows(const Direction& along);
 
@@ -288,7 +288,8 @@ void Columns::descriptor() {
   }
   // 3. What sensors see of accelerations is seen of what causes them.
   if (nv > 0 && ny > 0) {
-    const MatrixX seen_of_force = M_.transpose().partialPivLu().solve(by_acceleration.transpose()).transpose();
+    const Eigen::PartialPivLU<MatrixX> mass(MatrixX(M_.transpose()));
+    const MatrixX seen_of_force = mass.solve(MatrixX(by_acceleration.transpose())).transpose();
     d.C += seen_of_force * d.A.middleRows(nv, nv);
     d.D += seen_of_force * d.B.middleRows(nv, nv);
   }

@@ -170,8 +170,9 @@ bool StaticEquations::solve_exactly(VectorX& d, VectorX& l, ConstVectorRef lambd
     }
     H(k + 1, k) = w.norm();
     const MatrixX square = H.topLeftCorner(k + 2, k + 1);
-    y = square.colPivHouseholderQr().solve(right.head(k + 2));
-    const double left = (square * y - right.head(k + 2)).norm();
+    const VectorX wanted = right.head(k + 2);
+    y = square.colPivHouseholderQr().solve(wanted);
+    const double left = (square * y - wanted).norm();
     if (left <= kKrylovTolerance * norm || H(k + 1, k) <= 1e-12 * norm) break;
     V.col(k + 1) = w / H(k + 1, k);
   }

@@ -45,8 +45,8 @@ std::vector<MatrixX> compliances(const BlockStructure& blocks, const std::vector
     const int count = blocks.rows[G.rows].count;
     if (G.frame >= 0) {
       const Eigen::Map<const MatrixX> g(values + G.values, count, 6);
-      const Matrix6 M = Eigen::Map<const Matrix6>(values + blocks.frames[G.frame].values);
-      sums[G.rows] += g * M.inverse() * g.transpose();
+      const Matrix6 inverse = Eigen::Map<const Matrix6>(values + blocks.frames[G.frame].values).inverse();
+      sums[G.rows] += g * inverse * g.transpose();
     }
     if (G.linear < 0) continue;
     const auto& linear = blocks.linears[G.linear];

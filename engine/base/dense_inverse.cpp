@@ -14,4 +14,6 @@ MatrixX pseudo_inverse_of(const MatrixX& A) {
   return Eigen::CompleteOrthogonalDecomposition<MatrixX>(A).solve(unit);
 }
 
+MatrixX written_out(const Eigen::HouseholderSequence<MatrixX, VectorX>& Q) { return Q; }
+
 }  // namespace lithe

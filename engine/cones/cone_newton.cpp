@@ -114,7 +114,7 @@ VectorX ConeNewton::least_norm(const DenseCones& cones, const VectorX& x) {
   decomposition.setThreshold(1e-11);
   decomposition.compute(J_);
   if (decomposition.rank() == J_.rows()) return x;
-  return decomposition.solve(J_ * x - map_);
+  return decomposition.solve(VectorX(J_ * x - map_));
 }
 
 }  // namespace lithe

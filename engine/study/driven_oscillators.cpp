@@ -29,9 +29,9 @@ DrivenOscillators::DrivenOscillators(const MatrixX& A, const VectorX& damping, c
   const auto held = mobilities.size() > 0 ? (mobilities.array() < kHeld * mobilities.maxCoeff()).count() : 0;
   frequencies_.head(held).setZero();
   // Of damping in proportion to stiffness or mass this is all; other couplings through it are left out.
-  damping_ = (V_.transpose() * root_.asDiagonal() * A * damping.asDiagonal() * root_.cwiseInverse().asDiagonal() * V_)
-                 .diagonal()
-                 .cwiseMax(0);
+  const MatrixX forces = V_.transpose() * root_.asDiagonal() * A,
+                rates = damping.cwiseQuotient(root_).asDiagonal() * V_;
+  damping_ = (forces * rates).diagonal().cwiseMax(0);
 }
 
 MatrixX DrivenOscillators::inertia() const {

@@ -4,6 +4,7 @@
 
 #include "engine/assembly/batch_of.h"
 #include "engine/base/checks.h"
+#include "engine/base/dense.h"
 
 namespace lithe {
 
@@ -20,7 +21,7 @@ void require_semidefinite(const Matrix6& M, const std::string& name) {
   const double size = M.cwiseAbs().maxCoeff();
   if ((M - M.transpose()).cwiseAbs().maxCoeff() > 1e-9 * size)
     throw SceneError(name + " is not symmetric", "", "give a symmetric 6 x 6 matrix");
-  const double lowest = Eigen::SelfAdjointEigenSolver<Matrix6>(M).eigenvalues()[0];
+  const double lowest = Eigen::SelfAdjointEigenSolver<MatrixX>(MatrixX(M)).eigenvalues()[0];
   if (lowest < -1e-9 * size)
     throw SceneError(name + " has the eigenvalue " + std::to_string(lowest) + ": it would give energy", "",
                      "give a positive semidefinite 6 x 6 matrix");
@@ -38,7 +39,7 @@ Bushing::Bushing(Parameters parameters) : relaxed_as_drawn_(parameters.relaxed_a
   require_semidefinite(parameters.stiffness, "stiffness");
   require_semidefinite(parameters.damping, "damping");
   // On the range of K + D, scaled to E there, K is turned to its axes.
-  const Eigen::SelfAdjointEigenSolver<Matrix6> sum(parameters.stiffness + parameters.damping);
+  const Eigen::SelfAdjointEigenSolver<MatrixX> sum(MatrixX(parameters.stiffness + parameters.damping));
   const Vector6 size = sum.eigenvalues().cwiseMax(0);
   const double least = 1e-14 * size[5];
   Vector6 root = Vector6::Zero(), inverse_root = Vector6::Zero();
@@ -47,7 +48,7 @@ Bushing::Bushing(Parameters parameters) : relaxed_as_drawn_(parameters.relaxed_a
   const Matrix6 U = sum.eigenvectors();
   const Matrix6 scaled =
       inverse_root.asDiagonal() * U.transpose() * parameters.stiffness * U * inverse_root.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Matrix6> turned(0.5 * (scaled + scaled.transpose()));
+  const Eigen::SelfAdjointEigenSolver<MatrixX> turned(MatrixX(0.5 * (scaled + scaled.transpose())));
   rows_ = turned.eigenvectors().transpose() * root.asDiagonal() * U.transpose();
   stiffness_ = turned.eigenvalues().cwiseMax(0).cwiseMin(1);
   damping_ = Vector6::Ones() - stiffness_;

@@ -8,6 +8,7 @@ set(CPACK_PACKAGE_NAME lithe)
 set(CPACK_PACKAGE_CONTACT "Lithe")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_COMPRESSION_TYPE zstd)  # smaller here than gzip, and made faster
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 # `lithe run` compiles scenes against the shared library and Eigen alone; find_package(lithe) links the static ones.
@@ -17,5 +18,5 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL Clang)
 endif()
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "${compiler}, libeigen3-dev (>= 3.4)")
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS
-    "gnuplot-nox, libbullet-dev, libhdf5-dev, libpugixml-dev, libspdlog-dev, libsuitesparse-dev, libsundials-dev, zlib1g-dev")
+    "gnuplot-nox, libbullet-dev, libhdf5-dev, libpugixml-dev, libspdlog-dev, libsuitesparse-dev, libsundials-dev, libzip-dev, zlib1g-dev")
 include(CPack)
