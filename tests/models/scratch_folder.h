@@ -23,9 +23,11 @@ class ScratchFolder {
   ~ScratchFolder() { std::filesystem::remove_all(path_); }
   ScratchFolder(const ScratchFolder&) = delete;
 
+  const std::filesystem::path& path() const { return path_; }
   /// A file of that text; its path.
   std::string write(const std::string& name, const std::string& text) const {
     const std::string file = (path_ / name).string();
+    std::filesystem::create_directories(std::filesystem::path(file).parent_path());
     std::ofstream(file, std::ios::binary) << text;
     return file;
   }
