@@ -7,6 +7,13 @@
 
 namespace lithe {
 
+/// x - y in a disc; the second component is zero in one of a single row.
+Eigen::Vector2d ConeNewton::way_in(const DenseCones::Disc& disc, const VectorX& x) const {
+  Eigen::Vector2d way = Eigen::Vector2d::Zero();
+  for (int i = 0; i < disc.count; ++i) way[i] = x[disc.first + i] - y_[disc.first + i];
+  return way;
+}
+
 /// |map|: x - P(x - y), its discs of radius limit * max(0, x_n - y_n).
 double ConeNewton::evaluate(const DenseCones& cones, const VectorX& x) {
   y_.noalias() = cones.W * x;
@@ -14,11 +21,13 @@ double ConeNewton::evaluate(const DenseCones& cones, const VectorX& x) {
   map_.resize(x.size());
   for (const int n : cones.normals) map_[n] = x[n] - std::max(0.0, x[n] - y_[n]);
   for (const auto& disc : cones.discs) {
-    const auto at = Eigen::seqN(disc.first, disc.count);
     const double radius = disc.limit * std::max(0.0, x[disc.normal] - y_[disc.normal]);
-    const double length = (x(at) - y_(at)).norm();
-    map_(at) = y_(at);
-    if (length > radius) map_(at) = x(at) - (radius / length) * (x(at) - y_(at));
+    const Eigen::Vector2d way = way_in(disc, x);
+    const double length = way.norm();
+    for (int i = 0; i < disc.count; ++i) {
+      const int row = disc.first + i;
+      map_[row] = length > radius ? x[row] - radius / length * way[i] : y_[row];
+    }
   }
   return map_.norm();
 }
@@ -40,12 +49,11 @@ void ConeNewton::linearize(const DenseCones& cones, const VectorX& x) {
       for (int i = 0; i < disc.count; ++i) hold(disc.first + i);
       continue;
     }
-    const auto at = Eigen::seqN(disc.first, disc.count);
-    const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 2> way = x(at) - y_(at);
+    const Eigen::Vector2d way = way_in(disc, x);
     const double length = way.norm(), radius = disc.limit * (x[n] - y_[n]);
     if (length <= radius) continue;  // sticks: its velocities are zero
     // Slides: x_d = limit (x_n - y_n) d, d = way / |way|.
-    const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 2> d = way / length;
+    const Eigen::Vector2d d = way / length;
     const auto turn = [&](int i, int j) { return radius / length * ((i == j) - d[i] * d[j]); };
     std::array<Eigen::RowVectorXd, 2> rows;
     for (int i = 0; i < disc.count; ++i) {

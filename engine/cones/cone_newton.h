@@ -19,6 +19,7 @@ class ConeNewton {
   VectorX least_norm(const DenseCones& cones, const VectorX& x);
 
  private:
+  Eigen::Vector2d way_in(const DenseCones::Disc& disc, const VectorX& x) const;
   double evaluate(const DenseCones& cones, const VectorX& x);
   void linearize(const DenseCones& cones, const VectorX& x);
 

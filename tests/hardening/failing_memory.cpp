@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <new>
 
+#include "tests/support/sanitized.h"
+
 namespace lithe::test::memory {
 namespace {
 
@@ -25,7 +27,7 @@ bool short_of_memory(Layer layer) {
 }  // namespace
 
 void fail_at(long n, Shortage shortage, Layer layer) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef LITHE_SANITIZED
   layer = Layer::cpp;
 #endif
   left = n, kind = shortage, counted_layer = layer;
@@ -55,7 +57,7 @@ void operator delete[](void* block) noexcept { std::free(block); }
 void operator delete(void* block, std::size_t) noexcept { std::free(block); }
 void operator delete[](void* block, std::size_t) noexcept { std::free(block); }
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#ifndef LITHE_SANITIZED
 
 extern "C" {
 

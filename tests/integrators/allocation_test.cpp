@@ -18,14 +18,10 @@
 #include "joints/revolute_joint.h"
 #include "tests/joints/contact_pairs.h"
 #include "tests/support/methods.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/scenes.h"
 
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define LITHE_TEST_NO_COUNT
-#endif
-#endif
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || !defined(__GLIBC__)
+#if defined(LITHE_SANITIZED) || !defined(__GLIBC__)
 #define LITHE_TEST_NO_COUNT
 #endif
 
