@@ -36,8 +36,9 @@ class Fmi2Library final : public FmuLibrary {
       : library_(std::move(library)), messages_(std::move(messages)) {
     callbacks_ = {log_message, std::calloc, std::free, nullptr, &messages_};
     constexpr int kCoSimulation = 1;
-    const auto instantiate = library_->function<Unit(const char*, int, const char*, const char*, const Callbacks*, int,
-                                                     int)>("fmi2Instantiate");
+    const auto instantiate =
+        library_->function<Unit(const char*, int, const char*, const char*, const Callbacks*, int, int)>(
+            "fmi2Instantiate");
     unit_ = instantiate(messages_.instance.c_str(), kCoSimulation, contents.token.c_str(),
                         ("file://" + resources).c_str(), &callbacks_, 0, 0);
     if (!unit_) messages_.check("fmi2Instantiate", 3);

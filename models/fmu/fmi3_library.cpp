@@ -38,8 +38,7 @@ class Fmi3Library final : public FmuLibrary {
       : library_(std::move(library)), messages_(std::move(messages)) {
     using Instantiate = Unit(const char* name, const char* token, const char* resources, bool visible, bool logging,
                              bool event_mode, bool early_return, const std::uint32_t* intermediate, std::size_t count,
-                             void* environment, void (*log)(void*, Status, const char*, const char*),
-                             void (*update)());
+                             void* environment, void (*log)(void*, Status, const char*, const char*), void (*update)());
     unit_ = library_->function<Instantiate>("fmi3InstantiateCoSimulation")(
         messages_.instance.c_str(), contents.token.c_str(), (resources + "/").c_str(), false, false, false, false,
         nullptr, 0, &messages_, log_message, nullptr);

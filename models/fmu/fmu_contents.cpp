@@ -48,8 +48,8 @@ ImportedVariable variable_of(const XmlFile& file, const pugi::xml_node& node, co
 
 const std::map<std::string, std::string> kTypes2 = {
     {"Real", "Float64"}, {"Integer", "Int32"}, {"Enumeration", "Int32"}, {"Boolean", "Boolean"}, {"String", "String"}};
-const std::set<std::string> kTypes3 = {"Float64", "Float32", "Int8",   "UInt8",   "Int16",  "UInt16", "Int32", "UInt32",
-                                       "Int64",   "UInt64",  "Boolean", "String", "Binary", "Clock"};
+const std::set<std::string> kTypes3 = {"Float64", "Float32", "Int8",   "UInt8",   "Int16",  "UInt16", "Int32",
+                                       "UInt32",  "Int64",   "UInt64", "Boolean", "String", "Binary", "Clock"};
 
 void read_variables2(const XmlFile& file, FmuContents& out) {
   Units units;

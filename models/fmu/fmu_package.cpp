@@ -37,8 +37,8 @@ bool stays_inside(const std::string& name) {
 bool is_link(zip_t* archive, zip_uint64_t index) {
   zip_uint8_t system = 0;
   zip_uint32_t attributes = 0;
-  return zip_file_get_external_attributes(archive, index, 0, &system, &attributes) == 0 &&
-         system == ZIP_OPSYS_UNIX && S_ISLNK(attributes >> 16);
+  return zip_file_get_external_attributes(archive, index, 0, &system, &attributes) == 0 && system == ZIP_OPSYS_UNIX &&
+         S_ISLNK(attributes >> 16);
 }
 
 }  // namespace

@@ -57,8 +57,8 @@ ImportedFmu::ImportedFmu(const std::string& path, Parameters parameters)
     if (!connected.insert(wire.variable).second)
       refuse("its input '" + wire.variable + "' is connected twice", "keep one of the two sensors");
     if (wire.column < 0 || wire.column >= static_cast<int>(wire.sensor.columns().size()))
-      refuse("its input '" + wire.variable + "' takes column " + std::to_string(wire.column) + " of a sensor that has " +
-                 std::to_string(wire.sensor.columns().size()),
+      refuse("its input '" + wire.variable + "' takes column " + std::to_string(wire.column) +
+                 " of a sensor that has " + std::to_string(wire.sensor.columns().size()),
              "count columns from 0");
   }
   std::set<const Input*> driven;
@@ -195,8 +195,8 @@ Sensor ImportedFmu::sensor(const std::string& name, Located as) const {
   const ImportedVariable& asked = variable(name, "");
   if (as.text.empty()) as.text = name;
   const std::string column = as.text;
-  return Sensor(
-      std::move(as), {column}, [this, name](Snapshot&, std::span<double> out) { out[0] = value(name); }, {asked.unit});
+  return Sensor(std::move(as), {column}, [this, name](Snapshot&, std::span<double> out) { out[0] = value(name); },
+                {asked.unit});
 }
 
 std::string ImportedFmu::describe() const {

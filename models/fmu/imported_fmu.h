@@ -57,8 +57,8 @@ class ImportedFmu final : public Observer {
   /// Adds it to the simulation's observers, at its interval.
   void join(Simulation& simulation);
 
-  /// A variable's value as it is now; before a run, its start value. Throws SceneError for one that does not exist or is no single number;
-  /// SimulationError if the FMU fails, or gives what is not finite.
+  /// A variable's value as it is now; before a run, its start value. Throws SceneError for one that does not exist or
+  /// is no single number; SimulationError if the FMU fails, or gives what is not finite.
   double value(const std::string& variable) const;
   /// The same as a sensor: between communication points it stays.
   Sensor sensor(const std::string& variable, Located name = "") const;

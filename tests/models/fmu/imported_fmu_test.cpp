@@ -1,4 +1,5 @@
-// FMUs of other tools beside a scene: against the same controller written as an observer, bit for bit; files that are wrong.
+// FMUs of other tools beside a scene: against the same controller written as an observer, bit for bit; files that are
+// wrong.
 #include "models/fmu/imported_fmu.h"
 
 #include <gtest/gtest.h>
@@ -120,9 +121,9 @@ class ImportedServo : public testing::TestWithParam<std::tuple<int, bool>> {
   bool flexible() const { return std::get<1>(GetParam()); }
 };
 INSTANTIATE_TEST_SUITE_P(Fmi, ImportedServo, testing::Combine(testing::Values(2, 3), testing::Bool()),
-                         [](const auto& info) {
-                           return std::string(std::get<0>(info.param) == 2 ? "two" : "three") +
-                                  (std::get<1>(info.param) ? "_flexible" : "_rigid");
+                         [](const auto& tested) {
+                           return std::string(std::get<0>(tested.param) == 2 ? "two" : "three") +
+                                  (std::get<1>(tested.param) ? "_flexible" : "_rigid");
                          });
 
 TEST_P(ImportedServo, moves_the_arm_bit_for_bit_as_the_same_controller_written_in_the_scene) {
@@ -211,8 +212,9 @@ TEST(ImportedFmu, says_what_it_is_and_how_it_is_connected) {
   const ServoFmu file(2);
   Arm arm(false);
   const ImportedFmu servo(file.packed(), arm.wires());
-  expect_says(servo.describe(), {"Servo, FMI 2.0, made by a text editor; every 0.005 s", "input angle [rad] from sensor 'angle'",
-                                 "output torque [N.m] to input 'torque'", "parameter gain = 12", "enabled = 1, its default"});
+  expect_says(servo.describe(),
+              {"Servo, FMI 2.0, made by a text editor; every 0.005 s", "input angle [rad] from sensor 'angle'",
+               "output torque [N.m] to input 'torque'", "parameter gain = 12", "enabled = 1, its default"});
 }
 
 // ---- what goes wrong ----
@@ -257,7 +259,8 @@ TEST(ImportedFmu, refuses_files_that_are_wrong) {
   expect_says(with("valueReference=\"3\"", "valueReference=\"-3\""), {"valueReference", "modelDescription.xml:11"});
   expect_says(with("name=\"gain\"", ""), {"<ScalarVariable> has no name", "modelDescription.xml:10"});
   expect_says(with("modelIdentifier=\"servo\"", "modelIdentifier=\"../servo\""), {"'../servo' is no name"});
-  expect_says(with("modelIdentifier=\"servo\"", "modelIdentifier=\"other\""), {"no binary for linux64", "it has: linux64"});
+  expect_says(with("modelIdentifier=\"servo\"", "modelIdentifier=\"other\""),
+              {"no binary for linux64", "it has: linux64"});
   expect_says(with("guid=\"servo-1\"", "guid=\"servo-2\""), {"fmi2Instantiate", "error"});
   expect_says(with("canSerializeFMUstate=\"true\"", "needsExecutionTool=\"true\""), {"needs the tool that made it"});
   file.describe(good);
@@ -325,7 +328,8 @@ TEST(ImportedFmu, that_cannot_give_its_state_has_no_checkpoints) {
   servo.join(*arm.simulation);
   arm.run(0.1);
   Archive archive;
-  expect_says(thrown<SceneError>([&] { arm.simulation->save(arm.state, archive); }), {"cannot give its state", "checkpoints"});
+  expect_says(thrown<SceneError>([&] { arm.simulation->save(arm.state, archive); }),
+              {"cannot give its state", "checkpoints"});
   expect_says(servo.describe(), {"no checkpoints"});
 }
 

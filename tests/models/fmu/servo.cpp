@@ -1,5 +1,6 @@
-// A controller as an FMU, by FMI 2.0 and 3.0 in one library, written from the standards: torque = gain e + integral_gain ∫e,
-// e = target - angle; the integral by Euler's method, a step a call. `fault`: 1 is an error, 2 gives NaN, 3 discards.
+// A controller as an FMU, by FMI 2.0 and 3.0 in one library, written from the standards: torque = gain e +
+// integral_gain ∫e, e = target - angle; the integral by Euler's method, a step a call. `fault`: 1 is an error, 2 gives
+// NaN, 3 discards.
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -153,12 +154,12 @@ EXPORT int fmi3DoStep(void* unit, double time, double size, bool, bool* event, b
   *event = *end = *early = false, *last = time + size;
   return of(unit).step(time, size);
 }
-#define GET_AND_SET(TYPE, NUMBER)                                                                        \
-  EXPORT int fmi3Get##TYPE(void* u, const unsigned* r, std::size_t n, NUMBER* v, std::size_t) {          \
-    return get(u, r, n, v);                                                                              \
-  }                                                                                                      \
-  EXPORT int fmi3Set##TYPE(void* u, const unsigned* r, std::size_t n, const NUMBER* v, std::size_t) {    \
-    return set(u, r, n, v);                                                                              \
+#define GET_AND_SET(TYPE, NUMBER)                                                                     \
+  EXPORT int fmi3Get##TYPE(void* u, const unsigned* r, std::size_t n, NUMBER* v, std::size_t) {       \
+    return get(u, r, n, v);                                                                           \
+  }                                                                                                   \
+  EXPORT int fmi3Set##TYPE(void* u, const unsigned* r, std::size_t n, const NUMBER* v, std::size_t) { \
+    return set(u, r, n, v);                                                                           \
   }
 GET_AND_SET(Float64, double)
 GET_AND_SET(Int32, std::int32_t)

@@ -14,7 +14,8 @@ class ServoFmu {
  public:
   /// `version`: 2 or 3.
   explicit ServoFmu(int version, const std::string& name = "servo") : version_(version), name_(name) {
-    const std::filesystem::path there = std::filesystem::path(file(version_ == 2 ? "binaries/linux64" : "binaries/x86_64-linux"));
+    const std::filesystem::path there =
+        std::filesystem::path(file(version_ == 2 ? "binaries/linux64" : "binaries/x86_64-linux"));
     std::filesystem::create_directories(there);
     std::filesystem::copy_file(LITHE_TEST_SERVO, there / "servo.so");
     describe(description(version));
