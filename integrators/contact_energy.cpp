@@ -174,8 +174,7 @@ void ContactImpulses::resist(RigidContacts& contacts, double h, VectorX& v_end, 
         set_aim(k, true);
         pushed_[k] = 1, again = true;
       }
-      // Of five at most: 6 for Clang, tools/cmake/short_vectors.cpp.
-      const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6> before =
+      const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 5> before =
           start_velocity_.segment(row + 1, across) - growth_.segment(row + 1, across);
       if (mean_[k] || !(now_.segment(c.row + 1, across).dot(before + u_.segment(c.row + 1, across)) > 0)) continue;
       some_.free.segment(c.row + 1, across) += before;

@@ -25,12 +25,6 @@ void add(const Lanes& a, double* to) {
 
 Lanes unit(int axis) { return lanes::of(axis == 0, axis == 1, axis == 2); }
 
-std::string number_text(double value) {
-  std::string text;
-  append_number(text, value);
-  return text;
-}
-
 double drawn_length(const Cable::Parameters& p) {
   return p.points.empty() ? (p.to - p.from).norm() : cable_drawing::length(p.points);
 }

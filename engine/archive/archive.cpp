@@ -15,12 +15,6 @@ namespace {
 constexpr const char* kFix =
     "resume what this version of Lithe wrote, with the same kind of integrator, observers and events";
 
-std::string text_of(double value) {
-  std::string text;
-  append_number(text, value);
-  return text;
-}
-
 /// Bytes of a vector of numbers behind their count, and back.
 template <class Value>
 void append(std::vector<unsigned char>& bytes, const std::vector<Value>& values) {
@@ -245,8 +239,8 @@ void Archive::same(std::string_view name, double value) {
   double saved = value;
   (*this)(name, saved);
   if (saved != value)
-    throw SceneError("'" + path(name) + "' was " + text_of(saved) + " where the checkpoint was written, and is " +
-                         text_of(value) + " now",
+    throw SceneError("'" + path(name) + "' was " + number_text(saved) + " where the checkpoint was written, and is " +
+                         number_text(value) + " now",
                      source_, "use the same value, or start a new run");
 }
 

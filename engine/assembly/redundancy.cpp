@@ -4,6 +4,7 @@
 #include <map>
 #include <numeric>
 
+#include "engine/base/dense_inverse.h"
 #include "engine/factor/graph_topology.h"
 
 namespace lithe {
@@ -45,7 +46,7 @@ std::vector<MatrixX> compliances(const BlockStructure& blocks, const std::vector
     const int count = blocks.rows[G.rows].count;
     if (G.frame >= 0) {
       const Eigen::Map<const MatrixX> g(values + G.values, count, 6);
-      const Matrix6 inverse = Eigen::Map<const Matrix6>(values + blocks.frames[G.frame].values).inverse();
+      const MatrixX inverse = inverse_of(Eigen::Map<const Matrix6>(values + blocks.frames[G.frame].values));
       sums[G.rows] += g * inverse * g.transpose();
     }
     if (G.linear < 0) continue;

@@ -12,11 +12,16 @@ inline void append_number(std::string& text, double value) {
   text.append(digits, end);
 }
 
+/// That text alone.
+inline std::string number_text(double value) {
+  std::string text;
+  append_number(text, value);
+  return text;
+}
+
 /// "t = 0.53 s", to the last digit, as messages name a time.
 inline std::string time_text(double time) {
-  std::string text = "t = ";
-  append_number(text, time);
-  return text + " s";
+  return "t = " + number_text(time) + " s";
 }
 
 }  // namespace lithe

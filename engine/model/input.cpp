@@ -12,12 +12,6 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-std::string text_of(double value) {
-  std::string text;
-  append_number(text, value);
-  return text;
-}
-
 /// Known by its type in a MotionLaw.
 struct InputLaw {
   const Input* input;
@@ -29,12 +23,12 @@ struct InputLaw {
 Input::Input(Parameters parameters) : parameters_(std::move(parameters)) {
   const auto& p = parameters_;
   if (std::isnan(p.lower) || std::isnan(p.upper) || !(p.lower <= p.upper))
-    throw SceneError("its bounds " + text_of(p.lower) + " and " + text_of(p.upper) + " are not in order", "",
+    throw SceneError("its bounds " + number_text(p.lower) + " and " + number_text(p.upper) + " are not in order", "",
                      "give .lower <= .upper");
   if (!std::isfinite(p.value)) throw SceneError("its value is not finite", "", "give a number");
   if (p.value < p.lower || p.value > p.upper)
     throw SceneError(
-        "its value " + text_of(p.value) + " is outside its bounds " + text_of(p.lower) + " to " + text_of(p.upper), "",
+        "its value " + number_text(p.value) + " is outside its bounds " + number_text(p.lower) + " to " + number_text(p.upper), "",
         "give a .value between .lower and .upper");
   reset();
 }
@@ -43,11 +37,11 @@ void Input::require(double time, double value, const std::string& where) const {
   const std::string unit = parameters_.unit.empty() ? "" : " " + parameters_.unit;
   if (!std::isfinite(time) || !std::isfinite(value))
     throw SceneError(
-        "input '" + name() + "' is given " + text_of(value) + unit + " at " + time_text(time) + ", which is not finite",
+        "input '" + name() + "' is given " + number_text(value) + unit + " at " + time_text(time) + ", which is not finite",
         where, "give numbers");
   if (value < parameters_.lower || value > parameters_.upper)
-    throw SceneError("input '" + name() + "' is given " + text_of(value) + unit + ", outside its bounds " +
-                         text_of(parameters_.lower) + " to " + text_of(parameters_.upper),
+    throw SceneError("input '" + name() + "' is given " + number_text(value) + unit + ", outside its bounds " +
+                         number_text(parameters_.lower) + " to " + number_text(parameters_.upper),
                      where, "give a value inside, or draw it with other bounds (" + this->where() + ")");
 }
 

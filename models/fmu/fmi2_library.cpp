@@ -29,11 +29,13 @@ void log_message(void* environment, const char*, Status status, const char*, con
   static_cast<FmuMessages*>(environment)->tell(status, text);
 }
 
-class Fmi2Library final : public FmuLibrary {
+class Fmi2Library final : public FmuCalls {
  public:
   Fmi2Library(const FmuContents& contents, std::unique_ptr<SharedLibrary> library, const std::string& resources,
               FmuMessages messages)
-      : library_(std::move(library)), messages_(std::move(messages)) {
+      : FmuCalls(std::move(library), std::move(messages),
+                 {"fmi2GetFMUstate", "fmi2SetFMUstate", "fmi2FreeFMUstate", "fmi2SerializedFMUstateSize",
+                  "fmi2SerializeFMUstate", "fmi2DeSerializeFMUstate"}) {
     callbacks_ = {log_message, std::calloc, std::free, nullptr, &messages_};
     constexpr int kCoSimulation = 1;
     const auto instantiate =
@@ -65,28 +67,7 @@ class Fmi2Library final : public FmuLibrary {
       give("fmi2SetInteger", variable, static_cast<int>(std::lround(value)));
   }
 
-  std::vector<unsigned char> save() override {
-    void* state = nullptr;
-    std::size_t size = 0;
-    call<void**>("fmi2GetFMUstate", &state);
-    call<void*, std::size_t*>("fmi2SerializedFMUstateSize", state, &size);
-    std::vector<unsigned char> bytes(size);
-    call<void*, unsigned char*, std::size_t>("fmi2SerializeFMUstate", state, bytes.data(), size);
-    call<void**>("fmi2FreeFMUstate", &state);
-    return bytes;
-  }
-  void load(const std::vector<unsigned char>& bytes) override {
-    void* state = nullptr;
-    call<const unsigned char*, std::size_t, void**>("fmi2DeSerializeFMUstate", bytes.data(), bytes.size(), &state);
-    call<void*>("fmi2SetFMUstate", state);
-    call<void**>("fmi2FreeFMUstate", &state);
-  }
-
  private:
-  template <class... Arguments>
-  void call(const char* name, Arguments... arguments) {
-    messages_.check(name, library_->function<Status(Unit, Arguments...)>(name)(unit_, arguments...));
-  }
   template <class Number>
   double got(const char* name, const ImportedVariable& variable) {
     Number value{};
@@ -98,10 +79,7 @@ class Fmi2Library final : public FmuLibrary {
     call<const unsigned*, std::size_t, const Number*>(name, &variable.reference, 1, &value);
   }
 
-  std::unique_ptr<SharedLibrary> library_;
-  FmuMessages messages_;
   Callbacks callbacks_{};
-  Unit unit_ = nullptr;
 };
 
 }  // namespace

@@ -31,11 +31,13 @@ void with_type(const std::string& type, Work&& work) {
   work.template operator()<bool>();
 }
 
-class Fmi3Library final : public FmuLibrary {
+class Fmi3Library final : public FmuCalls {
  public:
   Fmi3Library(const FmuContents& contents, std::unique_ptr<SharedLibrary> library, const std::string& resources,
               FmuMessages messages)
-      : library_(std::move(library)), messages_(std::move(messages)) {
+      : FmuCalls(std::move(library), std::move(messages),
+                 {"fmi3GetFMUState", "fmi3SetFMUState", "fmi3FreeFMUState", "fmi3SerializedFMUStateSize",
+                  "fmi3SerializeFMUState", "fmi3DeserializeFMUState"}) {
     using Instantiate = Unit(const char* name, const char* token, const char* resources, bool visible, bool logging,
                              bool event_mode, bool early_return, const std::uint32_t* intermediate, std::size_t count,
                              void* environment, void (*log)(void*, Status, const char*, const char*), void (*update)());
@@ -63,8 +65,8 @@ class Fmi3Library final : public FmuLibrary {
     double out = 0;
     with_type(variable.type, [&]<class Number>() {
       Number value{};
-      call<const std::uint32_t*, std::size_t, Number*, std::size_t>(("fmi3Get" + variable.type).c_str(),
-                                                                    &variable.reference, 1, &value, 1);
+      call<const std::uint32_t*, std::size_t, Number*, std::size_t>("fmi3Get" + variable.type, &variable.reference, 1,
+                                                                    &value, 1);
       out = static_cast<double>(value);
     });
     return out;
@@ -76,37 +78,10 @@ class Fmi3Library final : public FmuLibrary {
         number = value != 0;
       else
         number = static_cast<Number>(std::is_integral_v<Number> ? std::round(value) : value);
-      call<const std::uint32_t*, std::size_t, const Number*, std::size_t>(("fmi3Set" + variable.type).c_str(),
+      call<const std::uint32_t*, std::size_t, const Number*, std::size_t>("fmi3Set" + variable.type,
                                                                           &variable.reference, 1, &number, 1);
     });
   }
-
-  std::vector<unsigned char> save() override {
-    void* state = nullptr;
-    std::size_t size = 0;
-    call<void**>("fmi3GetFMUState", &state);
-    call<void*, std::size_t*>("fmi3SerializedFMUStateSize", state, &size);
-    std::vector<unsigned char> bytes(size);
-    call<void*, unsigned char*, std::size_t>("fmi3SerializeFMUState", state, bytes.data(), size);
-    call<void**>("fmi3FreeFMUState", &state);
-    return bytes;
-  }
-  void load(const std::vector<unsigned char>& bytes) override {
-    void* state = nullptr;
-    call<const unsigned char*, std::size_t, void**>("fmi3DeserializeFMUState", bytes.data(), bytes.size(), &state);
-    call<void*>("fmi3SetFMUState", state);
-    call<void**>("fmi3FreeFMUState", &state);
-  }
-
- private:
-  template <class... Arguments>
-  void call(const char* name, Arguments... arguments) {
-    messages_.check(name, library_->function<Status(Unit, Arguments...)>(name)(unit_, arguments...));
-  }
-
-  std::unique_ptr<SharedLibrary> library_;
-  FmuMessages messages_;
-  Unit unit_ = nullptr;
 };
 
 }  // namespace

@@ -39,6 +39,24 @@ void FmuMessages::check(const std::string& function, int status) {
                         status == 2 ? "take a shorter interval." : "look at its inputs and parameters.");
 }
 
+std::vector<unsigned char> FmuCalls::save() {
+  void* state = nullptr;
+  std::size_t size = 0;
+  call<void**>(state_functions_.get, &state);
+  call<void*, std::size_t*>(state_functions_.size, state, &size);
+  std::vector<unsigned char> bytes(size);
+  call<void*, unsigned char*, std::size_t>(state_functions_.serialize, state, bytes.data(), size);
+  call<void**>(state_functions_.free, &state);
+  return bytes;
+}
+
+void FmuCalls::load(const std::vector<unsigned char>& bytes) {
+  void* state = nullptr;
+  call<const unsigned char*, std::size_t, void**>(state_functions_.deserialize, bytes.data(), bytes.size(), &state);
+  call<void*>(state_functions_.set, state);
+  call<void**>(state_functions_.free, &state);
+}
+
 std::unique_ptr<FmuLibrary> make_fmu_library(const FmuContents& contents, const std::string& folder,
                                              const std::string& path, const std::string& instance) {
   const bool two = contents.version == 2;

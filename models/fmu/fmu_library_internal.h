@@ -60,6 +60,32 @@ struct FmuMessages {
   void check(const std::string& function, int status);
 };
 
+/// What both standards do alike: a call and its status, the state as bytes.
+class FmuCalls : public FmuLibrary {
+ public:
+  std::vector<unsigned char> save() override;
+  void load(const std::vector<unsigned char>& bytes) override;
+
+ protected:
+  struct StateFunctions {
+    const char *get, *set, *free, *size, *serialize, *deserialize;
+  };
+  FmuCalls(std::unique_ptr<SharedLibrary> library, FmuMessages messages, const StateFunctions& state_functions)
+      : library_(std::move(library)), messages_(std::move(messages)), state_functions_(state_functions) {}
+
+  template <class... Arguments>
+  void call(const std::string& name, Arguments... arguments) {
+    messages_.check(name, library_->function<int(void*, Arguments...)>(name)(unit_, arguments...));
+  }
+
+  const std::unique_ptr<SharedLibrary> library_;
+  FmuMessages messages_;
+  void* unit_ = nullptr;
+
+ private:
+  const StateFunctions state_functions_;
+};
+
 std::unique_ptr<FmuLibrary> make_fmi2_library(const FmuContents& contents, std::unique_ptr<SharedLibrary> library,
                                               const std::string& resources, FmuMessages messages);
 std::unique_ptr<FmuLibrary> make_fmi3_library(const FmuContents& contents, std::unique_ptr<SharedLibrary> library,

@@ -2,7 +2,6 @@
 #include <zip.h>
 
 #include <array>
-#include <cstdlib>
 #include <fstream>
 #include <memory>
 
@@ -46,22 +45,7 @@ bool is_link(zip_t* archive, zip_uint64_t index) {
 FmuPackage::FmuPackage(const std::string& path) : path_(path) {
   std::error_code error;
   if (!fs::is_regular_file(path, error)) fail("there is no such file.", "give the path of an FMU.");
-  std::string name = (fs::temp_directory_path() / "lithe_fmu_XXXXXX").string();
-  if (!mkdtemp(name.data()))
-    throw FileError("no folder can be made to unpack an FMU into.", fs::temp_directory_path().string(),
-                    "set TMPDIR to a folder that can be written.");
-  folder_ = name;
-  try {
-    unpack();
-  } catch (...) {
-    fs::remove_all(folder_, error);
-    throw;
-  }
-}
-
-FmuPackage::~FmuPackage() {
-  std::error_code error;
-  fs::remove_all(folder_, error);
+  unpack();
 }
 
 void FmuPackage::fail(const std::string& problem, const std::string& fix) const {
@@ -74,7 +58,11 @@ void FmuPackage::unpack() {
   if (!archive) fail("the file is no zip archive, or damaged.", fix);
   const zip_int64_t count = zip_get_num_entries(archive.get(), 0);
   if (count > kMostFiles) fail("the archive has more than 100,000 files.", "no FMU has: give another file.");
-  std::uint64_t all = 0;
+  std::uint64_t stated = 0, all = 0;
+  for (zip_uint64_t i = 0; i < static_cast<zip_uint64_t>(count); ++i)
+    if (zip_stat_t entry; zip_stat_index(archive.get(), i, 0, &entry) == 0 && entry.valid & ZIP_STAT_SIZE)
+      stated += entry.size;
+  if (stated > kMostBytes) fail("the archive unpacks to more than 4 GiB.", "no FMU does: give another file.");
   for (zip_uint64_t i = 0; i < static_cast<zip_uint64_t>(count); ++i) {
     zip_stat_t entry;
     zip_stat_init(&entry);
@@ -84,11 +72,11 @@ void FmuPackage::unpack() {
     if (!stays_inside(name) || is_link(archive.get(), i))
       fail("the archive's entry '" + name + "' leads out of its folder.", "do not use this file.");
     if (name.back() == '/') continue;
-    const fs::path target = folder_ / name;
+    const fs::path target = folder() / name;
     std::error_code error;
     fs::create_directories(target.parent_path(), error);
     std::ofstream out(target, std::ios::binary);
-    if (error || !out) fail("'" + name + "' cannot be unpacked into " + folder_.string() + ".", "free space there.");
+    if (error || !out) fail("'" + name + "' cannot be unpacked into " + folder().string() + ".", "free space there.");
     const std::unique_ptr<zip_file_t, CloseFile> file(zip_fopen_index(archive.get(), i, 0));
     if (!file) fail("'" + name + "' cannot be read: " + zip_strerror(archive.get()) + ".", fix);
     std::array<char, 65536> bytes;
@@ -97,7 +85,7 @@ void FmuPackage::unpack() {
       all += static_cast<std::uint64_t>(read);
       if (all > kMostBytes) fail("the archive unpacks to more than 4 GiB.", "no FMU does: give another file.");
       if (!out.write(bytes.data(), read))
-        fail("'" + name + "' cannot be unpacked into " + folder_.string() + ".", "free space there.");
+        fail("'" + name + "' cannot be unpacked into " + folder().string() + ".", "free space there.");
     }
     if (read < 0) fail("'" + name + "' is damaged.", fix);  // its checksum, too
   }

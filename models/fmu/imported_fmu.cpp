@@ -17,12 +17,6 @@ namespace {
 
 constexpr double kSameInterval = 1e-6;  // of the interval: points apart by it, but for round-off of times
 
-std::string text_of(double value) {
-  std::string text;
-  append_number(text, value);
-  return text;
-}
-
 std::unique_ptr<FmuContents> contents_of(const FmuPackage& package) {
   const auto description = package.folder() / "modelDescription.xml";
   if (!std::filesystem::is_regular_file(description))
@@ -48,7 +42,7 @@ ImportedFmu::ImportedFmu(const std::string& path, Parameters parameters)
     refuse("the FMU needs the tool that made it to run", "export it with its own solver and without that need");
   if (parameters_.interval == 0) parameters_.interval = contents_->default_step;
   if (!(parameters_.interval > 0) || !std::isfinite(parameters_.interval))
-    refuse("the interval is " + text_of(parameters_.interval) + " s" +
+    refuse("the interval is " + number_text(parameters_.interval) + " s" +
                (contents_->default_step > 0 ? "" : ", and the FMU names no default"),
            "give .interval, the time between communication points, above 0");
   std::set<std::string> connected;
@@ -108,6 +102,7 @@ const ImportedVariable& ImportedFmu::variable(const std::string& name, const std
 void ImportedFmu::make_instance() {
   library_.reset();  // some binaries allow one instance at a time
   library_ = make_fmu_library(*contents_, package_->folder().string(), package_->path(), parameters_.name);
+  fresh_ = true;
 }
 
 void ImportedFmu::join(Simulation& simulation) { simulation.observe(*this, every(parameters_.interval)); }
@@ -117,15 +112,16 @@ void ImportedFmu::read_sensors(Snapshot& snapshot) {
     const FromSensor& wire = parameters_.inputs[i];
     const double value = wire.sensor.value(snapshot, wire.column);
     if (!std::isfinite(value))
-      throw SimulationError("sensor '" + wire.sensor.name() + "' reads " + text_of(value) + " for the FMU's input '" +
-                                wire.variable + "' at t = " + text_of(snapshot.time()) + " s.",
+      throw SimulationError("sensor '" + wire.sensor.name() + "' reads " + number_text(value) +
+                                " for the FMU's input '" + wire.variable + "' at " + time_text(snapshot.time()) + ".",
                             "FMU '" + name() + "'", "look at the sensor.");
     library_->set(*inputs_[i], value);
   }
 }
 
 void ImportedFmu::begin(Snapshot& snapshot) {
-  make_instance();
+  if (!library_ || !fresh_) make_instance();
+  fresh_ = false;
   time_ = clock_ = snapshot.time();
   for (const auto& [name, value] : parameters_.values) library_->set(variable(name, "parameter"), value);
   library_->enter_initialization(time_);
@@ -170,23 +166,20 @@ void ImportedFmu::observe(Snapshot& snapshot) {
     hand_over(time, false);
   } catch (const SimulationError& error) {
     library_.reset();
-    throw SimulationError(error.problem(), "FMU '" + name() + "', t = " + text_of(time) + " s", error.fix());
+    throw SimulationError(error.problem(), "FMU '" + name() + "', " + time_text(time), error.fix());
   }
 }
 
-double ImportedFmu::value(const std::string& name) const {
-  const ImportedVariable& asked = variable(name, "");
-  if (!begun_) return asked.start.value_or(0);
-  if (!library_)
-    throw SimulationError("the FMU failed: '" + name + "' has no value.", "FMU '" + this->name() + "'",
-                          "run again from the start, or resume a checkpoint.");
-  return value(asked);
-}
+double ImportedFmu::value(const std::string& name) const { return value(variable(name, "")); }
 
 double ImportedFmu::value(const ImportedVariable& asked) const {
+  if (fresh_) return asked.start.value_or(0);
+  if (!library_)
+    throw SimulationError("the FMU failed: '" + asked.name + "' has no value.", "FMU '" + name() + "'",
+                          "run again from the start, or resume a checkpoint.");
   const double value = library_->get(asked);
   if (!std::isfinite(value))
-    throw SimulationError("the FMU gives " + text_of(value) + " for '" + asked.name + "'.", "FMU '" + name() + "'",
+    throw SimulationError("the FMU gives " + number_text(value) + " for '" + asked.name + "'.", "FMU '" + name() + "'",
                           "look at its inputs and parameters.");
   return value;
 }
@@ -195,14 +188,14 @@ Sensor ImportedFmu::sensor(const std::string& name, Located as) const {
   const ImportedVariable& asked = variable(name, "");
   if (as.text.empty()) as.text = name;
   const std::string column = as.text;
-  return Sensor(std::move(as), {column}, [this, name](Snapshot&, std::span<double> out) { out[0] = value(name); },
+  return Sensor(std::move(as), {column}, [this, &asked](Snapshot&, std::span<double> out) { out[0] = value(asked); },
                 {asked.unit});
 }
 
 std::string ImportedFmu::describe() const {
   std::string out = "FMU '" + name() + "': " + contents_->model_name + ", FMI " + std::to_string(contents_->version) +
                     ".0" + (contents_->tool.empty() ? "" : ", made by " + contents_->tool) + "; every " +
-                    text_of(interval()) + " s" +
+                    number_text(interval()) + " s" +
                     (contents_->serializes ? "" : "; it cannot give its state: no checkpoints") + "\n";
   const auto line = [&](const ImportedVariable& v, const std::string& is) {
     out += "  " + v.causality + " " + v.name + (v.unit.empty() ? "" : " [" + v.unit + "]") + is + "\n";
@@ -214,9 +207,9 @@ std::string ImportedFmu::describe() const {
     for (const ToInput& wire : parameters_.outputs)
       if (wire.variable == v.name) is = " to input '" + wire.input->name() + "'";
     for (const auto& [name, value] : parameters_.values)
-      if (name == v.name) is += " = " + text_of(value);
+      if (name == v.name) is += " = " + number_text(value);
     if (is.empty() && (v.causality == "parameter" || v.causality == "input") && v.start)
-      is = " = " + text_of(*v.start) + ", its default";
+      is = " = " + number_text(*v.start) + ", its default";
     if (!is.empty() || v.causality == "input" || v.causality == "output") line(v, is.empty() ? ", not connected" : is);
   }
   return out;
@@ -245,6 +238,7 @@ void ImportedFmu::history(Archive& archive) {
   if (!archive.loads()) return;
   make_instance();
   if (!begun_) return;
+  fresh_ = false;
   if (words.size() != (size + sizeof(int) - 1) / sizeof(int))
     throw FileError("the state of the FMU '" + name() + "' is damaged.", archive.source(), "take another checkpoint.");
   std::vector<unsigned char> bytes(size);

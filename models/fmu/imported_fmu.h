@@ -85,6 +85,7 @@ class ImportedFmu final : public Observer {
   const std::unique_ptr<FmuContents> contents_;
   std::unique_ptr<FmuLibrary> library_;  // null before the first state, and after a failure
   std::vector<const ImportedVariable*> inputs_, outputs_;
+  bool fresh_ = false;  // the instance has not been initialized
   bool begun_ = false;  // it is in a run
   double time_ = 0;     // of the last communication point, s
   double clock_ = 0;    // the same as the FMU counts it, step by step

@@ -14,6 +14,7 @@
 #include "joints/forces/user_force.h"
 #include "tests/engine/output/output_scratch_folder.h"
 #include "tests/integrators/restart_scenes.h"
+#include "tests/support/message_of.h"
 #include "tests/support/motion.h"
 
 namespace lithe::test::input_test {
@@ -21,20 +22,6 @@ namespace {
 
 using namespace restart;
 using Between = Input::Between;
-
-/// What an exception says; empty: nothing was thrown.
-template <class Action>
-std::string thrown(Action&& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
-}
-void expect_says(const std::string& text, const std::vector<std::string>& parts) {
-  for (const std::string& part : parts) EXPECT_NE(text.find(part), std::string::npos) << part << " in: " << text;
-}
 
 // ---- as a function of time ----
 
@@ -73,32 +60,34 @@ TEST(Input, goes_from_sample_to_sample_as_it_was_drawn) {
 TEST(Input, refuses_what_it_cannot_be) {
   SystemGraph graph;
   auto& torque = graph.add<Input>("torque", {.unit = "N m", .value = 1, .lower = -2, .upper = 3});
-  expect_says(thrown([&] { torque.set(1, 4); }), {"'torque'", "4 N m", "-2 to 3", "input_test.cpp"});
-  expect_says(thrown([&] { torque.set(1, NAN); }), {"'torque'", "nan", "not finite"});
-  expect_says(thrown([&] { torque.set(INFINITY, 1); }), {"'torque'", "not finite"});
-  expect_says(thrown([&] { torque.reset(0, -2.5); }), {"'torque'", "-2.5"});
+  expect_says(message_of<Error>([&] { torque.set(1, 4); }), {"'torque'", "4 N m", "-2 to 3", "input_test.cpp"});
+  expect_says(message_of<Error>([&] { torque.set(1, NAN); }), {"'torque'", "nan", "not finite"});
+  expect_says(message_of<Error>([&] { torque.set(INFINITY, 1); }), {"'torque'", "not finite"});
+  expect_says(message_of<Error>([&] { torque.reset(0, -2.5); }), {"'torque'", "-2.5"});
   torque.set(1, 2);
-  expect_says(thrown([&] { torque.set(0.5, 2); }), {"'torque'", "t = 0.5 s", "before its last sample at t = 1 s"});
+  expect_says(message_of<Error>([&] { torque.set(0.5, 2); }),
+              {"'torque'", "t = 0.5 s", "before its last sample at t = 1 s"});
   EXPECT_EQ(torque.samples().size(), 2u);
-  expect_says(thrown([&] { graph.add<Input>("torque"); }), {"'torque' is in use"});
-  expect_says(thrown([&] { graph.add<Input>("ground"); }), {"'ground'"});
-  expect_says(thrown([&] { graph.add<Input>("a", {.lower = 2, .upper = 1}); }), {"'a'", "bounds 2 and 1"});
-  expect_says(thrown([&] { graph.add<Input>("b", {.value = 5, .upper = 1}); }), {"'b'", "5"});
-  expect_says(thrown([&] { graph.add<Input>("c", {.value = NAN}); }), {"'c'", "not finite"});
+  expect_says(message_of<Error>([&] { graph.add<Input>("torque"); }), {"'torque' is in use"});
+  expect_says(message_of<Error>([&] { graph.add<Input>("ground"); }), {"'ground'"});
+  expect_says(message_of<Error>([&] { graph.add<Input>("a", {.lower = 2, .upper = 1}); }), {"'a'", "bounds 2 and 1"});
+  expect_says(message_of<Error>([&] { graph.add<Input>("b", {.value = 5, .upper = 1}); }), {"'b'", "5"});
+  expect_says(message_of<Error>([&] { graph.add<Input>("c", {.value = NAN}); }), {"'c'", "not finite"});
   graph.add<Input>("length", {.unit = "m"});
   EXPECT_EQ(&graph.input("torque"), &torque);
   EXPECT_EQ(graph.find<Input>("torque"), &torque);
-  expect_says(thrown([&] { graph.input("torqe"); }), {"no input 'torqe'", "'torque', 'length'", "input_test.cpp"});
+  expect_says(message_of<Error>([&] { graph.input("torqe"); }),
+              {"no input 'torqe'", "'torque', 'length'", "input_test.cpp"});
   // A motion must not jump; a stiffness not become negative.
   auto& rod = graph.add<RigidBody>("rod", {.mass = 1, .inertia = {1, 1, 1}, .position = {1, 0, 0}});
   auto& pin = graph.add<RevoluteJoint>("pin", {graph.ground().marker(), rod.marker({-1, 0, 0})});
-  expect_says(thrown([&] { graph.add<CoordinateDrive>("drive", {pin.angle()}, {.motion = torque}); }),
+  expect_says(message_of<Error>([&] { graph.add<CoordinateDrive>("drive", {pin.angle()}, {.motion = torque}); }),
               {"'drive'", "'torque'", "jumps", "smooth"});
-  expect_says(thrown([&] {
+  expect_says(message_of<Error>([&] {
                 graph.add<DistanceJoint>("bar", {graph.ground().marker(), rod.marker()}, {.length_law = torque});
               }),
               {"'bar'", "'torque'", "jumps"});
-  expect_says(thrown([&] {
+  expect_says(message_of<Error>([&] {
                 graph.add<SpringDamper>("spring", {graph.ground().marker(), rod.marker()}, {.stiffness = torque});
               }),
               {"'spring'", "stiffness (input 'torque')", "-2"});
@@ -373,7 +362,7 @@ TEST(Input, is_kept_in_checkpoints_bit_for_bit) {
   const System system = assemble(graph);
   GeneralizedAlpha method{{.step = 1e-3}};
   Simulation simulation{system, method};
-  expect_says(thrown([&] { simulation.resume(folder.path("run.h5")); }), {"another scene"});
+  expect_says(message_of<Error>([&] { simulation.resume(folder.path("run.h5")); }), {"another scene"});
 }
 
 /// Islands meet where observers wait; each ends its own steps at the jumps of what acts on it.

@@ -8,7 +8,7 @@ set(header_globs ${LITHE_LIBRARIES})
 list(TRANSFORM header_globs REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/\\1/*.h")
 file(GLOB_RECURSE public_headers CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} ${header_globs})
 # What no scene names, and would pay for with each compile: factors, kernels, the insides of contact and of assembly.
-list(FILTER public_headers EXCLUDE REGEX "^engine/(factor|forward)/|^engine/base/dense(_inverse)?\\.h$")
+list(FILTER public_headers EXCLUDE REGEX "^engine/(factor|forward)/|^engine/base/(dense(_inverse)?|temporary_folder)\\.h$")
 list(FILTER public_headers EXCLUDE REGEX
      "^engine/(analysis/static_equations|assembly/(find_rigid_scene|least_norm|moment_check|redundancy)|cones/(cone_interior|cone_newton|dense_cones|friction_block)|contact/(contact_correction|contact_forces|contact_places|contact_rows|rigid_contacts)|gradient/(differences|parameter_derivative|recorded_run|sample_weights|sensor_derivative|static_derivative|tangent_equations)|fmu/(fmi2_border|fmi3_border|fmu_border|fmu_instance)|motion/(chart_maps|kept_factor|singular_pose)|run/(followed_inputs|island_run)|simplify/rows_in_plane)\\.h$")
 # Nor do users need what the readers and reductions are made of.

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "engine/base/error.h"
+#include "engine/base/temporary_folder.h"
 #include "tools/fuzz/targets.h"
 
 // Messages are of no interest here, and spdlog is not linked.
@@ -39,14 +40,10 @@ Target chosen() {
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   static const Target target = chosen();
-  static const std::filesystem::path folder = [] {
-    std::string name = (std::filesystem::temp_directory_path() / "lithe_fuzz_XXXXXX").string();
-    if (!mkdtemp(name.data())) std::abort();
-    return std::filesystem::path(name);
-  }();
-  for (const auto& old : std::filesystem::directory_iterator(folder)) std::filesystem::remove_all(old.path());
+  static const lithe::TemporaryFolder folder("lithe_fuzz");
+  for (const auto& old : std::filesystem::directory_iterator(folder.path())) std::filesystem::remove_all(old.path());
   try {
-    target.run({reinterpret_cast<const char*>(data), size}, folder);
+    target.run({reinterpret_cast<const char*>(data), size}, folder.path());
   } catch (const lithe::Error&) {  // refused, as it should be
   } catch (const lithe::fuzz::SilentAcceptance& wrong) {
     std::fprintf(stderr, "taken as good: %s\n", wrong.what());

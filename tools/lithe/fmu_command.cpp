@@ -8,6 +8,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/number_text.h"
+#include "engine/base/temporary_folder.h"
 #include "tools/lithe/commands.h"
 #include "tools/lithe/compiler_messages.h"
 #include "tools/lithe/fmu_description.h"
@@ -27,12 +28,6 @@ struct FmuOptions {
   double tolerance = 1e-6, step = 0;
   bool verbose = false;
 };
-
-std::string number_text(double value) {
-  std::string text;
-  append_number(text, value);
-  return text;
-}
 
 /// What is compiled around a scene. A main() of its own is left aside.
 std::string source_around(const fs::path& scene, const FmuOptions& options, const std::string& token) {
@@ -72,27 +67,6 @@ std::string identifier_of(const fs::path& path) {
     if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
   return name.empty() || std::isdigit(static_cast<unsigned char>(name[0])) ? "fmu_" + name : name;
 }
-
-/// A folder of its own, gone with it.
-class Scratch {
- public:
-  Scratch() {
-    std::string pattern = (fs::temp_directory_path() / "lithe_fmu_XXXXXX").string();
-    if (!mkdtemp(pattern.data()))
-      throw FileError("no temporary folder can be made", pattern, "let TMPDIR name one that can be written");
-    path_ = pattern;
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 /// Compiles the scene to a library beside which Lithe's own lies.
 void compile(const Installation& installation, const SceneFile& scene, const FmuOptions& options,
@@ -181,7 +155,7 @@ int make_fmu(const FmuOptions& options) {
   token.add_file(scene.path);
   token.add(number_text(options.tolerance) + " " + number_text(options.step));
 
-  const Scratch scratch;
+  const TemporaryFolder scratch("lithe_fmu");
   const fs::path library = scratch.path() / (identifier + ".so");
   try {
     compile(installation, scene, options, key, source_around(scene.path, options, "lithe-" + token.text()), library);

@@ -55,12 +55,6 @@ std::optional<Exponents> exponents_of(const std::string& unit) {
   return sum;
 }
 
-std::string text_of(double value) {
-  std::string text;
-  append_number(text, value);
-  return text;
-}
-
 std::string text_of(const pugi::xml_document& document) {
   std::ostringstream text;
   document.save(text, "  ", pugi::format_default, pugi::encoding_utf8);
@@ -87,8 +81,8 @@ void add_units(pugi::xml_node root, const json& variables) {
 /// What both versions say of a variable, on its element for 3.0 and the type's element for 2.0.
 void add_type_attributes(pugi::xml_node node, const json& v) {
   if (const std::string unit = fmi_unit(v.at("unit")); !unit.empty()) node.append_attribute("unit") = unit.c_str();
-  if (!v.at("lower").is_null()) node.append_attribute("min") = text_of(v.at("lower").get<double>()).c_str();
-  if (!v.at("upper").is_null()) node.append_attribute("max") = text_of(v.at("upper").get<double>()).c_str();
+  if (!v.at("lower").is_null()) node.append_attribute("min") = number_text(v.at("lower").get<double>()).c_str();
+  if (!v.at("upper").is_null()) node.append_attribute("max") = number_text(v.at("upper").get<double>()).c_str();
 }
 
 enum Role { kTime, kInput, kParameter, kOutput };
@@ -142,7 +136,7 @@ std::string fmu_description(const std::string& facts_text, const std::string& id
   }
   pugi::xml_node experiment = root.append_child("DefaultExperiment");
   experiment.append_attribute("startTime") = "0";
-  experiment.append_attribute("stopTime") = text_of(facts.at("duration").get<double>()).c_str();
+  experiment.append_attribute("stopTime") = number_text(facts.at("duration").get<double>()).c_str();
 
   pugi::xml_node list = root.append_child("ModelVariables");
   for (std::size_t i = 0; i < variables.size(); ++i) {
@@ -161,7 +155,7 @@ std::string fmu_description(const std::string& facts_text, const std::string& id
     pugi::xml_node type = three ? node : node.append_child("Real");
     add_type_attributes(type, v);
     if (role == kInput || role == kParameter)
-      type.append_attribute("start") = text_of(v.at("start").get<double>()).c_str();
+      type.append_attribute("start") = number_text(v.at("start").get<double>()).c_str();
   }
 
   pugi::xml_node structure = root.append_child("ModelStructure");
