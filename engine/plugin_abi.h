@@ -154,8 +154,9 @@ typedef struct lithe_body_tangent {
   double* linear_frame;
   double* linear;
   int32_t linear_count; /* entries of `linear` */
-  /* Of several frames: `frame` has a 6 x 6 block for each, one after the other; pair i has two, (first, second) at
-     pair_values + pair_places[2 i] and (second, first) at pair_values + pair_places[2 i + 1]. */
+  /* Of several frames: `frame`, `frame_linear` and `linear_frame` have a block for each, one after the other; pair i
+     has two, (first, second) at pair_values + pair_places[2 i] and (second, first) at pair_values + pair_places[2 i +
+     1]. */
   double* pair_values;
   const int32_t* pair_places;
   int32_t pair_count;

@@ -29,7 +29,14 @@ std::string figure(double value) {
 
 std::string where(const FiniteElementModel& model) { return "model '" + model.name + "'"; }
 
-double max_entry(const SparseMatrix& A) { return A.nonZeros() == 0 ? 0.0 : A.coeffs().abs().maxCoeff(); }
+/// Of a matrix that need not be compressed: a user fills it as he likes.
+double max_entry(const SparseMatrix& A) {
+  double largest = 0;
+  for (int column = 0; column < A.outerSize(); ++column)
+    for (SparseMatrix::InnerIterator entry(A, column); entry; ++entry)
+      largest = std::max(largest, std::abs(entry.value()));
+  return largest;
+}
 
 double asymmetry(const SparseMatrix& A) {
   const SparseMatrix difference = A - SparseMatrix(A.transpose());

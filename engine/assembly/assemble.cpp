@@ -194,13 +194,13 @@ class SystemBuilder {
       BodyRecord record{s.q, s.v, -1, -1, c.frames, {}, {}, {}};
       if (s.frame) record.frame = static_cast<int>(b.frames.size());
       for (int i = 0; i < c.frames; ++i) b.frames.push_back({s.v + 6 * i, b.reserve(36)});
-      if (c.frames == 1 && s.linear == 0) b.frames.back().plain = rigid_inertia_of(*s.body) != nullptr;
+      if (c.frames == 1 && c.linear == 0) b.frames.back().plain = rigid_inertia_of(*s.body) != nullptr;
       for (const FramePair& p : c.pairs) couplings.emplace_back(record.frame + p.first, record.frame + p.second);
-      if (s.linear > 0) {
+      if (const int n = c.linear; n > 0) {
         record.linear = static_cast<int>(b.linears.size());
         const LinearPattern* pattern = c.pattern;
-        const int n = s.linear, coupled = s.frame ? 6 * n : 0;
-        BlockStructure::Linear linear{s.v + (s.frame ? 6 : 0), n, record.frame, 0, 0, 0, pattern};
+        const int coupled = 6 * n * c.frames;
+        BlockStructure::Linear linear{s.v + 6 * c.frames, n, record.frame, c.frames, 0, 0, 0, pattern};
         linear.frame_linear = b.reserve(coupled);
         linear.linear_frame = b.reserve(coupled);
         linear.values = b.reserve(pattern ? static_cast<int>(pattern->rows.size()) : n);
@@ -262,11 +262,12 @@ class SystemBuilder {
       b.rows.push_back({first_row, rows, compliant});
     }
     record.marker_count = static_cast<int>(markers.size());
-    struct Touched {
-      int jacobian = -1;
-      bool linear_written = false;
+    std::map<std::pair<const Body*, int>, int> jacobians;  // by body and frame
+    struct Linear {
+      int values;  // of the rows by the linear coordinates, in the first Jacobian of the body
+      bool written = false;
     };
-    std::map<std::pair<const Body*, int>, Touched> touched;  // by body and frame
+    std::map<const Body*, Linear> linears;
     const auto moves = [&](const Body* body) {  // any of the markers on it moves with its linear coordinates
       return std::any_of(markers.begin(), markers.end(), [&](const Marker& m) {
         return m.body == body && used_.at({m.body, m.index}).drawn.elastic != nullptr;
@@ -280,20 +281,30 @@ class SystemBuilder {
       if (loads) add_once(body.loaded, m.index, used.place);
       slot.velocity = s.v;
       slot.frame = body.frame < 0 ? -1 : body.frame + frame;
-      if (used.drawn.elastic) slot.linear = body.linear, slot.size = s.linear;
-      Touched& t = touched[{m.body, frame}];
-      if (rows > 0 && t.jacobian < 0) {
-        const bool linear = moves(m.body);
-        t.jacobian = static_cast<int>(b.jacobians.size());
-        slot.first_frame = true;
-        BlockStructure::Jacobian G{record.rows, slot.frame, 0, linear ? body.linear : -1, 0, s.v};
+      if (used.drawn.elastic) {
+        if (used.drawn.between)
+          throw SceneError("a marker of body '" + m.body->name() + "' moves with two frames and linear coordinates",
+                           m.body->where(), "its author is to fix marker_kinematics(): one or the other");
+        slot.linear = body.linear, slot.size = b.linears[body.linear].size, slot.eta = b.linears[body.linear].v;
+      }
+      if (rows == 0) return;
+      const auto [jacobian, fresh] = jacobians.try_emplace({m.body, frame}, static_cast<int>(b.jacobians.size()));
+      slot.jacobian = jacobian->second;
+      slot.first_frame = fresh;
+      if (fresh) {
+        BlockStructure::Jacobian G{record.rows, slot.frame, 0, -1, 0, s.v};
         if (slot.frame >= 0) G.values = b.reserve(6 * rows);
-        if (linear) G.linear_values = b.reserve(rows * s.linear);
+        if (moves(m.body)) {
+          const auto [linear, first] = linears.try_emplace(m.body, Linear{b.value_count});
+          if (first) G.linear = body.linear, b.reserve(rows * b.linears[body.linear].size);
+          G.linear_values = linear->second.values;
+        }
         b.jacobians.push_back(G);
       }
-      slot.jacobian = t.jacobian;
-      slot.first_linear = slot.linear >= 0 && !t.linear_written;
-      t.linear_written |= slot.first_linear;
+      if (slot.linear < 0) return;
+      Linear& linear = linears.at(m.body);
+      slot.first_linear = !linear.written;
+      linear.written = true;
     };
     for (int share : {0, 1})
       for (std::size_t i = 0; i < markers.size(); ++i) {
@@ -301,7 +312,7 @@ class SystemBuilder {
         const Used& used = used_.at({m.body, m.index});
         const MarkerBetween* between = used.drawn.between;
         if (share > 0 && !between) continue;
-        MarkerSlot slot{used.place, -1, -1, -1, 0, -1, false, false, static_cast<int>(i), between ? share : -1};
+        MarkerSlot slot{used.place, -1, -1, -1, 0, -1, -1, false, false, static_cast<int>(i), between ? share : -1};
         if (m.body != &graph_.ground()) {
           place(slot, m, used, between ? between->shares[share].frame : used.drawn.frame);
         } else {

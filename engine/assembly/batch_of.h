@@ -87,7 +87,7 @@ class BodyBatchOf final : public BodyBatch {
       BodyTangent S{Eigen::Map<Matrix6>(frame), Eigen::Map<Matrix6X>(frame_linear, 6, record.frame < 0 ? 0 : size),
                     Eigen::Map<MatrixX>(linear_frame, record.frame < 0 ? 0 : size, 6),
                     Eigen::Map<VectorX>(linear, entries)};
-      const int coupled = static_cast<int>(S.frame_linear.size());
+      const int coupled = 6 * size * record.frames;
       for (const auto& [at, count] : {std::pair(frame, 36), std::pair(frame_linear, coupled),
                                       std::pair(linear_frame, coupled), std::pair(linear, entries)})
         if (at) std::fill_n(at, count, 0.0);
@@ -118,7 +118,11 @@ class BodyBatchOf final : public BodyBatch {
       auto columns = block.template rightCols<3>();
       columns = columns.lazyProduct(chart).eval();
     };
-    for (int k = 0; k < record.frames; ++k) turn(S.frame_block(k), k);
+    const auto turn_columns = [&](Eigen::Map<MatrixX> block, int frame) {
+      const Matrix3 chart = right_jacobian_inverse(Eigen::Map<const Vector3>(increment + record.v + 6 * frame + 3));
+      block.rightCols<3>() = block.rightCols<3>() * chart;
+    };
+    for (int k = 0; k < record.frames; ++k) turn(S.frame_block(k), k), turn_columns(S.linear_frame_block(k), k);
     const auto pairs = bodies_[i]->T::coordinates().pairs;
     for (int k = 0; k < static_cast<int>(pairs.size()); ++k)
       turn(S.upper_block(k), pairs[k].second), turn(S.lower_block(k), pairs[k].first);

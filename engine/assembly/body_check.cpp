@@ -12,14 +12,11 @@ void check_frames(const Body& body) {
   const Coordinates c = body.coordinates();
   const auto wrong = [&](const FramePair& p) { return p.first < 0 || p.first >= p.second || p.second >= c.frames; };
   std::string problem;
-  if (c.frames > 1 && c.linear > 0)
-    problem = "has " + std::to_string(c.frames) + " frames and " + std::to_string(c.linear) + " linear coordinates";
-  else if (std::any_of(c.pairs.begin(), c.pairs.end(), wrong))
+  if (std::any_of(c.pairs.begin(), c.pairs.end(), wrong))
     problem = "couples frames that it does not have, or a frame with itself";
   if (!problem.empty())
     throw SceneError("body '" + body.name() + "' " + problem, body.where(),
-                     "its author is to fix coordinates(): several frames and no linear coordinates, pairs (first, "
-                     "second) with 0 <= first < second < frames");
+                     "its author is to fix coordinates(): pairs (first, second) with 0 <= first < second < frames");
 }
 
 }  // namespace

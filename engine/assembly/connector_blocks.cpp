@@ -80,10 +80,9 @@ void add_wrench(const Workspace& work, const MarkerSlot& slot, const Wrench& w, 
   if (slot.frame >= 0) {
     Eigen::Map<Vector3>(to) += w.force;
     Eigen::Map<Vector3>(to + 3) += k.r.cross(f) + t;
-    to += 6;
   }
   if (slot.linear >= 0)
-    Eigen::Map<VectorX>(to, slot.size) +=
+    Eigen::Map<VectorX>(r + slot.eta, slot.size) +=
         elastic(k, slot, 0).transpose().lazyProduct(f) + elastic(k, slot, 3).transpose().lazyProduct(t);
 }
 
@@ -110,9 +109,10 @@ void add_load_stiffness(Workspace& work, const BlockStructure& blocks, const Mar
   if (slot.linear < 0) return;
   const Matrix3 f = skew(force);
   const auto& L = blocks.linears[slot.linear];
-  Eigen::Map<Matrix6X>(work.values.data() + L.frame_linear, 6, L.size).bottomRows<3>() -=
+  const int at = 6 * L.size * (slot.frame - L.frame);
+  Eigen::Map<Matrix6X>(work.values.data() + L.frame_linear + at, 6, L.size).bottomRows<3>() -=
       f.lazyProduct(elastic(k, slot, 0));
-  auto lf = Eigen::Map<MatrixX>(work.values.data() + L.linear_frame, L.size, 6).rightCols<3>();
+  auto lf = Eigen::Map<MatrixX>(work.values.data() + L.linear_frame + at, L.size, 6).rightCols<3>();
   lf += elastic(k, slot, 0).transpose().lazyProduct(f);
   lf += elastic(k, slot, 3).transpose().lazyProduct(t);
   if (k.deflected) k.deflected->add_load_stiffness(force, torque, work.values.data() + L.values);

@@ -57,7 +57,8 @@ void Evaluator::make_contacts() {
       const Coordinates has = m.body->coordinates();
       if (has.v_count() == 0) continue;  // ground
       const int first = static_cast<int>(&layout().slice(*m.body) - slices.data());
-      for (int i = 0; i < std::max(1, has.frames); ++i) loaded.push_back(first + i);
+      const int slices_of_it = std::max(1, has.frames) + (has.frames > 1 && has.linear > 0);
+      for (int i = 0; i < slices_of_it; ++i) loaded.push_back(first + i);
     }
   rigid_contacts_ =
       std::make_unique<RigidContacts>(RigidContacts::Scene{*this, system_.blocks_, work_.values, system_.contacts(),

@@ -18,10 +18,11 @@ bool HeldBlocks::hold(const std::vector<int>& velocities) {
   for (int velocity : velocities) {
     const auto L = find_linear(velocity);
     const int k = velocity - L->v, linear = static_cast<int>(L - blocks_.linears.begin());
-    for (int i = 0; i < 6 && L->frame >= 0; ++i) {
-      couplings_.push_back(L->frame_linear + 6 * k + i);
-      couplings_.push_back(L->linear_frame + k + L->size * i);
-    }
+    for (int f = 0, at = 0; f < L->frames; ++f, at += 6 * L->size)
+      for (int i = 0; i < 6; ++i) {
+        couplings_.push_back(L->frame_linear + at + 6 * k + i);
+        couplings_.push_back(L->linear_frame + at + k + L->size * i);
+      }
     if (!L->pattern) diagonals_.push_back(L->values + k);
     for (int entry = 0; L->pattern && entry < L->pattern->rows.size(); ++entry) {
       const int row = L->pattern->rows[entry], column = L->pattern->columns[entry];

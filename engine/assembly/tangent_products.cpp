@@ -26,11 +26,12 @@ void TangentFactors::factorize_transposed(const std::vector<double>& formed) {
   double* values = work_.values.data();
   for (const auto& f : blocks.frames) Eigen::Map<Matrix6>(values + f.values).transposeInPlace();
   for (const auto& l : blocks.linears) {
-    if (l.frame < 0) continue;
-    Eigen::Map<Matrix6X> upper(values + l.frame_linear, 6, l.size);
-    Eigen::Map<MatrixX> lower(values + l.linear_frame, l.size, 6);
-    for (int i = 0; i < l.size; ++i)
-      for (int k = 0; k < 6; ++k) std::swap(upper(k, i), lower(i, k));
+    for (int f = 0; f < l.frames; ++f) {
+      Eigen::Map<Matrix6X> upper(values + l.frame_linear + 6 * l.size * f, 6, l.size);
+      Eigen::Map<MatrixX> lower(values + l.linear_frame + 6 * l.size * f, l.size, 6);
+      for (int i = 0; i < l.size; ++i)
+        for (int k = 0; k < 6; ++k) std::swap(upper(k, i), lower(i, k));
+    }
   }
   for (const auto& c : blocks.couplings) {
     Eigen::Map<Matrix6> ab(values + c.ab), ba(values + c.ba);
@@ -67,7 +68,8 @@ void TangentFactors::add_tangent_product(const std::vector<double>& formed, cons
       out.segment<6>(f.v).noalias() += S * x.segment<6>(f.v);
   }
   for (const auto& l : blocks.linears) {
-    if (l.frame >= 0) add_pair(blocks.frames[l.frame].v, l.v, l.frame_linear, l.linear_frame, 6, l.size);
+    for (int f = 0, at = 0; f < l.frames; ++f, at += 6 * l.size)
+      add_pair(blocks.frames[l.frame + f].v, l.v, l.frame_linear + at, l.linear_frame + at, 6, l.size);
     if (!l.pattern) {
       for (int i = 0; i < l.size; ++i) out[l.v + i] += values[l.values + i] * x[l.v + i];
     } else {
@@ -87,14 +89,11 @@ void TangentFactors::add_tangent_product(const std::vector<double>& formed, cons
     const auto& row = blocks.rows[G.rows];
     if (row.first < rows) continue;
     auto to = tension.segment(row.first - rows, row.count);
-    int from = G.velocity;
-    if (G.frame >= 0) {
-      to.noalias() += Eigen::Map<const MatrixX>(values + G.values, row.count, 6) * x.segment<6>(from);
-      from += 6;
-    }
+    if (G.frame >= 0)
+      to.noalias() += Eigen::Map<const MatrixX>(values + G.values, row.count, 6) * x.segment<6>(G.velocity);
     if (G.linear >= 0) {
-      const int size = blocks.linears[G.linear].size;
-      to.noalias() += Eigen::Map<const MatrixX>(values + G.linear_values, row.count, size) * x.segment(from, size);
+      const auto& L = blocks.linears[G.linear];
+      to.noalias() += Eigen::Map<const MatrixX>(values + G.linear_values, row.count, L.size) * x.segment(L.v, L.size);
     }
   }
   for (const auto& row : blocks.rows)

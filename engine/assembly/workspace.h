@@ -31,8 +31,10 @@ struct MarkerSlot {
   int velocity;      // first velocity of the body; -1: ground
   int frame;         // index into frames, -1: none
   int linear, size;  // index into linears and its size, -1: the marker does not move with linear coordinates
+  int eta;           // first of their velocities
   int jacobian;      // index into jacobians, -1: none
-  // The first of the connector's markers on a body writes its block, later ones add.
+  // The first of the connector's markers on a frame, or moved by linear coordinates, writes their block, later ones
+  // add.
   bool first_frame, first_linear;
   int place = 0;   // which of the connector's markers
   int share = -1;  // index into MarkerBetween::shares, -1: fixed in one frame

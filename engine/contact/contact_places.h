@@ -31,8 +31,8 @@ class ContactPlaces final : public ContactPoses {
   }
   std::span<const double> deformation(int i) const override {
     if (record_.bodies[i] < 0) return {};
-    const Layout::BodySlice& s = *slice(i);
-    return {bodies_[record_.bodies[i]].q + (s.frame ? 7 : 0), static_cast<std::size_t>(s.linear)};
+    const Coordinates c = record_.markers[i].body->coordinates();
+    return {bodies_[record_.bodies[i]].q + 7 * c.frames, static_cast<std::size_t>(c.linear)};
   }
   /// Null: ground.
   const Layout::BodySlice* slice(int i) const {

@@ -26,7 +26,7 @@ void add_couple(const MarkerKinematics* nodes, const Matrix3& moments, Matrix3* 
 
 /// Adds a marker's rows for a wrench along each column of `axes`, at its point moved by `arm` (world axes).
 void add_marker(const MarkerKinematics& k, const Matrix3& axes, const Vector3& arm, int first_row, bool has_frame,
-                int linear, int rows, double* H) {
+                int linear, int rows, double* H, double* eta) {
   const Vector3 arm_b = k.A->transpose() * arm;
   const bool turns = first_row >= 3;
   for (int i = 0; i < 3; ++i) {
@@ -41,6 +41,7 @@ void add_marker(const MarkerKinematics& k, const Matrix3& axes, const Vector3& a
     }
     if (!k.elastic) continue;  // `linear` is of another of the point's markers
     const double* E = k.elastic;
+    to = eta + row;
     for (int c = 0; c < linear; ++c, E += 6, to += rows) {
       if (!turns) *to += E[0] * f[0] + E[1] * f[1] + E[2] * f[2];
       *to += E[3] * moment[0] + E[4] * moment[1] + E[5] * moment[2];
@@ -102,8 +103,10 @@ void ContactRows::add_side(const ContactPlaces& places, const ContactSide& at, c
   side.body = places.record().bodies[at.collider];
   if (!slice) return;
   const MarkerKinematics& base = places.collider(at.collider);
-  // 1. Columns of all frames from the first to the last that carry the point.
-  const bool several = places.record().markers[at.collider].body->coordinates().frames > 1, turns = row.rows > 3;
+  // 1. Columns of all frames from the first to the last that carry the point; with linear coordinates, which lie behind
+  // all frames, to the last of the body.
+  const Coordinates has = places.record().markers[at.collider].body->coordinates();
+  const bool several = has.frames > 1, turns = row.rows > 3;
   const bool by_base = at.node_count == 0 || (turns && !several);
   bool elastic = by_base && base.elastic;
   int low = at.node_count == 0 ? base.frame : std::numeric_limits<int>::max(), high = at.node_count == 0 ? low : -1;
@@ -114,7 +117,8 @@ void ContactRows::add_side(const ContactPlaces& places, const ContactSide& at, c
     high = std::max(high, k.between ? std::max(k.between->shares[0].frame, k.between->shares[1].frame) : k.frame);
   }
   const Layout::BodySlice& first = several ? frame_slice(places, at.collider, low) : *slice;
-  const int linear = elastic ? slice->linear : 0;
+  const int linear = elastic ? has.linear : 0;
+  if (several && linear > 0) high = has.frames - 1;
   side.velocity = first.v;
   side.frames = !slice->frame ? 0 : several ? high - low + 1 : 1;
   side.count = 6 * side.frames + linear;
@@ -128,7 +132,7 @@ void ContactRows::add_side(const ContactPlaces& places, const ContactSide& at, c
         add_share(share.J, axes, first_row, row.rows, H + 6 * row.rows * (share.frame - low));
     else
       add_marker(k, axes, arm, first_row, slice->frame, linear, row.rows,
-                 several ? H + 6 * row.rows * (k.frame - low) : H);
+                 several ? H + 6 * row.rows * (k.frame - low) : H, H + 6 * row.rows * side.frames);
   };
   const Matrix3 axes = sign * row.frame;
   if (at.node_count == 0) {

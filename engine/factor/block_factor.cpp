@@ -52,10 +52,19 @@ void BlockFactorOf<Scalar>::plan() {
   for (auto& tie : topology.ties)
     if (tie.size() < 2) tie.push_back(-1);  // what else it holds is ground, or a body without frame: as good as ground
   for (const auto& c : s.couplings) couplings.emplace_back(c.a, c.b);
-  for (const auto& block : linear_)
+  for (std::size_t l = 0; l < linear_.size(); ++l) {
+    const auto& block = linear_[l];
     for (int a : block.rows())
       for (int b : block.rows())
         if (a < b) couplings.emplace_back(frames + a, frames + b);
+    // Of several frames: all know each other, and all rows at the linear coordinates.
+    const int first = s.linears[l].frame, last = first + s.linears[l].frames;
+    for (int a = first; a < last && last - first > 1; ++a) {
+      for (int b = a + 1; b < last; ++b) couplings.emplace_back(a, b);
+      for (int r : block.rows())
+        if (auto& tie = topology.ties[r]; std::find(tie.begin(), tie.end(), a) == tie.end()) tie.push_back(a);
+    }
+  }
   for (const auto& c : s.row_couplings) couplings.emplace_back(frames + c.rows, frames + c.on);
   // Compliant rows always have their pivot: what springs close is no loop to watch in every step.
   Topology joints{frames, {}};
@@ -127,7 +136,7 @@ void BlockFactorOf<Scalar>::plan() {
   // Before all steps: what the bodies' linear coordinates add to, and compliances.
   for (std::size_t l = 0; l < linear_.size(); ++l) {
     std::vector<int> vertices;
-    if (s.linears[l].frame >= 0) vertices.push_back(s.linears[l].frame);
+    for (int f = 0; f < s.linears[l].frames; ++f) vertices.push_back(s.linears[l].frame + f);
     for (int r : linear_[l].rows()) vertices.push_back(frames + r);
     schur_targets_.emplace_back();
     for (int k : vertices)

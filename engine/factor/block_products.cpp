@@ -33,12 +33,11 @@ void add_row_forces(const BlockStructure& blocks, const std::vector<double>& val
       add_to_plain_frame(values.data() + G.values, row.count, G.point, y, to);
       continue;
     }
-    if (G.frame >= 0) {
-      kernels::add_transposed(to, values.data() + G.values, y, row.count, 6);
-      to += 6;
+    if (G.frame >= 0) kernels::add_transposed(to, values.data() + G.values, y, row.count, 6);
+    if (G.linear >= 0) {
+      const auto& L = blocks.linears[G.linear];
+      kernels::add_transposed(force + L.v, values.data() + G.linear_values, y, row.count, L.size);
     }
-    if (G.linear >= 0)
-      kernels::add_transposed(to, values.data() + G.linear_values, y, row.count, blocks.linears[G.linear].size);
   }
 }
 
@@ -47,10 +46,11 @@ void add_rates(const BlockStructure& blocks, const std::vector<double>& values, 
     const auto& row = blocks.rows[G.rows];
     if (row.first >= rates.size()) continue;  // compliant
     double* to = rates.data() + row.first;
-    const double* from = v + G.velocity;
-    if (G.frame >= 0) kernels::add_product(to, values.data() + G.values, from, row.count, 6), from += 6;
-    if (G.linear >= 0)
-      kernels::add_product(to, values.data() + G.linear_values, from, row.count, blocks.linears[G.linear].size);
+    if (G.frame >= 0) kernels::add_product(to, values.data() + G.values, v + G.velocity, row.count, 6);
+    if (G.linear >= 0) {
+      const auto& L = blocks.linears[G.linear];
+      kernels::add_product(to, values.data() + G.linear_values, v + L.v, row.count, L.size);
+    }
   }
 }
 
@@ -61,9 +61,10 @@ void visit_blocks(const BlockStructure& b, const std::vector<double>& all,
   // 1. S: bodies by themselves, then what couples frames.
   for (const auto& f : b.frames) visit(f.v, f.v, View(values + f.values, 6, 6));
   for (const auto& l : b.linears) {
-    if (l.frame >= 0) {
-      visit(b.frames[l.frame].v, l.v, View(values + l.frame_linear, 6, l.size));
-      visit(l.v, b.frames[l.frame].v, View(values + l.linear_frame, l.size, 6));
+    for (int f = 0; f < l.frames; ++f) {
+      const int v = b.frames[l.frame + f].v, at = 6 * l.size * f;
+      visit(v, l.v, View(values + l.frame_linear + at, 6, l.size));
+      visit(l.v, v, View(values + l.linear_frame + at, l.size, 6));
     }
     if (!l.pattern) {
       for (int i = 0; i < l.size; ++i) visit(l.v + i, l.v + i, View(values + l.values + i, 1, 1));

@@ -19,8 +19,8 @@ struct BlockStructure {
   };
   struct Linear {
     int v, size;
-    int frame;                       // index into frames, -1 if the body has none
-    int frame_linear, linear_frame;  // 6 x n, n x 6
+    int frame, frames;               // the body's first, an index into frames, -1: none; how many follow each other
+    int frame_linear, linear_frame;  // 6 x n, n x 6, one after the other where the body has several frames
     int values;                      // n, or one per entry of the pattern
     const LinearPattern* pattern;    // null: diagonal
   };
@@ -31,8 +31,9 @@ struct BlockStructure {
   struct Jacobian {             // G of one constraint or force with respect to one body
     int rows;                   // index into rows
     int frame, values;          // r x 6; -1 without frame
-    int linear, linear_values;  // r x n; -1 if the markers do not move with the linear coordinates
-    int velocity;               // first velocity of the body, for G v and Gᵀ lambda
+    int linear, linear_values;  // r x n; -1 if the markers do not move with the linear coordinates, or if the row's
+                                // Jacobian by another frame of the body has them, whose values then lie there
+    int velocity;               // first velocity of the frame, of a body without of the body, for G v and Gᵀ lambda
     int point = 0;              // of a plain frame: G of its translations is ±E in rows 0 to 2, or zero
   };
   struct Coupling {

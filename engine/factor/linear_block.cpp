@@ -83,10 +83,7 @@ template <class Scalar>
 LinearBlock<Scalar>::LinearBlock(const BlockStructure& structure, int linear)
     : structure_(structure), linear_(structure.linears[linear]) {
   int m = 0;
-  if (linear_.frame >= 0) {
-    parts_.push_back({structure.frames[linear_.frame].v, 6, 0});
-    m = 6;
-  }
+  for (int f = 0; f < linear_.frames; ++f, m += 6) parts_.push_back({structure.frames[linear_.frame + f].v, 6, m});
   for (std::size_t j = 0; j < structure.jacobians.size(); ++j) {
     const auto& G = structure.jacobians[j];
     if (G.linear != linear) continue;
@@ -136,7 +133,7 @@ template <class Scalar>
 void LinearBlock<Scalar>::load(const std::vector<Scalar>& values, const std::vector<char>& dropped) {
   using View = Eigen::Map<const Matrix>;
   const int n = linear_.size;
-  const bool framed = linear_.frame >= 0;
+  const bool framed = linear_.frames > 0;
   X_.middleCols(used_, used_count_).setZero();
   int begin = framed ? 0 : n, end = framed ? n : 0;
   if (!framed)
@@ -146,12 +143,14 @@ void LinearBlock<Scalar>::load(const std::vector<Scalar>& values, const std::vec
     }
   used_ = std::min(begin, end), used_count_ = end - used_;
   if (framed) {
-    X_.template topRows<6>() = View(values.data() + linear_.frame_linear, 6, n);
-    T_.template leftCols<6>() = View(values.data() + linear_.linear_frame, n, 6);
+    for (int f = 0; f < linear_.frames; ++f) {
+      X_.template middleRows<6>(6 * f) = View(values.data() + linear_.frame_linear + 6 * n * f, 6, n);
+      T_.template middleCols<6>(6 * f) = View(values.data() + linear_.linear_frame + 6 * n * f, n, 6);
+    }
   } else if (used_count_ < n) {
     T_.setZero();
   }
-  const std::size_t offset = framed ? 1 : 0;
+  const auto offset = static_cast<std::size_t>(linear_.frames);
   for (std::size_t j = 0; j < jacobians_.size(); ++j) {
     const auto& G = structure_.jacobians[jacobians_[j]];
     const auto& rows = structure_.rows[G.rows];

@@ -14,15 +14,12 @@ inline VectorX rates_of_all_rows(const BlockStructure& blocks, const std::vector
   for (const auto& G : blocks.jacobians) {
     const auto& row = blocks.rows[static_cast<std::size_t>(G.rows)];
     auto to = rates.segment(row.first, row.count);
-    int from = G.velocity;
-    if (G.frame >= 0) {
-      to.noalias() += Eigen::Map<const MatrixX>(values.data() + G.values, row.count, 6) * v.segment<6>(from);
-      from += 6;
-    }
+    if (G.frame >= 0)
+      to.noalias() += Eigen::Map<const MatrixX>(values.data() + G.values, row.count, 6) * v.segment<6>(G.velocity);
     if (G.linear >= 0) {
-      const int size = blocks.linears[static_cast<std::size_t>(G.linear)].size;
+      const auto& L = blocks.linears[static_cast<std::size_t>(G.linear)];
       to.noalias() +=
-          Eigen::Map<const MatrixX>(values.data() + G.linear_values, row.count, size) * v.segment(from, size);
+          Eigen::Map<const MatrixX>(values.data() + G.linear_values, row.count, L.size) * v.segment(L.v, L.size);
     }
   }
   return rates;

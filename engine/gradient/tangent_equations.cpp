@@ -140,9 +140,9 @@ void TangentEquations::factorize_formed(const TangentWeights& weights, const Vec
   for (const auto& f : blocks.frames) charts_.push_back(right_jacobian_inverse(Vector3(increment.segment<3>(f.v + 3))));
   for (std::size_t i = 0; i < blocks.frames.size(); ++i) take(blocks.frames[i].values, 6, 6, &charts_[i]);
   for (const auto& l : blocks.linears) {
-    if (l.frame >= 0) {
-      take(l.frame_linear, 6, l.size, nullptr);
-      take(l.linear_frame, l.size, 6, &charts_[static_cast<std::size_t>(l.frame)]);
+    for (int f = 0; f < l.frames; ++f) {
+      take(l.frame_linear + 6 * l.size * f, 6, l.size, nullptr);
+      take(l.linear_frame + 6 * l.size * f, l.size, 6, &charts_[static_cast<std::size_t>(l.frame + f)]);
     }
     take(l.values, l.pattern ? static_cast<int>(l.pattern->rows.size()) : l.size, 1, nullptr);
   }

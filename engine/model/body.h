@@ -17,7 +17,7 @@ struct FramePair {
 
 /// The coordinates of a body: frames, each with a position p and a unit quaternion e, then linear coordinates eta.
 ///   one frame:  q = (p, e, eta),  v = (p_dot, omega, eta_dot): 7 + n and 6 + n numbers
-///   several:    q = (p_1, e_1, p_2, e_2, …),  v = (p_1_dot, omega_1, …): 7 and 6 numbers a frame, no eta
+///   several:    q = (p_1, e_1, p_2, e_2, …, eta),  v = (p_1_dot, omega_1, …, eta_dot): 7 and 6 numbers a frame
 ///   none:       q = eta,  v = eta_dot
 struct Coordinates {
   int frames = 1;
@@ -48,7 +48,7 @@ struct TangentWeights {
 
 /// Where a body adds its block of the iteration matrix: frame-frame (6 x 6), frame-linear (6 x n), linear-frame (n x
 /// 6), column-major, and linear-linear: n diagonal entries, or one value for each entry of Coordinates::pattern. Of
-/// several frames each has a block, and each pair of them two.
+/// several frames each has a block and two with the linear coordinates, and each pair of them two.
 struct BodyTangent {
   Eigen::Map<Matrix6> frame;
   Eigen::Map<Matrix6X> frame_linear;
@@ -63,6 +63,12 @@ struct BodyTangent {
 
   /// The block of the i-th of several frames, and those of the i-th pair.
   Eigen::Map<Matrix6> frame_block(int i) { return Eigen::Map<Matrix6>(frame.data() + 36 * i); }
+  Eigen::Map<Matrix6X> frame_linear_block(int i) {
+    return {frame_linear.data() + frame_linear.size() * i, 6, frame_linear.cols()};
+  }
+  Eigen::Map<MatrixX> linear_frame_block(int i) {
+    return {linear_frame.data() + linear_frame.size() * i, linear_frame.rows(), linear_frame.cols()};
+  }
   Eigen::Map<Matrix6> upper_block(int i) const { return Eigen::Map<Matrix6>(values + pairs[i].upper); }
   Eigen::Map<Matrix6> lower_block(int i) const { return Eigen::Map<Matrix6>(values + pairs[i].lower); }
 };

@@ -11,6 +11,8 @@ void Layout::add_body(std::string name, const Coordinates& c, const Body* body) 
   if (c.frames <= 1) bodies_.push_back({body, q_count_, v_count_, c.frames == 1, c.linear, std::move(name)});
   for (int i = 0; i < c.frames && c.frames > 1; ++i)
     bodies_.push_back({body, q_count_ + 7 * i, v_count_ + 6 * i, true, 0, name + " frame " + std::to_string(i), i});
+  if (c.frames > 1 && c.linear > 0)
+    bodies_.push_back({body, q_count_ + 7 * c.frames, v_count_ + 6 * c.frames, false, c.linear, name, c.frames});
   q_count_ += c.q_count();
   v_count_ += c.v_count();
 }
@@ -32,6 +34,12 @@ const Layout::BodySlice& Layout::slice(const Body& body) const {
     if (b.body == &body) return b;
   throw SceneError("body '" + body.name() + "' has no coordinates in this system", body.where(),
                    "use a body of the graph that was assembled, added before assemble()");
+}
+
+Layout::LinearSlice Layout::linear_slice(const BodySlice& of) const {
+  const BodySlice* last = &of;
+  while (last != &bodies_.back() && last[1].body == of.body) ++last;
+  return {last->q + (last->frame ? 7 : 0), last->v + (last->frame ? 6 : 0), last->linear};
 }
 
 void Layout::retract(ConstVectorRef q, ConstVectorRef d, VectorRef out) const {

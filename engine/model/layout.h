@@ -11,14 +11,14 @@ namespace lithe {
 /// The slices of q, v and lambda of each body and constraint.
 class Layout {
  public:
-  /// A body, or one frame of a body that has several: those follow each other.
+  /// A body, or one frame of a body that has several: those follow each other, its linear coordinates come after them.
   struct BodySlice {
     const Body* body;
     int q, v;  // first index
     bool frame;
     int linear;        // number of linear coordinates
     std::string name;  // "link"; "blade frame 3", counted from 0
-    int part = 0;      // which of the body's frames
+    int part = 0;      // which of the body's frames; their number: its linear coordinates
   };
   struct RowSlice {
     std::string name;  // of the constraint
@@ -39,6 +39,11 @@ class Layout {
   std::vector<std::string> body_names() const;
   /// The first of the body's slices.
   const BodySlice& slice(const Body& body) const;
+  /// The linear coordinates of the body that a slice belongs to.
+  struct LinearSlice {
+    int q, v, size;
+  };
+  LinearSlice linear_slice(const BodySlice& of) const;
 
   /// out = q ⊕ d: positions move by d, quaternions turn by d (body axes), linear coordinates move. out may be q.
   void retract(ConstVectorRef q, ConstVectorRef d, VectorRef out) const;

@@ -74,11 +74,11 @@ Vector6 Snapshot::acceleration(const Marker& marker) {
     result.head<3>() += p_dot_dot;
     v_dot += omega_dot.cross(k.r);
     w_dot += omega_dot;
-    v_body_dot += 6;
   }
   if (k.elastic) {
+    const Layout::LinearSlice eta = evaluator_.layout().linear_slice(slice);
     const Vector6 elastic =
-        Eigen::Map<const Matrix6X>(k.elastic, 6, slice.linear) * Eigen::Map<const VectorX>(v_body_dot, slice.linear);
+        Eigen::Map<const Matrix6X>(k.elastic, 6, eta.size) * accelerations().segment(eta.v, eta.size);
     v_dot += elastic.head<3>();
     w_dot += elastic.tail<3>();
   }

@@ -148,8 +148,7 @@ void SceneRecorder::fill(Snapshot& now, int number, VectorX& row, std::vector<do
       put(part.pose, pose.p);
       put(part.pose + 3, quaternion_of(pose.R));
     }
-    if (part.modes >= 0)
-      put(part.modes, Eigen::Map<const VectorX>(state.q + (part.frame ? 7 : 0), part.mesh.modes.cols()));
+    if (part.modes >= 0) put(part.modes, Eigen::Map<const VectorX>(state.q + 7 * part.frames, part.mesh.modes.cols()));
     if (part.points >= 0) {
       Matrix3X points(3, part.mesh.points.cols());
       part.drawable->drawn_points(state, part.mesh, points);

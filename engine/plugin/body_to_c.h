@@ -111,7 +111,7 @@ int32_t add_tangent(const void* body, const lithe_body_state* s, const double* v
                     const lithe_tangent_weights* weights, const lithe_body_tangent* out) noexcept {
   return guarded(s->error, s->error_size, [&] {
     const Coordinates c = body_of<T>(body).coordinates();
-    const int coupled = c.frames == 1 ? c.linear : 0;
+    const int coupled = c.frames > 0 ? c.linear : 0;
     BodyTangent S{Eigen::Map<Matrix6>(out->frame), Eigen::Map<Matrix6X>(out->frame_linear, 6, coupled),
                   Eigen::Map<MatrixX>(out->linear_frame, coupled, 6),
                   Eigen::Map<VectorX>(out->linear, out->linear_count)};

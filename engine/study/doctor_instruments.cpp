@@ -28,16 +28,15 @@ void add_wrench(const Layout& layout, const Marker& marker, const MarkerKinemati
   }
   const Layout::BodySlice& b = (&first)[k.frame];
   const Vector3 F = k.A->transpose() * w.force, T = k.A->transpose() * w.torque;
-  int v = b.v;
   if (b.frame) {
-    force.segment<3>(v) += w.force;
-    force.segment<3>(v + 3) += k.r.cross(F) + T;
-    v += 6;
+    force.segment<3>(b.v) += w.force;
+    force.segment<3>(b.v + 3) += k.r.cross(F) + T;
   }
   if (!k.elastic) return;
   Vector6 local;
   local << F, T;
-  force.segment(v, b.linear) += Eigen::Map<const Matrix6X>(k.elastic, 6, b.linear).transpose() * local;
+  const Layout::LinearSlice eta = layout.linear_slice(b);
+  force.segment(eta.v, eta.size) += Eigen::Map<const Matrix6X>(k.elastic, 6, eta.size).transpose() * local;
 }
 
 /// A run that has had its steps or its time.

@@ -24,6 +24,7 @@
 #include "joints/forces/spring_damper.h"
 #include "joints/revolute_joint.h"
 #include "joints/spherical_joint.h"
+#include "tests/bodies/sprung_bars.h"
 #include "tests/plugins/kinds/frame_chain.cpp"
 #include "tests/plugins/kinds/rattle_box.cpp"
 #include "tests/support/methods.h"
@@ -122,6 +123,12 @@ inline void draw_plug_ins(SystemGraph& graph) {
 inline void draw_several_frames(SystemGraph& graph) {
   auto& chain = graph.add<FrameChain>("chain", {.position = {0.1, 0, 0}, .velocity = {0, 0.3, 0}});
   graph.add<SphericalJoint>("pin", {graph.ground().marker(), chain.marker_in(0, {-0.1, 0, 0})});
+}
+
+/// Two frames and the modes of two elastic bars as one body, on a pin.
+inline void draw_frames_and_modes(SystemGraph& graph) {
+  auto& bars = graph.add<SprungBars>("bars", {});
+  graph.add<SphericalJoint>("pin", {graph.ground().marker({0, -0.01, -0.015}), bars.node(1)});
 }
 
 inline void draw_driven(SystemGraph& graph) {

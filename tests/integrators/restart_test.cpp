@@ -81,6 +81,7 @@ TEST_P(Restart, of_compliant_contact_has_the_bits_of_the_run_that_went_on) {
 }
 TEST_P(Restart, of_several_frames_has_the_bits_of_the_run_that_went_on) {
   check("several frames", draw_several_frames, method(), 0.05);
+  check("frames and modes", draw_frames_and_modes, method(), 0.01);
 }
 TEST_P(Restart, of_plug_ins_has_the_bits_of_the_run_that_went_on) { check("plug-ins", draw_plug_ins, method(), 0.05); }
 
