@@ -93,10 +93,11 @@ LITHE_FMU_EXPORT void fmi2FreeInstance(fmi2Component component) {
   delete static_cast<lithe::fmu::Component*>(component);
 }
 
-LITHE_FMU_EXPORT fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean, fmi2Real, fmi2Real start,
-                                                fmi2Boolean, fmi2Real) {
+LITHE_FMU_EXPORT fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean has_tolerance, fmi2Real tolerance,
+                                                fmi2Real start, fmi2Boolean, fmi2Real) {
   return lithe::fmu::v2::with(component, [&](lithe::fmu::Component& c) {
-    return c.guarded("SetupExperiment", lithe::fmu::kInstantiated, [&] { c.instance->begin(start); });
+    return c.guarded("SetupExperiment", lithe::fmu::kInstantiated,
+                     [&] { c.instance->begin(start, has_tolerance ? tolerance : 0); });
   });
 }
 LITHE_FMU_EXPORT fmi2Status fmi2EnterInitializationMode(fmi2Component component) {

@@ -117,11 +117,12 @@ LITHE_FMU_EXPORT fmi3Instance fmi3InstantiateScheduledExecution(fmi3String, fmi3
 }
 LITHE_FMU_EXPORT void fmi3FreeInstance(fmi3Instance instance) { delete static_cast<lithe::fmu::Component*>(instance); }
 
-LITHE_FMU_EXPORT fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean, fmi3Float64,
-                                                        fmi3Float64 start, fmi3Boolean, fmi3Float64) {
+LITHE_FMU_EXPORT fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean has_tolerance,
+                                                        fmi3Float64 tolerance, fmi3Float64 start, fmi3Boolean,
+                                                        fmi3Float64) {
   return lithe::fmu::v3::with(instance, [&](lithe::fmu::Component& c) {
     return c.guarded("EnterInitializationMode", lithe::fmu::kInstantiated, [&] {
-      c.instance->begin(start);
+      c.instance->begin(start, has_tolerance ? tolerance : 0);
       c.mode = lithe::fmu::kInitialization;
     });
   });

@@ -64,9 +64,10 @@ std::string FmuEquations::refusal(const System& system) {
   return "";
 }
 
-FmuEquations::FmuEquations(const System& system, double length) : system_(system), kinks_(find_kinks(system)) {
+FmuEquations::FmuEquations(const System& system, double length)
+    : system_(system), length_(length), kinks_(find_kinks(system)) {
   using Role = FmuVariable::Role;
-  find_nominals(length);
+  find_nominals();
   // Sensors have names and units of coordinates; with a dot for their dash, no sensor has the same.
   const auto add_states = [&](const Body& body, const Sensor& sensor) {
     for (std::size_t i = 0; i < sensor.columns().size(); ++i) {
@@ -93,7 +94,7 @@ FmuEquations::FmuEquations(const System& system, double length) : system_(system
                           .place = i});
 }
 
-void FmuEquations::find_nominals(double length) {
+void FmuEquations::find_nominals() {
   const Layout& layout = system_.layout();
   const State& drawn = system_.initial_state();
   Evaluator evaluator(system_);
@@ -104,14 +105,15 @@ void FmuEquations::find_nominals(double length) {
   evaluator.visit_blocks([&](int row, int column, ConstMatrixRef block) {
     if (row == column && row < mass.size()) mass.segment(row, block.rows()) = block.diagonal();
   });
-  nominals_.setConstant(layout.q_count() + layout.v_count(), length);
+  nominals_.setConstant(layout.q_count() + layout.v_count(), length_);
   for (const Layout::BodySlice& b : layout.bodies()) {
     if (!b.frame) continue;
     const int v = layout.q_count() + b.v;
     nominals_.segment<4>(b.q + 3).setOnes();
     nominals_.segment<3>(v + 3).setOnes();
     for (int i = 0; i < b.linear; ++i)
-      nominals_[b.q + 7 + i] = nominals_[v + 6 + i] = kElasticShare * length * std::sqrt(mass[b.v] / mass[b.v + 6 + i]);
+      nominals_[b.q + 7 + i] = nominals_[v + 6 + i] =
+          kElasticShare * length_ * std::sqrt(mass[b.v] / mass[b.v + 6 + i]);
   }
 }
 
@@ -164,6 +166,11 @@ VectorX FmuEquations::derivatives(Snapshot& now, const VectorX& x) const {
   }
   rates.tail(state.v.size()) = now.accelerations();
   return rates;
+}
+
+double FmuEquations::allowed_drift(double tolerance) const {
+  constexpr double kLeast = 1e-9, kSteps = 10;  // of an importer's errors
+  return std::max(kLeast, kSteps * tolerance * std::min(1.0, length_));
 }
 
 double FmuEquations::drift(Snapshot& now, const VectorX& x) const {

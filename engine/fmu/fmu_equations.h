@@ -22,8 +22,9 @@ class FmuEquations {
   /// What of a scene has no such form, by name; empty: all has. Contacts that act by impulses or remember, inputs that
   /// prescribe motions: their rates would have to be known.
   static std::string refusal(const System& system);
-  /// Drift above which event mode is asked for: |g|, |G v + ∂g/∂t| in the units of the rows, |e| - 1.
-  static constexpr double kAllowedDrift = 1e-9;
+  /// Drift above which event mode is asked for: |g|, |G v + ∂g/∂t| in the units of the rows, |e| - 1. 1e-9; more for an
+  /// importer that integrates with a larger tolerance (relative; 0: not known), whose every step would drift so far.
+  double allowed_drift(double tolerance) const;
 
   int state_count() const { return static_cast<int>(nominals_.size()); }
   int indicator_count() const { return static_cast<int>(kinks_.size()); }
@@ -55,9 +56,10 @@ class FmuEquations {
   std::vector<int> sides(Snapshot& now) const;
 
  private:
-  void find_nominals(double length);
+  void find_nominals();
 
   const System& system_;
+  const double length_;
   VectorX nominals_;
   std::vector<Kink> kinks_;
   std::vector<FmuVariable> variables_;

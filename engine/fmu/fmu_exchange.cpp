@@ -39,13 +39,13 @@ void FmuInstance::indicators(std::span<double> values) {
 
 bool FmuInstance::complete_step() {
   Snapshot& now = look();
-  const bool off = equations_->drift(now, x_) > FmuEquations::kAllowedDrift;
+  const bool off = equations_->drift(now, x_) > equations_->allowed_drift(tolerance_);
   if (equations_->track(now, state_)) evaluated_ = false;
   return off;
 }
 
 bool FmuInstance::update() {
-  const bool off = equations_->drift(look(), x_) > FmuEquations::kAllowedDrift;
+  const bool off = equations_->drift(look(), x_) > equations_->allowed_drift(tolerance_);
   if (off) {
     evaluated_ = false;
     equations_->project(*snapshot_, state_);

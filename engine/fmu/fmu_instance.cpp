@@ -76,6 +76,7 @@ void FmuInstance::reset() {
   }
   started_ = inputs_set_ = evaluated_ = false;
   start_ = state_.time;
+  tolerance_ = 0;
   given_.clear();
   for (Input* input : graph_.inputs()) {
     input->reset();
@@ -88,10 +89,13 @@ void FmuInstance::reset() {
   state_.v_dot.setConstant(std::numeric_limits<double>::quiet_NaN());  // those of the equations, or none
 }
 
-void FmuInstance::begin(double start) {
+void FmuInstance::begin(double start, double tolerance) {
   if (!std::isfinite(start))
     throw SceneError("the start time is not finite", model_.scene.name, "give a time in seconds");
+  if (!(tolerance >= 0) || !std::isfinite(tolerance))
+    throw SceneError("a tolerance of " + number_text(tolerance), model_.scene.name, "give a positive one, or none");
   state_.time = start_ = start;
+  tolerance_ = tolerance;
   apply_inputs(start);
   if (form_ == Form::model_exchange) update();
 }
@@ -232,6 +236,7 @@ void FmuInstance::history(Archive& archive) {
   archive("started", started_);
   archive("inputs set", inputs_set_);
   archive("start", start_);
+  archive("tolerance", tolerance_);
   std::vector<double> given = given_;
   archive("given", given);
   if (given.size() != given_.size())
@@ -243,7 +248,7 @@ void FmuInstance::history(Archive& archive) {
     archive("sides", sides_);
     if (archive.loads()) apply_inputs(state_.time);
   } else if (!started_) {
-    if (archive.loads()) begin(start_);
+    if (archive.loads()) begin(start_, tolerance_);
   } else if (archive.loads()) {
     archive.group("simulation", [&] { state_ = simulation_->resume(archive); });
   } else {

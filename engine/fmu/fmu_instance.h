@@ -50,8 +50,9 @@ class FmuInstance {
 
   /// As after construction.
   void reset();
-  /// The time to start at, with the values that inputs have then.
-  void begin(double start);
+  /// The time to start at, with the values that inputs have then, and the relative tolerance with which an importer
+  /// integrates (0: not known). Throws SceneError for what is not finite.
+  void begin(double start, double tolerance = 0);
   /// Throws SceneError for a reference that does not exist; SimulationError for a value that is not finite.
   double get(unsigned reference);
   /// Throws SceneError for what is no input or parameter, and for a value that it must not have.
@@ -116,7 +117,7 @@ class FmuInstance {
   bool started_ = false;     // steps have been made
   bool inputs_set_ = false;  // since the last step
   bool evaluated_ = false;   // the snapshot is of the state
-  double start_ = 0;
+  double start_ = 0, tolerance_ = 0;
   std::vector<double> given_;  // of each input, by the importer
   VectorX x_;                  // states as given: quaternions of any norm
   VectorX rates_;              // of the snapshot; empty: not asked for

@@ -164,6 +164,7 @@ std::string fmu_description(const std::string& facts_text, const std::string& id
     pugi::xml_node exchange = add_form(root, "ModelExchange", identifier, three);
     exchange.append_attribute(three ? "providesDirectionalDerivatives" : "providesDirectionalDerivative") = "true";
     if (three) exchange.append_attribute("providesAdjointDerivatives") = "true";
+    if (three) exchange.append_attribute("needsCompletedIntegratorStep") = "true";  // 2.0: as long as nothing is said
   }
   add_form(root, "CoSimulation", identifier, three).append_attribute("canHandleVariableCommunicationStepSize") = "true";
 
