@@ -2,8 +2,9 @@
 
 #include "engine/fmu/fmu_border.h"
 
-/// The functions of FMI 2.0 (Modelica Association, FMI 2.0.5) for co-simulation, over an FmuInstance. Included once, in
-/// the source that `lithe fmu` compiles, after a function lithe::FmuModel lithe_fmu_model().
+/// The functions of FMI 2.0 (Modelica Association, FMI 2.0.5) for model exchange and co-simulation, over an
+/// FmuInstance. Included once, in the source that `lithe fmu` compiles, after a function lithe::FmuModel
+/// lithe_fmu_model().
 extern "C" {
 
 using fmi2Component = void*;
@@ -78,8 +79,9 @@ LITHE_FMU_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, f
     try {
       static const lithe::FmuModel model = lithe_fmu_model();
       if (!guid || model.token != guid) return refuse("the GUID is that of another FMU");
-      if (type != fmi2CoSimulation) return refuse("this FMU is for co-simulation");
-      return new Component(model, tell, logging != 0);
+      using Form = lithe::FmuInstance::Form;
+      return new Component(model, type == fmi2CoSimulation ? Form::co_simulation : Form::model_exchange, tell,
+                           logging != 0);
     } catch (const std::exception& error) {
       return refuse(error.what());
     }
@@ -91,10 +93,11 @@ LITHE_FMU_EXPORT void fmi2FreeInstance(fmi2Component component) {
   delete static_cast<lithe::fmu::Component*>(component);
 }
 
-LITHE_FMU_EXPORT fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean, fmi2Real, fmi2Real start,
-                                                fmi2Boolean, fmi2Real) {
+LITHE_FMU_EXPORT fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean has_tolerance, fmi2Real tolerance,
+                                                fmi2Real start, fmi2Boolean, fmi2Real) {
   return lithe::fmu::v2::with(component, [&](lithe::fmu::Component& c) {
-    return c.guarded("SetupExperiment", lithe::fmu::kInstantiated, [&] { c.instance->begin(start); });
+    return c.guarded("SetupExperiment", lithe::fmu::kInstantiated,
+                     [&] { c.instance->begin(start, has_tolerance ? tolerance : 0); });
   });
 }
 LITHE_FMU_EXPORT fmi2Status fmi2EnterInitializationMode(fmi2Component component) {
@@ -104,14 +107,10 @@ LITHE_FMU_EXPORT fmi2Status fmi2EnterInitializationMode(fmi2Component component)
   });
 }
 LITHE_FMU_EXPORT fmi2Status fmi2ExitInitializationMode(fmi2Component component) {
-  return lithe::fmu::v2::with(component, [](lithe::fmu::Component& c) {
-    return c.guarded("ExitInitializationMode", lithe::fmu::kInitialization, [&] { c.mode = lithe::fmu::kStep; });
-  });
+  return lithe::fmu::v2::with(component, [](lithe::fmu::Component& c) { return c.exit_initialization(); });
 }
 LITHE_FMU_EXPORT fmi2Status fmi2Terminate(fmi2Component component) {
-  return lithe::fmu::v2::with(component, [](lithe::fmu::Component& c) {
-    return c.guarded("Terminate", lithe::fmu::kStep | lithe::fmu::kFailed, [&] { c.mode = lithe::fmu::kTerminated; });
-  });
+  return lithe::fmu::v2::with(component, [](lithe::fmu::Component& c) { return c.terminate(); });
 }
 LITHE_FMU_EXPORT fmi2Status fmi2Reset(fmi2Component component) {
   return lithe::fmu::v2::with(component, [](lithe::fmu::Component& c) { return c.reset(); });
@@ -191,24 +190,66 @@ LITHE_FMU_EXPORT fmi2Status fmi2GetBooleanStatus(fmi2Component component, fmi2St
   });
 }
 
+// ---- model exchange ----
+
+LITHE_FMU_EXPORT fmi2Status fmi2EnterEventMode(fmi2Component component) {
+  return lithe::fmu::v2::with(component, [](lithe::fmu::Component& c) {
+    return c.enter(lithe::fmu::kEvent, lithe::fmu::kContinuous, "EnterEventMode");
+  });
+}
+LITHE_FMU_EXPORT fmi2Status fmi2EnterContinuousTimeMode(fmi2Component component) {
+  return lithe::fmu::v2::with(component, [](lithe::fmu::Component& c) {
+    return c.enter(lithe::fmu::kContinuous, lithe::fmu::kEvent, "EnterContinuousTimeMode");
+  });
+}
+LITHE_FMU_EXPORT fmi2Status fmi2NewDiscreteStates(fmi2Component component, fmi2EventInfo* event) {
+  return lithe::fmu::v2::with(component, [&](lithe::fmu::Component& c) {
+    bool states_changed = false;
+    const lithe::fmu::Outcome outcome = c.update(states_changed);
+    *event = {.valuesOfContinuousStatesChanged = states_changed};
+    return outcome;
+  });
+}
+LITHE_FMU_EXPORT fmi2Status fmi2CompletedIntegratorStep(fmi2Component component, fmi2Boolean, fmi2Boolean* event,
+                                                        fmi2Boolean* terminate) {
+  return lithe::fmu::v2::with(component, [&](lithe::fmu::Component& c) {
+    bool asks = false;
+    const lithe::fmu::Outcome outcome = c.completed_step(asks);
+    *event = asks, *terminate = 0;
+    return outcome;
+  });
+}
+LITHE_FMU_EXPORT fmi2Status fmi2SetTime(fmi2Component component, fmi2Real time) {
+  return lithe::fmu::v2::with(component,
+                              [&](lithe::fmu::Component& c) { return c.set_time(lithe::fmu::kExchange, time); });
+}
+LITHE_FMU_EXPORT fmi2Status fmi2SetContinuousStates(fmi2Component component, const fmi2Real* x, size_t count) {
+  return lithe::fmu::v2::with(component, [&](lithe::fmu::Component& c) { return c.set_states(x, count); });
+}
+#define LITHE_LOOK(NAME, WORK)                                                                               \
+  LITHE_FMU_EXPORT fmi2Status fmi2##NAME(fmi2Component component, fmi2Real* values, size_t count) {          \
+    return lithe::fmu::v2::with(component, [&](lithe::fmu::Component& c) { return c.WORK(values, count); }); \
+  }
+LITHE_LOOK(GetContinuousStates, states)
+LITHE_LOOK(GetDerivatives, derivatives)
+LITHE_LOOK(GetNominalsOfContinuousStates, nominals)
+LITHE_LOOK(GetEventIndicators, indicators)
+#undef LITHE_LOOK
+LITHE_FMU_EXPORT fmi2Status fmi2GetDirectionalDerivative(fmi2Component component, const fmi2ValueReference* unknowns,
+                                                         size_t unknown, const fmi2ValueReference* knowns, size_t known,
+                                                         const fmi2Real* seed, fmi2Real* sensitivity) {
+  return lithe::fmu::v2::with(component, [&](lithe::fmu::Component& c) {
+    return c.derivative("GetDirectionalDerivative", &lithe::FmuInstance::directional_derivative, {unknowns, unknown},
+                        {knowns, known}, {seed, known}, {sensitivity, unknown});
+  });
+}
+
 // ---- what this FMU does not offer, and says so ----
 
 #define LITHE_REFUSE(NAME, ...)                                                    \
   LITHE_FMU_EXPORT fmi2Status fmi2##NAME(fmi2Component component, ##__VA_ARGS__) { \
     return lithe::fmu::v2::refuse(component, #NAME);                               \
   }
-LITHE_REFUSE(GetDirectionalDerivative, const fmi2ValueReference*, size_t, const fmi2ValueReference*, size_t,
-             const fmi2Real*, fmi2Real*)
-LITHE_REFUSE(EnterEventMode)
-LITHE_REFUSE(NewDiscreteStates, fmi2EventInfo*)
-LITHE_REFUSE(EnterContinuousTimeMode)
-LITHE_REFUSE(CompletedIntegratorStep, fmi2Boolean, fmi2Boolean*, fmi2Boolean*)
-LITHE_REFUSE(SetTime, fmi2Real)
-LITHE_REFUSE(SetContinuousStates, const fmi2Real*, size_t)
-LITHE_REFUSE(GetDerivatives, fmi2Real*, size_t)
-LITHE_REFUSE(GetEventIndicators, fmi2Real*, size_t)
-LITHE_REFUSE(GetContinuousStates, fmi2Real*, size_t)
-LITHE_REFUSE(GetNominalsOfContinuousStates, fmi2Real*, size_t)
 LITHE_REFUSE(SetRealInputDerivatives, const fmi2ValueReference*, size_t, const fmi2Integer*, const fmi2Real*)
 LITHE_REFUSE(GetRealOutputDerivatives, const fmi2ValueReference*, size_t, const fmi2Integer*, fmi2Real*)
 LITHE_REFUSE(CancelStep)

@@ -2,8 +2,9 @@
 
 #include "engine/fmu/fmu_border.h"
 
-/// The functions of FMI 3.0 (Modelica Association, FMI 3.0.2) for co-simulation, over an FmuInstance. Included once, in
-/// the source that `lithe fmu` compiles, after a function lithe::FmuModel lithe_fmu_model().
+/// The functions of FMI 3.0 (Modelica Association, FMI 3.0.2) for model exchange and co-simulation, over an
+/// FmuInstance. Included once, in the source that `lithe fmu` compiles, after a function lithe::FmuModel
+/// lithe_fmu_model().
 extern "C" {
 
 using fmi3Instance = void*;
@@ -62,6 +63,23 @@ inline fmi3Instance refuse_instance(fmi3LogMessageCallback callback, fmi3Instanc
   return nullptr;
 }
 
+inline fmi3Instance instantiate(FmuInstance::Form form, fmi3String token, fmi3Boolean logging,
+                                fmi3InstanceEnvironment environment, fmi3LogMessageCallback log) noexcept {
+  try {
+    static const FmuModel model = lithe_fmu_model();
+    if (!token || model.token != token)
+      return refuse_instance(log, environment, "the instantiation token is that of another FMU");
+    const auto tell = [=](Outcome outcome, const char* category, const std::string& message) {
+      v3::tell(log, environment, outcome, category, message);
+    };
+    return new Component(model, form, tell, logging);
+  } catch (const std::exception& error) {
+    return refuse_instance(log, environment, error.what());
+  } catch (...) {
+    return refuse_instance(log, environment, "the scene threw what is no std::exception");
+  }
+}
+
 }  // namespace lithe::fmu::v3
 
 LITHE_FMU_EXPORT const char* fmi3GetVersion() { return "3.0"; }
@@ -78,55 +96,42 @@ LITHE_FMU_EXPORT fmi3Instance fmi3InstantiateCoSimulation(fmi3String, fmi3String
                                                           const fmi3ValueReference*, size_t intermediate,
                                                           fmi3InstanceEnvironment environment,
                                                           fmi3LogMessageCallback log, fmi3IntermediateUpdateCallback) {
-  using namespace lithe::fmu;
-  try {
-    static const lithe::FmuModel model = lithe_fmu_model();
-    if (!token || model.token != token)
-      return v3::refuse_instance(log, environment, "the instantiation token is that of another FMU");
-    if (event_mode || intermediate > 0)
-      return v3::refuse_instance(log, environment, "this FMU has no event mode and no intermediate update");
-    const auto tell = [=](Outcome outcome, const char* category, const std::string& message) {
-      v3::tell(log, environment, outcome, category, message);
-    };
-    return new Component(model, tell, logging);
-  } catch (const std::exception& error) {
-    return v3::refuse_instance(log, environment, error.what());
-  } catch (...) {
-    return v3::refuse_instance(log, environment, "the scene threw what is no std::exception");
-  }
+  using namespace lithe;
+  if (event_mode || intermediate > 0)
+    return fmu::v3::refuse_instance(log, environment,
+                                    "co-simulation has no event mode and no intermediate update here");
+  return fmu::v3::instantiate(FmuInstance::Form::co_simulation, token, logging, environment, log);
 }
-LITHE_FMU_EXPORT fmi3Instance fmi3InstantiateModelExchange(fmi3String, fmi3String, fmi3String, fmi3Boolean, fmi3Boolean,
-                                                           fmi3InstanceEnvironment environment,
+LITHE_FMU_EXPORT fmi3Instance fmi3InstantiateModelExchange(fmi3String, fmi3String token, fmi3String, fmi3Boolean,
+                                                           fmi3Boolean logging, fmi3InstanceEnvironment environment,
                                                            fmi3LogMessageCallback log) {
-  return lithe::fmu::v3::refuse_instance(log, environment, "this FMU is for co-simulation");
+  using namespace lithe;
+  return fmu::v3::instantiate(FmuInstance::Form::model_exchange, token, logging, environment, log);
 }
 LITHE_FMU_EXPORT fmi3Instance fmi3InstantiateScheduledExecution(fmi3String, fmi3String, fmi3String, fmi3Boolean,
                                                                 fmi3Boolean, fmi3InstanceEnvironment environment,
                                                                 fmi3LogMessageCallback log, fmi3ClockUpdateCallback,
                                                                 fmi3LockPreemptionCallback,
                                                                 fmi3UnlockPreemptionCallback) {
-  return lithe::fmu::v3::refuse_instance(log, environment, "this FMU is for co-simulation");
+  return lithe::fmu::v3::refuse_instance(log, environment, "this FMU has no scheduled execution");
 }
 LITHE_FMU_EXPORT void fmi3FreeInstance(fmi3Instance instance) { delete static_cast<lithe::fmu::Component*>(instance); }
 
-LITHE_FMU_EXPORT fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean, fmi3Float64,
-                                                        fmi3Float64 start, fmi3Boolean, fmi3Float64) {
+LITHE_FMU_EXPORT fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean has_tolerance,
+                                                        fmi3Float64 tolerance, fmi3Float64 start, fmi3Boolean,
+                                                        fmi3Float64) {
   return lithe::fmu::v3::with(instance, [&](lithe::fmu::Component& c) {
     return c.guarded("EnterInitializationMode", lithe::fmu::kInstantiated, [&] {
-      c.instance->begin(start);
+      c.instance->begin(start, has_tolerance ? tolerance : 0);
       c.mode = lithe::fmu::kInitialization;
     });
   });
 }
 LITHE_FMU_EXPORT fmi3Status fmi3ExitInitializationMode(fmi3Instance instance) {
-  return lithe::fmu::v3::with(instance, [](lithe::fmu::Component& c) {
-    return c.guarded("ExitInitializationMode", lithe::fmu::kInitialization, [&] { c.mode = lithe::fmu::kStep; });
-  });
+  return lithe::fmu::v3::with(instance, [](lithe::fmu::Component& c) { return c.exit_initialization(); });
 }
 LITHE_FMU_EXPORT fmi3Status fmi3Terminate(fmi3Instance instance) {
-  return lithe::fmu::v3::with(instance, [](lithe::fmu::Component& c) {
-    return c.guarded("Terminate", lithe::fmu::kStep | lithe::fmu::kFailed, [&] { c.mode = lithe::fmu::kTerminated; });
-  });
+  return lithe::fmu::v3::with(instance, [](lithe::fmu::Component& c) { return c.terminate(); });
 }
 LITHE_FMU_EXPORT fmi3Status fmi3Reset(fmi3Instance instance) {
   return lithe::fmu::v3::with(instance, [](lithe::fmu::Component& c) { return c.reset(); });
@@ -220,20 +225,80 @@ LITHE_FMU_EXPORT fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const
   return lithe::fmu::v3::with(instance, [&](lithe::fmu::Component& c) { return c.deserialize(bytes, size, state); });
 }
 
+// ---- model exchange ----
+
+LITHE_FMU_EXPORT fmi3Status fmi3EnterEventMode(fmi3Instance instance) {
+  return lithe::fmu::v3::with(instance, [](lithe::fmu::Component& c) {
+    return c.enter(lithe::fmu::kEvent, lithe::fmu::kContinuous, "EnterEventMode");
+  });
+}
+LITHE_FMU_EXPORT fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance instance) {
+  return lithe::fmu::v3::with(instance, [](lithe::fmu::Component& c) {
+    return c.enter(lithe::fmu::kContinuous, lithe::fmu::kEvent, "EnterContinuousTimeMode");
+  });
+}
+LITHE_FMU_EXPORT fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean* again, fmi3Boolean* terminate,
+                                                     fmi3Boolean* nominals_changed, fmi3Boolean* states_changed,
+                                                     fmi3Boolean* next_event, fmi3Float64*) {
+  return lithe::fmu::v3::with(instance, [&](lithe::fmu::Component& c) {
+    *again = *terminate = *nominals_changed = *next_event = false;
+    return c.update(*states_changed);
+  });
+}
+LITHE_FMU_EXPORT fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance, fmi3Boolean, fmi3Boolean* event,
+                                                        fmi3Boolean* terminate) {
+  return lithe::fmu::v3::with(instance, [&](lithe::fmu::Component& c) {
+    *terminate = false;
+    return c.completed_step(*event);
+  });
+}
+LITHE_FMU_EXPORT fmi3Status fmi3SetTime(fmi3Instance instance, fmi3Float64 time) {
+  return lithe::fmu::v3::with(instance,
+                              [&](lithe::fmu::Component& c) { return c.set_time(lithe::fmu::kContinuous, time); });
+}
+LITHE_FMU_EXPORT fmi3Status fmi3SetContinuousStates(fmi3Instance instance, const fmi3Float64* x, size_t count) {
+  return lithe::fmu::v3::with(instance, [&](lithe::fmu::Component& c) { return c.set_states(x, count); });
+}
+#define LITHE_LOOK(NAME, WORK)                                                                              \
+  LITHE_FMU_EXPORT fmi3Status fmi3##NAME(fmi3Instance instance, fmi3Float64* values, size_t count) {        \
+    return lithe::fmu::v3::with(instance, [&](lithe::fmu::Component& c) { return c.WORK(values, count); }); \
+  }
+LITHE_LOOK(GetContinuousStates, states)
+LITHE_LOOK(GetContinuousStateDerivatives, derivatives)
+LITHE_LOOK(GetNominalsOfContinuousStates, nominals)
+LITHE_LOOK(GetEventIndicators, indicators)
+#undef LITHE_LOOK
+#define LITHE_COUNT(NAME, WHAT)                                                                                 \
+  LITHE_FMU_EXPORT fmi3Status fmi3##NAME(fmi3Instance instance, size_t* count) {                                \
+    return lithe::fmu::v3::with(                                                                                \
+        instance, [&](lithe::fmu::Component& c) { return c.count(#NAME, &lithe::FmuEquations::WHAT, count); }); \
+  }
+LITHE_COUNT(GetNumberOfContinuousStates, state_count)
+LITHE_COUNT(GetNumberOfEventIndicators, indicator_count)
+#undef LITHE_COUNT
+#define LITHE_DERIVATIVE(NAME, WHAT, SEEDS, RESULTS)                                                                \
+  LITHE_FMU_EXPORT fmi3Status fmi3##NAME(fmi3Instance instance, const fmi3ValueReference* unknowns, size_t unknown, \
+                                         const fmi3ValueReference* knowns, size_t known, const fmi3Float64* seed,   \
+                                         size_t seeds, fmi3Float64* sensitivity, size_t results) {                  \
+    return lithe::fmu::v3::with(instance, [&](lithe::fmu::Component& c) {                                           \
+      if (seeds != SEEDS || results != RESULTS) return c.none(#NAME, 1);                                            \
+      return c.derivative(#NAME, &lithe::FmuInstance::WHAT, {unknowns, unknown}, {knowns, known}, {seed, seeds},    \
+                          {sensitivity, results});                                                                  \
+    });                                                                                                             \
+  }
+LITHE_DERIVATIVE(GetDirectionalDerivative, directional_derivative, known, unknown)
+LITHE_DERIVATIVE(GetAdjointDerivative, adjoint_derivative, unknown, known)
+#undef LITHE_DERIVATIVE
+
 // ---- what this FMU does not offer, and says so ----
 
 #define LITHE_REFUSE(NAME, ...)                                                  \
   LITHE_FMU_EXPORT fmi3Status fmi3##NAME(fmi3Instance instance, ##__VA_ARGS__) { \
     return lithe::fmu::v3::refuse(instance, #NAME);                              \
   }
-LITHE_REFUSE(EnterEventMode)
 LITHE_REFUSE(GetNumberOfVariableDependencies, fmi3ValueReference, size_t*)
 LITHE_REFUSE(GetVariableDependencies, fmi3ValueReference, size_t*, fmi3ValueReference*, size_t*, fmi3DependencyKind*,
              size_t)
-LITHE_REFUSE(GetDirectionalDerivative, const fmi3ValueReference*, size_t, const fmi3ValueReference*, size_t,
-             const fmi3Float64*, size_t, fmi3Float64*, size_t)
-LITHE_REFUSE(GetAdjointDerivative, const fmi3ValueReference*, size_t, const fmi3ValueReference*, size_t,
-             const fmi3Float64*, size_t, fmi3Float64*, size_t)
 LITHE_REFUSE(EnterConfigurationMode)
 LITHE_REFUSE(ExitConfigurationMode)
 LITHE_REFUSE(GetIntervalDecimal, const fmi3ValueReference*, size_t, fmi3Float64*, fmi3IntervalQualifier*)
@@ -245,17 +310,6 @@ LITHE_REFUSE(SetIntervalFraction, const fmi3ValueReference*, size_t, const fmi3U
 LITHE_REFUSE(SetShiftDecimal, const fmi3ValueReference*, size_t, const fmi3Float64*)
 LITHE_REFUSE(SetShiftFraction, const fmi3ValueReference*, size_t, const fmi3UInt64*, const fmi3UInt64*)
 LITHE_REFUSE(EvaluateDiscreteStates)
-LITHE_REFUSE(UpdateDiscreteStates, fmi3Boolean*, fmi3Boolean*, fmi3Boolean*, fmi3Boolean*, fmi3Boolean*, fmi3Float64*)
-LITHE_REFUSE(EnterContinuousTimeMode)
-LITHE_REFUSE(CompletedIntegratorStep, fmi3Boolean, fmi3Boolean*, fmi3Boolean*)
-LITHE_REFUSE(SetTime, fmi3Float64)
-LITHE_REFUSE(SetContinuousStates, const fmi3Float64*, size_t)
-LITHE_REFUSE(GetContinuousStateDerivatives, fmi3Float64*, size_t)
-LITHE_REFUSE(GetEventIndicators, fmi3Float64*, size_t)
-LITHE_REFUSE(GetContinuousStates, fmi3Float64*, size_t)
-LITHE_REFUSE(GetNominalsOfContinuousStates, fmi3Float64*, size_t)
-LITHE_REFUSE(GetNumberOfEventIndicators, size_t*)
-LITHE_REFUSE(GetNumberOfContinuousStates, size_t*)
 LITHE_REFUSE(EnterStepMode)
 LITHE_REFUSE(GetOutputDerivatives, const fmi3ValueReference*, size_t, const fmi3Int32*, fmi3Float64*, size_t)
 LITHE_REFUSE(ActivateModelPartition, fmi3ValueReference, fmi3Float64)

@@ -1,7 +1,11 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <exception>
+#include <functional>
+#include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,7 +24,11 @@ enum Mode : int {
   kStep = 4,
   kTerminated = 8,
   kFailed = 16,
-  kAnywhere = 31,
+  kEvent = 32,
+  kContinuous = 64,
+  kExchange = kEvent | kContinuous,
+  kInitialized = kInitialization | kStep | kExchange,
+  kAnywhere = 127,
 };
 
 enum class Outcome { ok = 0, warning = 1, discard = 2, error = 3, fatal = 4 };  // the numbers of both standards
@@ -34,17 +42,17 @@ class Component {
   /// What the importer is told: how it went, a category, a text.
   using Tell = std::function<void(Outcome outcome, const char* category, const std::string& message)>;
 
-  Component(const FmuModel& model, Tell tell, bool tells_all)
-      : logging(tells_all), tell_(std::move(tell)), instance(guarded_make(model)) {}
+  Component(const FmuModel& model, FmuInstance::Form form, Tell tell, bool tells_all)
+      : logging(tells_all), tell_(std::move(tell)), instance(guarded_make(model, form)) {}
 
   Mode mode = kInstantiated;
   bool logging;  // also what is no error
 
  private:
   Tell tell_;
-  std::unique_ptr<FmuInstance> guarded_make(const FmuModel& model) {
+  std::unique_ptr<FmuInstance> guarded_make(const FmuModel& model, FmuInstance::Form form) {
     const log::Redirect redirect(sink());
-    return std::make_unique<FmuInstance>(model);
+    return std::make_unique<FmuInstance>(model, form);
   }
   std::function<void(log::Level, const std::string&)> sink() {
     return [this](log::Level level, const std::string& message) {
@@ -65,7 +73,8 @@ class Component {
     }
   }
 
-  /// Runs `work` if the mode allows it; whatever it throws is told and becomes an outcome.
+  /// Runs `work` if the mode allows it; whatever it throws is told and becomes an outcome. Where an importer tries a
+  /// state that the equations cannot take, it may try another.
   template <class Work>
   Outcome guarded(const char* function, int allowed, Work&& work) noexcept {
     if ((mode & allowed) == 0) {
@@ -76,6 +85,11 @@ class Component {
       const log::Redirect redirect(sink());
       work();
       return Outcome::ok;
+    } catch (const SimulationError& error) {
+      const bool tried = mode == kContinuous;
+      tell(tried ? Outcome::discard : Outcome::error, tried ? "logStatusDiscard" : "logStatusError",
+           std::string(function) + ": " + error.what());
+      if (tried) return Outcome::discard;
     } catch (const Error& error) {
       tell(Outcome::error, "logStatusError", std::string(function) + ": " + error.what());
     } catch (const std::exception& error) {
@@ -89,13 +103,18 @@ class Component {
   // ---- what both standards ask for ----
 
   Outcome get(const char* function, const std::uint32_t* references, std::size_t count, double* values) {
-    return guarded(function, kInitialization | kStep | kTerminated, [&] {
+    return guarded(function, kInitialized | kTerminated, [&] {
       for (std::size_t i = 0; i < count; ++i) values[i] = instance->get(references[i]);
     });
   }
   Outcome set(const char* function, const std::uint32_t* references, std::size_t count, const double* values) {
-    return guarded(function, kInstantiated | kInitialization | kStep, [&] {
-      for (std::size_t i = 0; i < count; ++i) instance->set(references[i], values[i]);
+    return guarded(function, kInstantiated | kInitialized, [&] {
+      for (std::size_t i = 0; i < count; ++i) {
+        if (mode == kContinuous && instance->variable(references[i]).role == FmuVariable::Role::parameter)
+          throw SceneError("'" + instance->variable(references[i]).name + "' is a parameter, constant between events",
+                           function, "set it in event mode");
+        instance->set(references[i], values[i]);
+      }
     });
   }
   /// None is of another type than Float64.
@@ -103,6 +122,13 @@ class Component {
     return guarded(function, kAnywhere, [&] {
       if (count > 0) throw SceneError("no variable is of that type", function, "take types from modelDescription.xml");
     });
+  }
+  Outcome exit_initialization() {
+    return guarded("ExitInitializationMode", kInitialization,
+                   [&] { mode = instance->form() == FmuInstance::Form::model_exchange ? kEvent : kStep; });
+  }
+  Outcome terminate() {
+    return guarded("Terminate", kStep | kExchange | kFailed, [&] { mode = kTerminated; });
   }
   Outcome reset() {
     return guarded("Reset", kAnywhere, [&] {
@@ -153,6 +179,79 @@ class Component {
       *state = saved.release();
     });
   }
+
+  // ---- model exchange ----
+
+  Outcome enter(Mode next, Mode present, const char* function) {
+    return guarded(function, present, [&] { mode = next; });
+  }
+  Outcome set_time(int allowed, double time) {
+    return guarded("SetTime", allowed, [&] { instance->set_time(time); });
+  }
+  Outcome set_states(const double* x, std::size_t count) {
+    return guarded("SetContinuousStates", kContinuous, [&] {
+      same_count(count, equations().state_count(), "continuous states");
+      instance->set_states({x, count});
+    });
+  }
+  Outcome completed_step(bool& event) {
+    event = false;
+    return guarded("CompletedIntegratorStep", kContinuous, [&] { event = instance->complete_step(); });
+  }
+  Outcome update(bool& states_changed) {
+    states_changed = false;
+    return guarded("UpdateDiscreteStates", kEvent, [&] { states_changed = instance->update(); });
+  }
+  Outcome states(double* x, std::size_t count) {
+    return look("GetContinuousStates", count, [&] { copy(instance->states(), x); });
+  }
+  Outcome derivatives(double* x_dot, std::size_t count) {
+    return look("GetContinuousStateDerivatives", count, [&] { copy(instance->derivatives(), x_dot); });
+  }
+  Outcome nominals(double* x, std::size_t count) {
+    return look("GetNominalsOfContinuousStates", count, [&] { copy(equations().nominals(), x); });
+  }
+  Outcome indicators(double* values, std::size_t count) {
+    return guarded("GetEventIndicators", kLooks, [&] {
+      same_count(count, equations().indicator_count(), "event indicators");
+      instance->indicators({values, count});
+    });
+  }
+  /// How many states, or event indicators, there are.
+  Outcome count(const char* function, int (FmuEquations::*what)() const, std::size_t* count) {
+    return guarded(function, kAnywhere & ~kFailed, [&] { *count = static_cast<std::size_t>((equations().*what)()); });
+  }
+  /// Directional or adjoint.
+  Outcome derivative(const char* function, decltype(&FmuInstance::directional_derivative) of,
+                     std::span<const std::uint32_t> unknowns, std::span<const std::uint32_t> knowns,
+                     std::span<const double> seed, std::span<double> sensitivity) {
+    return guarded(function, kLooks, [&] {
+      equations();
+      (*instance.*of)(unknowns, knowns, seed, sensitivity);
+    });
+  }
+
+ private:
+  static constexpr int kLooks = kInitialization | kExchange | kTerminated;
+  /// Of an instance for model exchange.
+  const FmuEquations& equations() const {
+    if (instance->form() != FmuInstance::Form::model_exchange)
+      throw SceneError("this instance is for co-simulation", "model exchange", "instantiate for model exchange");
+    return instance->equations();
+  }
+  static void same_count(std::size_t given, int count, const char* what) {
+    if (given != static_cast<std::size_t>(count))
+      throw SceneError("there are " + std::to_string(count) + " " + what + ", not " + std::to_string(given),
+                       "model exchange", "take their number from modelDescription.xml");
+  }
+  template <class Work>
+  Outcome look(const char* function, std::size_t count, Work&& work) {
+    return guarded(function, kLooks, [&] {
+      same_count(count, equations().state_count(), "continuous states");
+      work();
+    });
+  }
+  static void copy(const VectorX& from, double* to) { std::copy(from.begin(), from.end(), to); }
 };
 
 }  // namespace lithe::fmu

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -24,9 +25,15 @@ std::string_view view(const unsigned char* bytes, std::size_t size) {
 
 }  // namespace
 
-FmuInstance::FmuInstance(const FmuModel& model) : model_(model), graph_({.gravity = model.scene.gravity}) {
+FmuInstance::FmuInstance(const FmuModel& model, Form form)
+    : model_(model), form_(form), graph_({.gravity = model.scene.gravity}) {
   sensors_ = model.scene.draw(graph_);
   system_ = std::make_unique<const System>(assemble(graph_));
+  refusal_ = FmuEquations::refusal(*system_);
+  if (refusal_.empty())
+    equations_ = std::make_unique<const FmuEquations>(*system_, model.scene.characteristic_length);
+  else if (form == Form::model_exchange)
+    throw SceneError("there is no model exchange: " + refusal_, model.scene.name, "take co-simulation");
   variables_.push_back({.name = "time", .unit = "s", .description = "simulation time"});
   for (const Input* input : graph_.inputs()) {
     const auto& p = input->parameters();
@@ -37,14 +44,18 @@ FmuInstance::FmuInstance(const FmuModel& model) : model_(model), graph_({.gravit
                           .start = p.value,
                           .lower = p.lower,
                           .upper = p.upper,
-                          .held = p.between == Input::Between::held});
+                          .held = p.between == Input::Between::held,
+                          .place = static_cast<int>(variables_.size()) - 1});
   }
   for (std::size_t s = 0; s < sensors_.size(); ++s)
     for (std::size_t c = 0; c < sensors_[s].columns().size(); ++c) {
-      variables_.push_back(
-          {.name = sensors_[s].columns()[c], .unit = sensors_[s].unit(c), .role = FmuVariable::Role::output});
+      variables_.push_back({.name = sensors_[s].columns()[c],
+                            .unit = sensors_[s].unit(c),
+                            .role = FmuVariable::Role::output,
+                            .place = static_cast<int>(outputs_.size())});
       outputs_.emplace_back(static_cast<int>(s), static_cast<int>(c));
     }
+  if (equations_) variables_.insert(variables_.end(), equations_->variables().begin(), equations_->variables().end());
   std::set<std::string> names;
   for (const FmuVariable& v : variables_)
     if (!names.insert(v.name).second)
@@ -58,23 +69,35 @@ FmuInstance::~FmuInstance() = default;
 void FmuInstance::reset() {
   simulation_.reset();
   snapshot_ = std::make_unique<Snapshot>(*system_);
-  integrator_ = model_.integrator();
-  simulation_ = std::make_unique<Simulation>(*system_, *integrator_);
   state_ = system_->initial_state();
+  if (form_ == Form::co_simulation) {
+    integrator_ = model_.integrator();
+    simulation_ = std::make_unique<Simulation>(*system_, *integrator_);
+  }
   started_ = inputs_set_ = evaluated_ = false;
   start_ = state_.time;
+  tolerance_ = 0;
   given_.clear();
   for (Input* input : graph_.inputs()) {
     input->reset();
     given_.push_back(input->parameters().value);
   }
+  if (!equations_) return;
+  sides_.assign(static_cast<std::size_t>(equations_->indicator_count()), 0);
+  if (form_ == Form::co_simulation) return;
+  x_ = equations_->states_of(state_);
+  state_.v_dot.setConstant(std::numeric_limits<double>::quiet_NaN());  // those of the equations, or none
 }
 
-void FmuInstance::begin(double start) {
+void FmuInstance::begin(double start, double tolerance) {
   if (!std::isfinite(start))
     throw SceneError("the start time is not finite", model_.scene.name, "give a time in seconds");
+  if (!(tolerance >= 0) || !std::isfinite(tolerance))
+    throw SceneError("a tolerance of " + number_text(tolerance), model_.scene.name, "give a positive one, or none");
   state_.time = start_ = start;
+  tolerance_ = tolerance;
   apply_inputs(start);
+  if (form_ == Form::model_exchange) update();
 }
 
 /// As given, at all times.
@@ -83,44 +106,68 @@ void FmuInstance::apply_inputs(double time) {
   evaluated_ = false;
 }
 
-int FmuInstance::input_of(unsigned reference) const {
-  return reference >= 1 && reference <= given_.size() ? static_cast<int>(reference) - 1 : -1;
+const FmuVariable& FmuInstance::variable(unsigned reference) const {
+  if (reference >= variables_.size())
+    throw SceneError("no variable has the value reference " + std::to_string(reference), model_.scene.name,
+                     "take value references from modelDescription.xml");
+  return variables_[reference];
 }
 
 Snapshot& FmuInstance::look() {
   if (evaluated_) return *snapshot_;
-  const bool solved = !started_ || inputs_set_ || integrator_->approximates_accelerations();
-  snapshot_->evaluate(state_, solved ? Accelerations::solved : Accelerations::as_left);
+  rates_.resize(0);
+  if (form_ == Form::model_exchange) {
+    equations_->evaluate(state_, *snapshot_);
+  } else {
+    const bool solved = !started_ || inputs_set_ || integrator_->approximates_accelerations();
+    snapshot_->evaluate(state_, solved ? Accelerations::solved : Accelerations::as_left);
+    if (equations_) x_ = equations_->states_of(state_);
+  }
   evaluated_ = true;
   return *snapshot_;
 }
 
 double FmuInstance::get(unsigned reference) {
-  if (reference >= variables_.size())
-    throw SceneError("no variable has the value reference " + std::to_string(reference), model_.scene.name,
-                     "take value references from modelDescription.xml");
-  if (reference == 0) return state_.time;
-  if (const int input = input_of(reference); input >= 0) return given_[static_cast<std::size_t>(input)];
-  const auto [sensor, column] = outputs_[reference - 1 - given_.size()];
-  const double value = sensors_[static_cast<std::size_t>(sensor)].value(look(), column);
+  const FmuVariable& asked = variable(reference);
+  const auto place = static_cast<std::size_t>(asked.place);
+  double value = 0;
+  switch (asked.role) {
+    case FmuVariable::Role::time:
+      return state_.time;
+    case FmuVariable::Role::input:
+    case FmuVariable::Role::parameter:
+      return given_[place];
+    case FmuVariable::Role::state:
+      if (form_ == Form::co_simulation) look();
+      return x_[asked.place];
+    case FmuVariable::Role::derivative:
+      return derivatives()[asked.place];
+    case FmuVariable::Role::indicator:
+      value = equations_->indicator(asked.place, look(), sides_);
+      break;
+    case FmuVariable::Role::output:
+      const auto [sensor, column] = outputs_[place];
+      value = sensors_[static_cast<std::size_t>(sensor)].value(look(), column);
+  }
   if (!std::isfinite(value))
-    throw SimulationError("output '" + variables_[reference].name + "' is not finite", time_text(state_.time),
+    throw SimulationError("'" + asked.name + "' is not finite", time_text(state_.time),
                           "look for what makes it so: a division by zero, a locked mechanism");
   return value;
 }
 
 void FmuInstance::set(unsigned reference, double value) {
-  const int place = input_of(reference);
-  if (place < 0)
-    throw SceneError("the value reference " + std::to_string(reference) + " is not that of an input or a parameter",
-                     model_.scene.name, "set inputs and parameters alone");
-  Input& input = *graph_.inputs()[static_cast<std::size_t>(place)];
+  const FmuVariable& asked = variable(reference);
+  if (asked.role != FmuVariable::Role::input && asked.role != FmuVariable::Role::parameter)
+    throw SceneError(
+        "'" + asked.name + "' (value reference " + std::to_string(reference) + ") is no input or parameter",
+        model_.scene.name, "set inputs and parameters alone");
+  Input& input = *graph_.inputs()[static_cast<std::size_t>(asked.place)];
   const bool now = !started_ || input.between() == Input::Between::held;
   if (now)
     input.reset(state_.time, value);
   else  // checked as if it were set
     input.require(state_.time, value, model_.scene.name);
-  given_[static_cast<std::size_t>(place)] = value;
+  given_[static_cast<std::size_t>(asked.place)] = value;
   inputs_set_ = true;
   evaluated_ = false;
 }
@@ -150,11 +197,7 @@ std::vector<unsigned char> FmuInstance::save(int mode) {
   Archive archive("the FMU's state");
   archive.same("token", model_.token);
   archive("mode", mode);
-  archive("started", started_);
-  archive("inputs set", inputs_set_);
-  archive("start", start_);
-  archive("given", given_);
-  if (started_) archive.group("simulation", [&] { simulation_->save(state_, archive); });
+  history(archive);
   const std::vector<unsigned char> content = archive.bytes();
   std::vector<unsigned char> bytes(kHead);
   const std::uint64_t sum = fnv1a(view(content.data(), content.size()));
@@ -179,19 +222,8 @@ int FmuInstance::load(const unsigned char* bytes, std::size_t size) {
   reset();
   int mode = 0;
   archive("mode", mode);
-  archive("started", started_);
-  archive("inputs set", inputs_set_);
-  archive("start", start_);
-  std::vector<double> given = given_;
-  archive("given", given);
-  if (given.size() != given_.size())
-    throw FileError("the state is of an FMU with other inputs", model_.scene.name, "restore states of this FMU");
-  given_ = given;
   try {
-    if (started_)
-      archive.group("simulation", [&] { state_ = simulation_->resume(archive); });
-    else
-      begin(start_);
+    history(archive);
   } catch (...) {
     reset();
     throw;
@@ -199,10 +231,38 @@ int FmuInstance::load(const unsigned char* bytes, std::size_t size) {
   return mode;
 }
 
+void FmuInstance::history(Archive& archive) {
+  archive.same("form", static_cast<double>(form_));
+  archive("started", started_);
+  archive("inputs set", inputs_set_);
+  archive("start", start_);
+  archive("tolerance", tolerance_);
+  std::vector<double> given = given_;
+  archive("given", given);
+  if (given.size() != given_.size())
+    throw FileError("the state is of an FMU with other inputs", model_.scene.name, "restore states of this FMU");
+  given_ = given;
+  if (form_ == Form::model_exchange) {
+    archive("state", state_);
+    archive("x", x_);
+    archive("sides", sides_);
+    if (archive.loads()) apply_inputs(state_.time);
+  } else if (!started_) {
+    if (archive.loads()) begin(start_, tolerance_);
+  } else if (archive.loads()) {
+    archive.group("simulation", [&] { state_ = simulation_->resume(archive); });
+  } else {
+    archive.group("simulation", [&] { simulation_->save(state_, archive); });
+  }
+}
+
 std::string fmu_facts(const FmuModel& model) {
   const FmuInstance instance(model);
-  nlohmann::ordered_json facts = {
-      {"name", model.scene.name}, {"duration", model.scene.duration}, {"lithe", kVersion}, {"token", model.token}};
+  nlohmann::ordered_json facts = {{"name", model.scene.name},
+                                  {"duration", model.scene.duration},
+                                  {"lithe", kVersion},
+                                  {"token", model.token},
+                                  {"no model exchange", instance.refusal()}};
   const auto bound = [](double value) { return std::isfinite(value) ? nlohmann::ordered_json(value) : nullptr; };
   for (const FmuVariable& v : instance.variables())
     facts["variables"].push_back({{"name", v.name},
@@ -210,6 +270,8 @@ std::string fmu_facts(const FmuModel& model) {
                                   {"description", v.description},
                                   {"role", static_cast<int>(v.role)},
                                   {"start", v.start},
+                                  {"nominal", v.nominal},
+                                  {"place", v.place},
                                   {"lower", bound(v.lower)},
                                   {"upper", bound(v.upper)}});
   return facts.dump();

@@ -1,11 +1,12 @@
 #pragma once
 
-#include <limits>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "engine/assembly/system.h"
+#include "engine/fmu/fmu_equations.h"
 #include "engine/motion/make_integrator.h"
 #include "engine/observe/sensors.h"
 #include "engine/run/simulation.h"
@@ -21,62 +22,92 @@ struct FmuModel {
   std::string token;  // that importers give to show which FMU they mean
 };
 
-/// A variable as importers see it; its place in the list is its value reference.
-struct FmuVariable {
-  enum class Role { time, input, parameter, output };
-  std::string name, unit, description;
-  Role role = Role::time;
-  double start = 0;  // of inputs and parameters, as their bounds
-  double lower = -std::numeric_limits<double>::infinity(), upper = std::numeric_limits<double>::infinity();
-  bool held = false;  // between communication points
-};
-
-/// One instance of an FMU for co-simulation: a drawing, a simulation and a state of its own, nothing shared. The C
-/// functions of FMI 2.0 and 3.0 (engine/fmu/fmi2_border.h, fmi3_border.h) are made of it. A step is, bit for bit,
-/// Simulation::run() to the end of the step with inputs set as below; save() and load() are a checkpoint.
+/// One instance of an FMU: a drawing and a state of its own, nothing shared. The C functions of FMI 2.0 and 3.0
+/// (engine/fmu/fmi2_border.h, fmi3_border.h) are made of it.
+/// In co-simulation it has a simulation. A step is, bit for bit, Simulation::run() to the end of the step with inputs
+/// set as below; save() and load() are a checkpoint.
 ///   held inputs and parameters   input.reset(t, value) at the communication point t
 ///   linear, smooth inputs        reach the value at the end of the step: input.reset(t, present), input.set(t + h,
 ///   value)
+/// In model exchange it has equations (FmuEquations), and an input is what has been set last. What is asked depends on
+/// the time, states and inputs set, and on the last completed step, not on what was asked before.
 /// Not for several threads at once; several instances may each have one.
 class FmuInstance {
  public:
-  /// Draws the scene and assembles it. Throws SceneError as these do, and where a name would be used twice.
-  explicit FmuInstance(const FmuModel& model);
+  enum class Form { co_simulation, model_exchange };
+  /// Draws the scene and assembles it. Throws SceneError as these do, where a name would be used twice, and for model
+  /// exchange of a scene that has no such form.
+  explicit FmuInstance(const FmuModel& model, Form form = Form::co_simulation);
   ~FmuInstance();
 
+  Form form() const { return form_; }
   const std::vector<FmuVariable>& variables() const { return variables_; }
+  /// Throws SceneError for a reference that does not exist.
+  const FmuVariable& variable(unsigned reference) const;
+  /// Why there is no model exchange; empty: there is.
+  const std::string& refusal() const { return refusal_; }
   double time() const { return state_.time; }
 
   /// As after construction.
   void reset();
-  /// The time to start at, with the values that inputs have then.
-  void begin(double start);
+  /// The time to start at, with the values that inputs have then, and the relative tolerance with which an importer
+  /// integrates (0: not known). Throws SceneError for what is not finite.
+  void begin(double start, double tolerance = 0);
   /// Throws SceneError for a reference that does not exist; SimulationError for a value that is not finite.
   double get(unsigned reference);
   /// Throws SceneError for what is no input or parameter, and for a value that it must not have.
   void set(unsigned reference, double value);
+
   /// From the communication point `current` by `size`. Throws SceneError for a size that is not positive and another
   /// point than the one reached, SimulationError where the run fails; the state is then the last good one.
   void step(double current, double size);
 
+  // ---- model exchange ----
+  const FmuEquations& equations() const { return *equations_; }
+  /// Throws SceneError for a time that is not finite.
+  void set_time(double time);
+  /// Throws SimulationError for what is not finite; the states are then those before.
+  void set_states(std::span<const double> x);
+  const VectorX& states() const { return x_; }
+  /// Both throw SimulationError where the equations have no solution.
+  const VectorX& derivatives();
+  void indicators(std::span<double> values);
+  /// A step has led here: whether it has drifted off the constraints, so that update() is to be called.
+  bool complete_step();
+  /// At an event: moves what has drifted back onto the constraints, and takes note on which side of each kink the state
+  /// is. Whether states have changed. Throws SimulationError where constraints cannot be met.
+  bool update();
+  /// Σ ∂unknown/∂known · seed over the knowns, for each unknown; states and inputs are known, all else can be unknown.
+  /// Central differences of fourth order: relative errors of some 1e-9 where the scene is smooth. Throws SceneError for
+  /// other variables, SimulationError as derivatives().
+  void directional_derivative(std::span<const unsigned> unknowns, std::span<const unsigned> knowns,
+                              std::span<const double> seed, std::span<double> sensitivity);
+  /// Σ seed · ∂unknown/∂known over the unknowns, for each known.
+  void adjoint_derivative(std::span<const unsigned> unknowns, std::span<const unsigned> knowns,
+                          std::span<const double> seed, std::span<double> sensitivity);
+
   /// All that later steps depend on, and a number of the caller's.
   std::vector<unsigned char> save(int mode);
-  /// Into any instance of the same FMU, in another process too; returns the number. Throws FileError for bytes that are
-  /// damaged or of something else; the instance is then as reset() leaves it.
+  /// Into any instance of the same FMU and form, in another process too; returns the number. Throws FileError for bytes
+  /// that are damaged or no state, SceneError for those of another FMU or form; the instance is then as reset() leaves
+  /// it.
   int load(const unsigned char* bytes, std::size_t size);
   /// Throws FileError for bytes that load() would refuse unread.
   static void check_saved(const unsigned char* bytes, std::size_t size);
 
  private:
-  int input_of(unsigned reference) const;
   void apply_inputs(double time);
   Snapshot& look();
+  void history(Archive& archive);
 
   const FmuModel& model_;
+  const Form form_;
   SystemGraph graph_;
   std::vector<Sensor> sensors_;
   std::unique_ptr<const System> system_;
-  std::unique_ptr<Integrator> integrator_;
+  std::string refusal_;
+  std::unique_ptr<const FmuEquations> equations_;  // null: refused
+  std::unique_ptr<Integrator> integrator_;         // null, as the simulation: model exchange
   std::unique_ptr<Simulation> simulation_;
   std::unique_ptr<Snapshot> snapshot_;
   std::vector<FmuVariable> variables_;
@@ -85,9 +116,12 @@ class FmuInstance {
   State state_;
   bool started_ = false;     // steps have been made
   bool inputs_set_ = false;  // since the last step
-  bool evaluated_ = false;
-  double start_ = 0;
+  bool evaluated_ = false;   // the snapshot is of the state
+  double start_ = 0, tolerance_ = 0;
   std::vector<double> given_;  // of each input, by the importer
+  VectorX x_;                  // states as given: quaternions of any norm
+  VectorX rates_;              // of the snapshot; empty: not asked for
+  std::vector<int> sides_;     // of kinks, at the last event
 };
 
 /// Variables, scene and version as JSON, from which `lithe fmu` writes a description.

@@ -4,10 +4,9 @@
 
 #include "engine/base/error.h"
 #include "engine/base/number_text.h"
-#include "engine/contact/contact_forces.h"
 #include "engine/contact/rigid_contacts.h"
-#include "engine/observe/sensors.h"
 #include "engine/run/island_run.h"
+#include "engine/run/kinks.h"
 
 namespace lithe {
 namespace {
@@ -17,15 +16,6 @@ constexpr double kNearEnd = 1e-3;        // of a step: a switch passed there has
 constexpr int kMaxApproaches = 4;        // of one switch
 constexpr std::size_t kManyEvents = 16;  // in a row
 constexpr double kShortly = 1e-5;        // of the time since the first of them
-
-/// Gap of two colliders, or how far they are from each other at least.
-EventFunction gap_of(int element, int a, int b) {
-  return [=](Snapshot& now) {
-    ContactForces& contacts = *now.contacts();
-    const double size = contacts.extent(element, a) + contacts.extent(element, b);
-    return contacts.gap(element, a, b, size > 0 ? size : 1.0);
-  };
-}
 
 }  // namespace
 
@@ -42,18 +32,10 @@ void IslandRun::make_finder() {
   finder_.reset();
   const auto finder = [&]() -> EventFinder& { return finder_ ? *finder_ : finder_.emplace(system_); };
   for (const Event& e : watched_events_) finder().add(e.name, e.function, e.level, e.direction);
-  for (const auto& entry : system_.graph().forces())
-    for (const CoordinateSwitch& s : entry.force->switches())
-      finder().add(entry.force->name(), watch(coordinate(s.coordinate, entry.force->name())), s.value,
-                   Event::Direction::both);
-  // Where surfaces meet and part.
   meetings_.clear();
-  for (const ContactRecord& record : system_.contacts()) {
-    if (record.element->law() != ContactElement::Law::compliant) continue;  // time stepping tells of rigid ones
-    for (const auto& [a, b] : record.element->located_pairs()) {
-      finder().add(record.element->name(), gap_of(record.number, a, b), 0, Event::Direction::both);
-      meetings_.push_back({record.element->name(), a, b});
-    }
+  for (const Kink& kink : find_kinks(system_)) {
+    finder().add(kink.name, kink.function, kink.level, Event::Direction::both);
+    if (kink.a >= 0) meetings_.push_back({kink.name, kink.a, kink.b});
   }
 }
 

@@ -1,9 +1,7 @@
 // FMUs: made by the command, loaded as an importer does, and compared with the native run bit for bit.
-#include <dlfcn.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdarg>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -14,6 +12,7 @@
 #include <vector>
 
 #include "tests/scripting/command.h"
+#include "tests/scripting/fmu_importer.h"
 
 namespace lithe::test::fmu_test {
 namespace {
@@ -22,152 +21,6 @@ namespace fs = std::filesystem;
 using Values = std::vector<double>;
 
 constexpr double kCommunication = 0.0123;  // s
-
-/// An FMU as made and unpacked.
-struct Unpacked {
-  fs::path folder, library;
-  std::string description;
-
-  Unpacked(const ScriptFolder& scratch, const std::string& scene, int version) {
-    const Outcome made =
-        scratch.shell("lithe fmu " + std::string(LITHE_SOURCE_DIR) + "/" + scene + " --step 1e-3 --fmi " +
-                      std::to_string(version) + " -o model.fmu && " + "python3 -m zipfile -e model.fmu unpacked");
-    EXPECT_EQ(made.exit_code, 0) << made.output;
-    folder = scratch.path() / "unpacked";
-    std::ifstream file(folder / "modelDescription.xml");
-    description = {std::istreambuf_iterator<char>(file), {}};
-    library = folder / (version == 3 ? "binaries/x86_64-linux" : "binaries/linux64") /
-              (fs::path(scene).stem().string() + ".so");
-  }
-  /// Of the first element with that name, or of the root.
-  std::string attribute(const std::string& name) const {
-    std::smatch found;
-    return std::regex_search(description, found, std::regex(" " + name + "=\"([^\"]*)\"")) ? found[1].str() : "";
-  }
-  unsigned reference(const std::string& variable) const {
-    std::smatch found;
-    const std::regex pattern("name=\"" + variable + "\" valueReference=\"(\\d+)\"");
-    EXPECT_TRUE(std::regex_search(description, found, pattern)) << variable;
-    return found.empty() ? 9999u : static_cast<unsigned>(std::stoul(found[1]));
-  }
-};
-
-/// The library's functions, by the standard's names and signatures (tests/data/fmi).
-class Library {
- public:
-  explicit Library(const fs::path& path) : handle_(dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL)) {
-    EXPECT_NE(handle_, nullptr) << dlerror();
-  }
-  template <class Result, class... Arguments>
-  Result call(const char* name, Arguments... arguments) const {
-    const auto function = reinterpret_cast<Result (*)(Arguments...)>(dlsym(handle_, name));
-    if (!function) throw std::runtime_error(std::string(name) + " is missing");
-    return function(arguments...);
-  }
-  bool has(const std::string& name) const { return dlsym(handle_, name.c_str()) != nullptr; }
-
- private:
-  void* handle_;  // for the rest of the process, as scenes have statics
-};
-
-struct Log {
-  std::string text;
-};
-void log3(void* environment, int, const char*, const char* message) {
-  static_cast<Log*>(environment)->text += std::string(message) + "\n";
-}
-void log2(void* environment, const char*, int, const char*, const char* format, ...) {
-  char text[4096];
-  va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(text, sizeof text, format, arguments);
-  va_end(arguments);
-  static_cast<Log*>(environment)->text += std::string(text) + "\n";
-}
-struct Callbacks2 {
-  void (*logger)(void*, const char*, int, const char*, const char*, ...) = log2;
-  void* (*allocate)(size_t, size_t) = std::calloc;
-  void (*release)(void*) = std::free;
-  void (*finished)(void*, int) = nullptr;
-  void* environment = nullptr;
-};
-
-/// One instance, by either standard.
-class Instance {
- public:
-  Instance(const Library& library, const std::string& token, int version, bool logging = false)
-      : library_(library), three_(version == 3) {
-    callbacks_.environment = &log;
-    using Callback = void (*)();
-    if (three_)
-      component_ = library_.call<void*>("fmi3InstantiateCoSimulation", "one", token.c_str(), (const char*)nullptr,
-                                        false, logging, false, false, (const unsigned*)nullptr, size_t{0}, (void*)&log,
-                                        &log3, (Callback) nullptr);
-    else
-      component_ = library_.call<void*>("fmi2Instantiate", "one", 1, token.c_str(), "", (const void*)&callbacks_, 0,
-                                        static_cast<int>(logging));
-  }
-  ~Instance() { library_.call<void>(three_ ? "fmi3FreeInstance" : "fmi2FreeInstance", component_); }
-
-  bool exists() const { return component_ != nullptr; }
-  int start(double time = 0) {
-    if (three_) {
-      const int entered = library_.call<int>("fmi3EnterInitializationMode", component_, false, 0.0, time, false, 0.0);
-      return entered | library_.call<int>("fmi3ExitInitializationMode", component_);
-    }
-    return library_.call<int>("fmi2SetupExperiment", component_, 0, 0.0, time, 0, 0.0) |
-           library_.call<int>("fmi2EnterInitializationMode", component_) |
-           library_.call<int>("fmi2ExitInitializationMode", component_);
-  }
-  int set(unsigned reference, double value) {
-    return three_ ? library_.call<int>("fmi3SetFloat64", component_, &reference, size_t{1}, &value, size_t{1})
-                  : library_.call<int>("fmi2SetReal", component_, &reference, size_t{1}, &value);
-  }
-  int get(const std::vector<unsigned>& references, Values& values) {
-    values.assign(references.size(), NAN);
-    const size_t n = references.size();
-    return three_ ? library_.call<int>("fmi3GetFloat64", component_, references.data(), n, values.data(), n)
-                  : library_.call<int>("fmi2GetReal", component_, references.data(), n, values.data());
-  }
-  int step(double time, double size) {
-    bool flags[3];
-    double last = 0;
-    return three_ ? library_.call<int>("fmi3DoStep", component_, time, size, true, flags, flags + 1, flags + 2, &last)
-                  : library_.call<int>("fmi2DoStep", component_, time, size, 1);
-  }
-  int call(const std::string& name) { return library_.call<int>(full(name).c_str(), component_); }
-  int save(void** state) {
-    return library_.call<int>(three_ ? "fmi3GetFMUState" : "fmi2GetFMUstate", component_, state);
-  }
-  int restore(void* state) {
-    return library_.call<int>(three_ ? "fmi3SetFMUState" : "fmi2SetFMUstate", component_, state);
-  }
-  int forget(void** state) {
-    return library_.call<int>(three_ ? "fmi3FreeFMUState" : "fmi2FreeFMUstate", component_, state);
-  }
-  std::vector<unsigned char> serialized(void* state) {
-    size_t size = 0;
-    library_.call<int>(three_ ? "fmi3SerializedFMUStateSize" : "fmi2SerializedFMUstateSize", component_, state, &size);
-    std::vector<unsigned char> bytes(size);
-    EXPECT_EQ(library_.call<int>(three_ ? "fmi3SerializeFMUState" : "fmi2SerializeFMUstate", component_, state,
-                                 bytes.data(), size),
-              0);
-    return bytes;
-  }
-  int deserialize(const std::vector<unsigned char>& bytes, void** state) {
-    return library_.call<int>(three_ ? "fmi3DeserializeFMUState" : "fmi2DeSerializeFMUstate", component_, bytes.data(),
-                              bytes.size(), state);
-  }
-
-  Log log;
-
- private:
-  std::string full(const std::string& name) const { return (three_ ? "fmi3" : "fmi2") + name; }
-  const Library& library_;
-  bool three_;
-  Callbacks2 callbacks_;
-  void* component_ = nullptr;
-};
 
 /// What a schedule of inputs does in step k: the k-th values of torque (held) and of the other one. In the native
 /// program too: numbers that are exact, however they are compiled.
@@ -238,10 +91,10 @@ struct Case {
 /// All that an importer does with one.
 void drive(const Case& c) {
   const ScriptFolder scratch;
-  const Unpacked fmu(scratch, c.scene, c.version);
+  const UnpackedFmu fmu(scratch, c.scene, c.version);
   ASSERT_TRUE(fs::exists(fmu.library)) << fmu.library;
-  const std::string token = fmu.attribute(c.version == 3 ? "instantiationToken" : "guid");
-  const Library library(fmu.library);
+  const std::string token = fmu.token();
+  const FmuLibrary library(fmu.library);
 
   // 1. Every function of the standard is there.
   std::ifstream list(std::string(LITHE_TEST_DATA) + "/fmi/functions-" + std::to_string(c.version) + ".0.txt");
@@ -265,12 +118,12 @@ void drive(const Case& c) {
   std::vector<unsigned> outputs(exact[0].size());
   const unsigned first = fmu.reference("angle");
   for (std::size_t i = 0; i < outputs.size(); ++i) outputs[i] = first + static_cast<unsigned>(i);
-  const auto begin = [&](Instance& one) {
+  const auto begin = [&](ImportedInstance& one) {
     EXPECT_EQ(one.set(stiffness, 1.7), 0);
     EXPECT_EQ(one.set(other, given(0).other), 0);
     EXPECT_EQ(one.start(), 0);
   };
-  const auto advance = [&](Instance& one, int k, double& time, Values& values) {
+  const auto advance = [&](ImportedInstance& one, int k, double& time, Values& values) {
     int worst = one.set(torque, given(k).torque);
     worst |= one.set(other, given(k).other);
     worst |= one.step(time, kCommunication);
@@ -279,7 +132,7 @@ void drive(const Case& c) {
     EXPECT_EQ(worst, 0) << one.log.text;
   };
   const auto run = [&](std::vector<Values>& rows) {
-    Instance one(library, token, c.version);
+    ImportedInstance one(library, token, c.version);
     begin(one);
     double time = 0;
     for (int k = 0; k < kSteps; ++k) advance(one, k, time, rows.emplace_back());
@@ -294,7 +147,7 @@ void drive(const Case& c) {
 
   // 3. Rolled back, and carried over to another instance: the same bits again, a hundred times.
   std::mt19937 random(7);
-  Instance one(library, token, c.version, true), two(library, token, c.version);
+  ImportedInstance one(library, token, c.version, true), two(library, token, c.version);
   begin(one);
   double time = 0;
   int k = 0;
@@ -338,7 +191,7 @@ void drive(const Case& c) {
 
   // 4. What importers get wrong: an error, a message, and the instance lives on.
   constexpr int kError = 3;
-  Instance wrong_token(library, "another", c.version);
+  ImportedInstance wrong_token(library, "another", c.version);
   EXPECT_FALSE(wrong_token.exists());
   EXPECT_NE(wrong_token.log.text.find("another FMU"), std::string::npos);
   const auto refused = [&](int status, const std::string& words) {
@@ -349,7 +202,7 @@ void drive(const Case& c) {
   refused(one.set(torque, 1e3), "outside its bounds");
   refused(one.set(torque, NAN), "not finite");
   refused(one.set(other, NAN), "not finite");
-  refused(one.set(outputs[0], 1), "not that of an input");
+  refused(one.set(outputs[0], 1), "is no input or parameter");
   refused(one.get({4711}, values), "value reference 4711");
   refused(one.start(), "not allowed in this mode");
   EXPECT_EQ(one.get(outputs, values), 0);

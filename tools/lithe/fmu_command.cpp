@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "engine/base/error.h"
 #include "engine/base/number_text.h"
@@ -169,13 +170,15 @@ int make_fmu(const FmuOptions& options) {
             {{folder + identifier + ".so", library}, {folder + "liblithe_fmu.so", scratch.path() / "liblithe_fmu.so"}},
             fmu_description(facts, identifier, options.version));
   std::printf("FMU: %s\n", out.string().c_str());
+  if (const std::string why = nlohmann::json::parse(facts).at("no model exchange"); !why.empty())
+    std::printf("  for co-simulation alone: %s\n", why.c_str());
   return 0;
 }
 
 }  // namespace
 
 void add_fmu(CLI::App& app, int& exit_code) {
-  auto* command = app.add_subcommand("fmu", "A scene as a functional mock-up unit (FMI 3.0 or 2.0, co-simulation)");
+  auto* command = app.add_subcommand("fmu", "A scene as a functional mock-up unit (FMI 3.0 or 2.0)");
   const auto options = std::make_shared<FmuOptions>();
   command->add_option(
       "scene", options->scene,

@@ -85,7 +85,46 @@ void add_type_attributes(pugi::xml_node node, const json& v) {
   if (!v.at("upper").is_null()) node.append_attribute("max") = number_text(v.at("upper").get<double>()).c_str();
 }
 
-enum Role { kTime, kInput, kParameter, kOutput };
+enum Role { kTime, kInput, kParameter, kOutput, kState, kDerivative, kIndicator };
+
+/// What an importer may do with instances of one form.
+pugi::xml_node add_form(pugi::xml_node root, const char* name, const std::string& identifier, bool three) {
+  pugi::xml_node form = root.append_child(name);
+  form.append_attribute("modelIdentifier") = identifier.c_str();
+  form.append_attribute(three ? "canGetAndSetFMUState" : "canGetAndSetFMUstate") = "true";
+  form.append_attribute(three ? "canSerializeFMUState" : "canSerializeFMUstate") = "true";
+  if (!three) form.append_attribute("canNotUseMemoryManagementFunctions") = "true";
+  return form;
+}
+
+/// Places in the list of variables.
+class Places {
+ public:
+  explicit Places(const json& variables) {
+    for (std::size_t i = 0; i < variables.size(); ++i) of_[variables[i].at("role").get<int>()].push_back(i);
+  }
+  const std::vector<std::size_t>& of(Role role) const { return of_[role]; }
+
+ private:
+  std::array<std::vector<std::size_t>, kIndicator + 1> of_;
+};
+
+/// The structure of a model: what depends on what is left open, which means on all.
+void add_structure(pugi::xml_node root, const Places& places, bool three) {
+  pugi::xml_node structure = root.append_child("ModelStructure");
+  const auto add = [&](const char* group, const char* element, std::initializer_list<Role> roles) {
+    pugi::xml_node parent = three ? structure : structure.append_child(group);
+    for (const Role role : roles)
+      for (const std::size_t i : places.of(role)) {
+        pugi::xml_node node = parent.append_child(three ? element : "Unknown");
+        node.append_attribute(three ? "valueReference" : "index") = static_cast<unsigned>(three ? i : i + 1);
+      }
+  };
+  add("Outputs", "Output", {kOutput});
+  if (!places.of(kState).empty()) add("Derivatives", "ContinuousStateDerivative", {kDerivative});
+  add("InitialUnknowns", "InitialUnknown", {kOutput, kState, kDerivative});
+  if (three) add("", "EventIndicator", {kIndicator});
+}
 
 }  // namespace
 
@@ -118,16 +157,21 @@ std::string fmu_description(const std::string& facts_text, const std::string& id
   root.append_attribute("generationTool") = ("Lithe " + facts.at("lithe").get<std::string>()).c_str();
   root.append_attribute("variableNamingConvention") = "flat";
 
-  pugi::xml_node kind = root.append_child("CoSimulation");
-  kind.append_attribute("modelIdentifier") = identifier.c_str();
-  kind.append_attribute("canHandleVariableCommunicationStepSize") = "true";
-  kind.append_attribute(three ? "canGetAndSetFMUState" : "canGetAndSetFMUstate") = "true";
-  kind.append_attribute(three ? "canSerializeFMUState" : "canSerializeFMUstate") = "true";
-  if (!three) kind.append_attribute("canNotUseMemoryManagementFunctions") = "true";
+  const Places places(variables);
+  if (!three && !places.of(kIndicator).empty())
+    root.append_attribute("numberOfEventIndicators") = static_cast<unsigned>(places.of(kIndicator).size());
+  if (facts.at("no model exchange") == "") {
+    pugi::xml_node exchange = add_form(root, "ModelExchange", identifier, three);
+    exchange.append_attribute(three ? "providesDirectionalDerivatives" : "providesDirectionalDerivative") = "true";
+    if (three) exchange.append_attribute("providesAdjointDerivatives") = "true";
+    if (three) exchange.append_attribute("needsCompletedIntegratorStep") = "true";  // 2.0: as long as nothing is said
+  }
+  add_form(root, "CoSimulation", identifier, three).append_attribute("canHandleVariableCommunicationStepSize") = "true";
 
   add_units(root, variables);
   pugi::xml_node categories = root.append_child("LogCategories");
   for (const auto& [name, meaning] : {std::pair("logStatusError", "errors: what, where, how to fix it"),
+                                      {"logStatusDiscard", "a state for which the equations have no solution"},
                                       {"logStatusWarning", "warnings of the engine"},
                                       {"logEvents", "milestones of the engine"}}) {
     pugi::xml_node category = categories.append_child("Category");
@@ -147,38 +191,26 @@ std::string fmu_description(const std::string& facts_text, const std::string& id
     node.append_attribute("valueReference") = static_cast<unsigned>(i);
     if (const std::string description = v.at("description"); !description.empty())
       node.append_attribute("description") = description.c_str();
-    constexpr const char* kCausality[] = {"independent", "input", "parameter", "output"};
+    constexpr const char* kCausality[] = {"independent", "input", "parameter", "output", "local", "local", "local"};
     node.append_attribute("causality") = kCausality[role];
     node.append_attribute("variability") = role == kParameter ? "tunable" : "continuous";
     if (role == kParameter) node.append_attribute("initial") = "exact";
-    if (role == kOutput) node.append_attribute("initial") = "calculated";
+    if (role >= kOutput) node.append_attribute("initial") = "calculated";
     pugi::xml_node type = three ? node : node.append_child("Real");
     add_type_attributes(type, v);
     if (role == kInput || role == kParameter)
       type.append_attribute("start") = number_text(v.at("start").get<double>()).c_str();
+    if (role == kState) {
+      type.append_attribute("nominal") = number_text(v.at("nominal").get<double>()).c_str();
+      type.append_attribute("reinit") = "true";
+    }
+    if (role == kDerivative) {
+      const std::size_t state = places.of(kState)[v.at("place").get<std::size_t>()];
+      type.append_attribute("derivative") = static_cast<unsigned>(three ? state : state + 1);
+    }
   }
 
-  pugi::xml_node structure = root.append_child("ModelStructure");
-  pugi::xml_node outputs = three ? structure : structure.append_child("Outputs");
-  pugi::xml_node unknowns;
-  std::vector<std::size_t> of_outputs;
-  for (std::size_t i = 0; i < variables.size(); ++i)
-    if (variables[i].at("role") == static_cast<int>(kOutput)) of_outputs.push_back(i);
-  for (const std::size_t i : of_outputs) {
-    pugi::xml_node output = outputs.append_child(three ? "Output" : "Unknown");
-    if (three)
-      output.append_attribute("valueReference") = static_cast<unsigned>(i);
-    else
-      output.append_attribute("index") = static_cast<unsigned>(i + 1);
-  }
-  unknowns = three ? structure : structure.append_child("InitialUnknowns");
-  for (const std::size_t i : of_outputs) {
-    pugi::xml_node unknown = unknowns.append_child(three ? "InitialUnknown" : "Unknown");
-    if (three)
-      unknown.append_attribute("valueReference") = static_cast<unsigned>(i);
-    else
-      unknown.append_attribute("index") = static_cast<unsigned>(i + 1);
-  }
+  add_structure(root, places, three);
   return text_of(document);
 }
 

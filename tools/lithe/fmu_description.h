@@ -4,7 +4,7 @@
 
 namespace lithe::command {
 
-/// modelDescription.xml of an FMU for co-simulation, from what the compiled scene says of itself (engine/fmu/:
+/// modelDescription.xml of an FMU, from what the compiled scene says of itself (engine/fmu/:
 /// fmu_facts()). `version`: 2 or 3, of FMI.
 std::string fmu_description(const std::string& facts, const std::string& identifier, int version);
 

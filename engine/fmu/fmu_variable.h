@@ -1,0 +1,20 @@
+#pragma once
+
+#include <limits>
+#include <string>
+
+namespace lithe {
+
+/// A variable of an FMU as importers see it.
+struct FmuVariable {
+  enum class Role { time, input, parameter, output, state, derivative, indicator };
+  std::string name, unit, description;
+  Role role = Role::time;
+  double start = 0;  // of inputs and parameters, as their bounds
+  double lower = -std::numeric_limits<double>::infinity(), upper = std::numeric_limits<double>::infinity();
+  bool held = false;   // between communication points
+  double nominal = 1;  // size of a state
+  int place = 0;       // among those of its role
+};
+
+}  // namespace lithe

@@ -1,0 +1,805 @@
+// FMUs for model exchange: integrated by importers of our own, and compared with the native run, with closed forms and
+// with differences.
+#include <cvode/cvode.h>
+#include <gtest/gtest.h>
+#include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <random>
+
+#include "engine/fmu/fmu_instance.h"
+#include "integrators/sundials_internal.h"
+#include "lithe/lithe.h"
+#include "tests/scripting/command.h"
+#include "tests/scripting/fmu_importer.h"
+#include "tests/support/message_of.h"
+
+namespace lithe::test::fmu_exchange_test {
+namespace arm {
+#include "examples/studies/driven_arm.cpp"
+}
+namespace pendulum {
+#include "tests/scripting/fmu_pendulum.cpp"
+}
+namespace {
+
+using Values = std::vector<double>;
+using Form = ImportedInstance::Form;
+
+constexpr int kDiscard = 2, kError = 3;  // of both standards
+
+std::unique_ptr<Integrator> runge_kutta_8() {
+  return std::make_unique<ExplicitRungeKutta>(ExplicitRungeKutta::Parameters{
+      .method = ExplicitRungeKutta::Method::dormand_prince8, .tolerance = {1e-12, 1e-13}});
+}
+
+/// A scene as its own importer sees it, without a library between: the same calls as ImportedInstance.
+struct Direct {
+  explicit Direct(const FmuModel& model) : instance(model, FmuInstance::Form::model_exchange) { instance.begin(0); }
+  int set_time(double time) { return instance.set_time(time), 0; }
+  int set_states(std::span<const double> x) { return instance.set_states(x), 0; }
+  int states(std::span<double> x) { return copy(instance.states(), x); }
+  int derivatives(std::span<double> x) { return copy(instance.derivatives(), x); }
+  int indicators(std::span<double> x) { return instance.indicators(x), 0; }
+  int complete_step(bool& event) { return event = instance.complete_step(), 0; }
+  int update(bool& changed) { return changed = instance.update(), 0; }
+  int call(const std::string&) { return 0; }
+  static int copy(const VectorX& from, std::span<double> to) {
+    return std::copy(from.begin(), from.end(), to.begin()), 0;
+  }
+  FmuInstance instance;
+};
+
+/// An importer: the classical method of Runge and Kutta at fixed steps; events by halving, from a step's start.
+template <class One>
+class Importer {
+ public:
+  Importer(One& one, int states, int indicators, double time = 0)
+      : one_(one), time_(time), x_(static_cast<std::size_t>(states)), z_(static_cast<std::size_t>(indicators)) {
+    handle_event();
+  }
+
+  /// In event mode already, or just there.
+  void handle_event() {
+    bool changed = false;
+    ok(one_.update(changed));
+    ok(one_.call("EnterContinuousTimeMode"));
+    ok(one_.states(x_));
+    ok(one_.indicators(z_));
+  }
+  void step(double h) {
+    const Values from = x_;
+    const double begin = time_;
+    move(from, begin, h);
+    bool event = false;
+    if (crosses()) {
+      double before = 0, behind = h;
+      while (behind - before > 1e-14) {
+        move(from, begin, (before + behind) / 2);
+        (crosses() ? behind : before) = (before + behind) / 2;
+      }
+      move(from, begin, behind);
+      event = true;
+      ++crossings;
+    }
+    bool asks = false;
+    ok(one_.complete_step(asks));
+    corrections += asks;
+    if (event || asks) {
+      ok(one_.call("EnterEventMode"));
+      handle_event();
+    }
+    if (time_ < begin + h) step(begin + h - time_);
+  }
+  void run(double end, double h) {
+    const long steps = std::lround((end - time_) / h);
+    const double begin = time_;
+    for (long i = 1; i <= steps; ++i) step(begin + static_cast<double>(i) * h - time_);
+  }
+  double time() const { return time_; }
+  const Values& states() const { return x_; }
+  const Values& indicators() const { return z_; }
+  void go_on_from(double time) {
+    time_ = time;
+    ok(one_.states(x_));
+  }
+  long crossings = 0, corrections = 0;
+
+ private:
+  static void ok(int status) { ASSERT_EQ(status, 0); }
+  void move(const Values& from, double begin, double h) {
+    Values k(from.size()), sum(from.size()), x = from;
+    constexpr double kTime[] = {0, 0.5, 0.5, 1}, kWeight[] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
+    for (int i = 0; i < 4; ++i) {
+      for (std::size_t j = 0; j < x.size(); ++j) x[j] = from[j] + kTime[i] * h * k[j];
+      ok(one_.set_time(begin + kTime[i] * h));
+      ok(one_.set_states(x));
+      ok(one_.derivatives(k));
+      for (std::size_t j = 0; j < x.size(); ++j) sum[j] += kWeight[i] * h * k[j];
+    }
+    for (std::size_t j = 0; j < x.size(); ++j) x_[j] = from[j] + sum[j];
+    time_ = begin + h;
+    ok(one_.set_time(time_));
+    ok(one_.set_states(x_));
+  }
+  bool crosses() {
+    Values now(z_.size());
+    ok(one_.indicators(now));
+    for (std::size_t i = 0; i < now.size(); ++i)
+      if ((now[i] > 0) != (z_[i] > 0)) return true;
+    return false;
+  }
+
+  One& one_;
+  double time_;
+  Values x_, z_;
+};
+
+/// An importer with the Adams methods of CVODE at a tolerance, which starts anew at events.
+class CvodeImporter : SundialsMemory<CvodeImporter> {
+ public:
+  CvodeImporter(FmuInstance& instance, double tolerance) : instance_(instance) {
+    y_ = N_VNew_Serial(instance.states().size(), context);
+    map(y_) = instance.states();
+    cvode_ = CVodeCreate(CV_ADAMS, context);
+    solver_ = SUNNonlinSol_FixedPoint(y_, 0, context);
+    ok(CVodeInit(cvode_, rate, instance.time(), y_));
+    ok(CVodeSetUserData(cvode_, this));
+    ok(CVodeSStolerances(cvode_, tolerance, tolerance));
+    ok(CVodeSetNonlinearSolver(cvode_, solver_));
+    ok(CVodeRootInit(cvode_, instance.equations().indicator_count(), root));
+    ok(CVodeSetNoInactiveRootWarn(cvode_));
+  }
+  ~CvodeImporter() {
+    CVodeFree(&cvode_);
+    SUNNonlinSolFree(solver_);
+    N_VDestroy(y_);
+  }
+  /// `stepped` sees the states after each step and its events.
+  template <class Look>
+  void run(double end, Look&& stepped) {
+    while (instance_.time() < end) {
+      double time = 0;
+      ok(CVodeSetStopTime(cvode_, end));
+      const int flag = CVode(cvode_, end, y_, &time, CV_ONE_STEP);
+      ASSERT_GE(flag, 0) << thrown;
+      set(time, y_);
+      const bool drifted = instance_.complete_step(), event = flag == CV_ROOT_RETURN;
+      ++steps, corrections += drifted, crossings += event;
+      if (drifted || event) {
+        instance_.update();
+        map(y_) = instance_.states();
+        ok(CVodeReInit(cvode_, time, y_));
+      }
+      stepped(instance_.states());
+    }
+  }
+  long steps = 0, corrections = 0, crossings = 0;
+
+ private:
+  static void ok(int flag) { ASSERT_EQ(flag, CV_SUCCESS); }
+  void set(double time, N_Vector y) {
+    instance_.set_time(time);
+    instance_.set_states({N_VGetArrayPointer(y), static_cast<std::size_t>(N_VGetLength(y))});
+  }
+  static int rate(double time, N_Vector y, N_Vector y_dot, void* user) {
+    return guarded(user, [&](CvodeImporter& self) {
+      self.set(time, y);
+      map(y_dot) = self.instance_.derivatives();
+      return true;
+    });
+  }
+  static int root(double time, N_Vector y, double* values, void* user) {
+    return guarded(user, [&](CvodeImporter& self) {
+      self.set(time, y);
+      self.instance_.indicators({values, static_cast<std::size_t>(self.instance_.equations().indicator_count())});
+      return true;
+    });
+  }
+  friend SundialsMemory;
+
+  FmuInstance& instance_;
+  N_Vector y_;
+  void* cvode_;
+  SUNNonlinearSolver solver_;
+};
+
+/// The native run, with the inputs set so; all sensors at the times.
+struct Native {
+  SystemGraph graph;
+  std::vector<Sensor> sensors;
+  System system;
+  std::unique_ptr<Integrator> method = runge_kutta_8();
+  Simulation simulation;
+  State state;
+
+  explicit Native(const StudyScene& scene)
+      : graph({.gravity = scene.gravity}),
+        sensors(scene.draw(graph)),
+        system(assemble(graph)),
+        simulation(system, *method),
+        state(system.initial_state()) {}
+  Values at(double time) {
+    simulation.run(state, time);
+    Snapshot now(system);
+    now.evaluate(state, Accelerations::solved);
+    Values values;
+    for (const Sensor& sensor : sensors)
+      for (std::size_t c = 0; c < sensor.columns().size(); ++c)
+        values.push_back(sensor.value(now, static_cast<int>(c)));
+    return values;
+  }
+  Values x() const {
+    Values all(state.q.begin(), state.q.end());
+    all.insert(all.end(), state.v.begin(), state.v.end());
+    return all;
+  }
+};
+
+double difference(const Values& a, const Values& b, std::size_t count = 1000) {
+  EXPECT_EQ(a.size(), b.size());
+  double largest = 0;
+  for (std::size_t i = 0; i < std::min(count, a.size()); ++i)
+    largest = std::max(largest, std::abs(a[i] - b[i]) / std::max(1.0, std::abs(b[i])));
+  return largest;
+}
+
+struct Case {
+  const char* file;
+  StudyScene scene;
+  const char* other;      // the input that is not held
+  double start;           // of it
+  int version;            // of the description; the library has both
+  double h;               // of the importer's steps
+  double error, of_pose;  // of all outputs, of angle and tip: accelerations of fast modes err most
+};
+
+/// What every FMU owes to an importer that integrates it.
+void drive(const Case& c) {
+  const ScriptFolder scratch;
+  const UnpackedFmu fmu(scratch, c.file, c.version);
+  ASSERT_TRUE(std::filesystem::exists(fmu.library));
+  const FmuLibrary library(fmu.library);
+  const unsigned torque = fmu.reference("torque"), stiffness = fmu.reference("stiffness"),
+                 other = fmu.reference(c.other), first = fmu.reference("angle");
+  Native native(c.scene);
+  const int n = native.system.layout().q_count() + native.system.layout().v_count();
+  const auto count = static_cast<std::size_t>(n);
+  const auto begin = [&](ImportedInstance& one) {
+    ASSERT_TRUE(one.exists()) << one.log.text;
+    EXPECT_EQ(one.set(torque, 0.5) | one.set(stiffness, 1.7) | one.set(other, c.start), 0) << one.log.text;
+    EXPECT_EQ(one.start(), 0) << one.log.text;
+  };
+
+  // Without these calls nobody would measure drift.
+  if (c.version == 3)
+    EXPECT_EQ(fmu.attribute("needsCompletedIntegratorStep"), "true");
+  else
+    EXPECT_EQ(fmu.attribute("completedIntegratorStepNotNeeded"), "");
+
+  // 1. The native run, by either standard; torque and stiffness change on the way.
+  native.graph.input("torque").reset(0, 0.5);
+  native.graph.input("stiffness").reset(0, 1.7);
+  native.graph.input(c.other).reset(0, c.start);
+  const Values middle = native.at(0.3);
+  const State at_middle = native.state;
+  native.graph.input("torque").reset(0.3, -0.75);
+  native.graph.input("stiffness").reset(0.3, 3);
+  const Values end = native.at(0.6);
+  std::vector<unsigned> outputs(end.size());
+  for (std::size_t i = 0; i < outputs.size(); ++i) outputs[i] = first + static_cast<unsigned>(i);
+  Values values;
+  for (const int version : {2, 3}) {
+    ImportedInstance one(library, fmu.token(), version, false, Form::model_exchange);
+    begin(one);
+    Importer importer(one, n, 0);
+    importer.run(0.3, c.h);
+    EXPECT_EQ(one.get(outputs, values), 0);
+    const double at_03 = difference(values, middle);
+    EXPECT_LT(at_03, c.error);
+    EXPECT_EQ(one.call("EnterEventMode"), 0);
+    EXPECT_EQ(one.set(torque, -0.75) | one.set(stiffness, 3), 0) << one.log.text;
+    importer.handle_event();
+    importer.run(0.6, c.h);
+    EXPECT_EQ(one.get(outputs, values), 0);
+    std::printf("FMI %d: %.1e, then %.1e off the native run, %.1e in pose, %ld corrections\n", version, at_03,
+                difference(values, end), difference(values, end, 4), importer.corrections);
+    EXPECT_LT(difference(values, end), c.error);
+    EXPECT_LT(difference(values, end, 4), c.of_pose);
+    EXPECT_EQ(one.call("Terminate"), 0);
+  }
+
+  // 2. Derivatives are those of the native motion: differences of its states.
+  constexpr double kApart = 1e-5;  // s
+  native.graph.input("torque").reset(0, 0.5);
+  native.graph.input("stiffness").reset(0, 1.7);
+  native.state = at_middle;
+  std::vector<Values> around;
+  for (const int k : {-2, -1, 0, 1, 2}) native.at(0.3 + 0.1 + k * kApart), around.push_back(native.x());
+  ImportedInstance one(library, fmu.token(), 3, false, Form::model_exchange);
+  begin(one);
+  Importer importer(one, n, 0);
+  Values rates(count), nominals(count);
+  EXPECT_EQ(one.set_time(0.4) | one.set_states(around[2]) | one.derivatives(rates), 0) << one.log.text;
+  EXPECT_EQ(one.nominals(nominals), 0);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double slope = (8 * (around[3][i] - around[1][i]) - (around[4][i] - around[0][i])) / (12 * kApart);
+    EXPECT_NEAR(rates[i], slope, 1e-6 * std::max(1.0, std::abs(slope))) << i;
+    EXPECT_GT(nominals[i], 0);
+  }
+
+  // 3. The order of calls does not matter, to the last bit.
+  ImportedInstance two(library, fmu.token(), 2, false, Form::model_exchange);
+  begin(two);
+  Importer other_importer(two, n, 0);
+  Values again(count), seen;
+  EXPECT_EQ(one.get(outputs, values), 0);
+  EXPECT_EQ(two.set_states(around[0]) | two.derivatives(again) | two.set_time(7) | two.get(outputs, seen), 0);
+  EXPECT_EQ(two.set(torque, 1) | two.derivatives(again) | two.set(torque, 0.5), 0);
+  EXPECT_EQ(two.set_states(around[2]) | two.set_time(0.4) | two.get(outputs, seen) | two.derivatives(again), 0);
+  EXPECT_EQ(again, rates);
+  EXPECT_EQ(seen, values);
+
+  // 4. A quaternion of another norm is the same rotation; the next event takes the norm back.
+  const auto body = native.system.layout().bodies().front();
+  Values stretched = around[2];
+  double norm = 0;
+  for (int i = body.q + 3; i < body.q + 7; ++i) stretched[static_cast<std::size_t>(i)] *= 1.001;
+  EXPECT_EQ(one.set_states(stretched) | one.derivatives(again), 0);
+  for (std::size_t i = 0; i < count; ++i) {
+    const bool of_e = static_cast<int>(i) >= body.q + 3 && static_cast<int>(i) < body.q + 7;
+    EXPECT_NEAR(again[i], (of_e ? 1.001 : 1) * rates[i], 1e-11 * std::max(1.0, std::abs(rates[i]))) << i;
+    if (of_e) norm += stretched[i] * again[i];
+  }
+  EXPECT_NEAR(norm, 0, 1e-15) << "it does not change its norm";
+  bool asks = false, changed = false;
+  EXPECT_EQ(one.complete_step(asks), 0);
+  EXPECT_TRUE(asks);
+  EXPECT_EQ(one.call("EnterEventMode") | one.update(changed) | one.call("EnterContinuousTimeMode"), 0);
+  EXPECT_TRUE(changed);
+  EXPECT_EQ(one.states(again), 0);
+  EXPECT_LT(difference(again, around[2]), 1e-9);
+
+  // 5. Rolled back and carried over, a hundred times: the same bits.
+  std::mt19937 random(11);
+  EXPECT_EQ(one.call("EnterEventMode"), 0);
+  importer.handle_event();
+  importer.go_on_from(0.4);
+  for (int trial = 0; trial < 100; ++trial) {
+    void *state = nullptr, *copy = nullptr;
+    ASSERT_EQ(one.save(&state), 0) << one.log.text;
+    const double saved = importer.time();
+    const int ahead = 1 + static_cast<int>(random() % 3);
+    const auto go = [&](auto& by, ImportedInstance& instance) {
+      for (int i = 0; i < ahead; ++i) by.step(1e-3);
+      Values all;
+      EXPECT_EQ(instance.get(outputs, all), 0);
+      all.insert(all.end(), by.states().begin(), by.states().end());
+      return all;
+    };
+    const Values forth = go(importer, one);
+    ASSERT_EQ(one.restore(state), 0) << one.log.text;
+    importer.go_on_from(saved);
+    ASSERT_EQ(go(importer, one), forth) << trial;
+    ASSERT_EQ(two.deserialize(one.serialized(state), &copy) | two.restore(copy), 0) << two.log.text;
+    other_importer.go_on_from(saved);
+    ASSERT_EQ(go(other_importer, two), forth) << trial;
+    if (trial % 2 == 0) one.restore(state), importer.go_on_from(saved);
+    EXPECT_EQ(one.forget(&state) | two.forget(&copy), 0);
+  }
+
+  // 6. What importers get wrong: an error with a message, and the instance lives on.
+  EXPECT_EQ(one.derivatives(rates) | one.get(outputs, values), 0);
+  const auto refused = [&](int status, const std::string& words, int expected = kError) {
+    EXPECT_EQ(status, expected) << words;
+    EXPECT_NE(one.log.text.find(words), std::string::npos) << words << " in " << one.log.text;
+    one.log.text.clear();
+  };
+  refused(one.step(importer.time(), 1e-3), "not allowed in this mode");
+  refused(one.update(changed), "not allowed in this mode");
+  refused(one.call("EnterContinuousTimeMode"), "not allowed in this mode");
+  refused(one.call("ExitInitializationMode"), "not allowed in this mode");
+  refused(one.set(stiffness, 2), "in event mode");
+  refused(one.set(torque, 1e3), "outside its bounds");
+  refused(one.set(first, 1), "is no input or parameter");
+  refused(one.set_states({rates.data(), count - 1}), "there are " + std::to_string(n) + " continuous states");
+  refused(one.set_time(NAN), "not finite");
+  Values broken = importer.states();
+  broken[1] = NAN;
+  refused(one.set_states(broken), "is not finite", kDiscard);
+  broken = importer.states();
+  for (int i = body.q + 3; i < body.q + 7; ++i) broken[static_cast<std::size_t>(i)] = 0;
+  refused(one.set_states(broken), "quaternion", kDiscard);
+  refused(one.directional_derivative({first}, {first}, {1}, seen), "no derivatives by 'angle'");
+  refused(one.directional_derivative({torque}, {torque}, {1}, seen), "no derivatives of 'torque'");
+  EXPECT_EQ(one.derivatives(again) | one.get(outputs, seen), 0);
+  EXPECT_EQ(again, rates);
+  EXPECT_EQ(seen, values);
+  EXPECT_EQ(one.call("EnterEventMode"), 0);
+  refused(one.set_states(importer.states()), "not allowed in this mode");
+  refused(one.call("EnterEventMode"), "not allowed in this mode");
+  refused(one.complete_step(asks), "not allowed in this mode");
+  void* state = nullptr;
+  ASSERT_EQ(one.save(&state), 0);
+  {
+    ImportedInstance stepped(library, fmu.token(), 3);
+    EXPECT_EQ(stepped.restore(state), kError) << "it is of the other form";
+    EXPECT_NE(stepped.log.text.find("form"), std::string::npos) << stepped.log.text;
+    EXPECT_EQ(stepped.start(), 0) << stepped.log.text;
+    EXPECT_EQ(stepped.derivatives(again), kError) << "an instance for co-simulation";
+    EXPECT_EQ(stepped.set_time(1), kError);
+    EXPECT_EQ(stepped.step(0, 1e-3), 0);
+  }
+  EXPECT_EQ(one.forget(&state), 0);
+  EXPECT_EQ(one.call("EnterContinuousTimeMode") | one.call("Terminate"), 0);
+  refused(one.call("EnterEventMode"), "not allowed in this mode");
+  EXPECT_EQ(one.call("Reset"), 0);
+  begin(one);
+  bool first_change = true;
+  EXPECT_EQ(one.update(first_change), 0);
+  EXPECT_FALSE(first_change) << "it starts on its constraints";
+
+  // 7. FMPy, where it is installed: its solver CVODE agrees with co-simulation.
+  const Outcome checked = scratch.shell(
+      "python3 -c 'import fmpy' 2>/dev/null || { echo no FMPy: pip install fmpy; exit 0; }; python3 -c '"
+      "import fmpy; o = dict(stop_time=0.1, output_interval=0.002, start_values=dict(torque=0.5)); "
+      "a = fmpy.simulate_fmu(\"model.fmu\", fmi_type=\"ModelExchange\", solver=\"CVode\", relative_tolerance=1e-7, "
+      "**o); "
+      "b = fmpy.simulate_fmu(\"model.fmu\", fmi_type=\"CoSimulation\", **o); "
+      "d = abs(a[\"angle\"][-1] - b[\"angle\"][-1]); print(\"FMPy, CVODE beside co-simulation:\", d); "
+      "exit(int(d > 1e-4))'");
+  EXPECT_EQ(checked.exit_code, 0) << checked.output;
+  std::printf("%s", checked.output.c_str());
+}
+
+TEST(FmuExchange, OfAFlexibleArmIsTheNativeMotionByBothStandards) {
+  drive({"examples/studies/driven_arm.cpp", arm::scene(), "lift", 0.35, 3, 2e-5, 2e-6, 1e-11});
+}
+
+TEST(FmuExchange, OfARigidPendulumIsTheNativeMotionByBothStandards) {
+  drive({"tests/scripting/fmu_pendulum.cpp", pendulum::scene(), "target", 0.2, 2, 1e-3, 1e-9, 1e-10});
+}
+
+FmuModel model_of(const StudyScene& scene) { return {scene, runge_kutta_8, "token"}; }
+
+unsigned reference(const FmuInstance& instance, const std::string& name) {
+  const auto& all = instance.variables();
+  const auto found = std::find_if(all.begin(), all.end(), [&](const FmuVariable& v) { return v.name == name; });
+  EXPECT_NE(found, all.end()) << name;
+  return static_cast<unsigned>(found - all.begin());
+}
+
+/// All that sensors of an instance tell.
+Values outputs_of(FmuInstance& instance) {
+  Values all;
+  for (std::size_t i = 0; i < instance.variables().size(); ++i)
+    if (instance.variables()[i].role == FmuVariable::Role::output)
+      all.push_back(instance.get(static_cast<unsigned>(i)));
+  return all;
+}
+
+TEST(FmuExchange, DerivativesOfDerivativesAreThoseOfAPendulum) {
+  // I α̇ = torque - k α - m g l cos α + 5 (target - α) + … about the pin, I = 0.03 + 1 · 0.3².
+  const FmuModel model = model_of(pendulum::scene());
+  Direct one(model);
+  FmuInstance& instance = one.instance;
+  instance.set(reference(instance, "torque"), 0.3);
+  instance.update();
+  Importer importer(one, static_cast<int>(instance.states().size()), 0);
+  importer.run(0.2, 1e-3);
+  const double angle = instance.get(reference(instance, "angle"));
+  ASSERT_GT(std::abs(angle), 0.05);
+  const unsigned turn = reference(instance, "der(rod.omega_y)"), torque = reference(instance, "torque"),
+                 stiffness = reference(instance, "stiffness"), target = reference(instance, "target"),
+                 x = reference(instance, "rod.p_x");
+  const auto derivative = [&](unsigned unknown, unsigned known) {
+    const double seed = 1;
+    double out = 0;
+    instance.directional_derivative({&unknown, 1}, {&known, 1}, {&seed, 1}, {&out, 1});
+    return out;
+  };
+  const auto by = [&](unsigned known) { return derivative(turn, known); };
+  // Turning about the marker's z is turning about the rod's y.
+  constexpr double kInertia = 0.12, kBound = 1e-9;
+  const double sign = by(torque) > 0 ? 1 : -1;
+  EXPECT_NEAR(by(torque), sign / kInertia, kBound);
+  EXPECT_NEAR(by(target), sign * 5 / kInertia, 10 * kBound);
+  EXPECT_NEAR(by(stiffness), -sign * angle / kInertia, kBound);
+  EXPECT_NEAR(derivative(reference(instance, "tip_z"), reference(instance, "rod.p_z")), 1, kBound);
+  // A product of the matrix from the left is one from the right.
+  const std::vector<unsigned> unknowns{turn, reference(instance, "tip_z"), reference(instance, "pin_force_x")},
+      knowns{torque, stiffness, x, reference(instance, "rod.omega_y"), reference(instance, "rod.e_y")};
+  const Values left{0.3, -2, 0.7}, right{1, -0.4, 0.02, 0.6, -0.05};
+  Values from_left(5), from_right(3);
+  instance.adjoint_derivative(unknowns, knowns, left, from_left);
+  instance.directional_derivative(unknowns, knowns, right, from_right);
+  double l = 0, r = 0;
+  for (std::size_t i = 0; i < 5; ++i) l += from_left[i] * right[i];
+  for (std::size_t i = 0; i < 3; ++i) r += left[i] * from_right[i];
+  EXPECT_GT(std::abs(l), 1);
+  EXPECT_NEAR(l, r, 1e-8 * std::abs(l));
+}
+
+/// A four-bar linkage in space, its three redundant rows and all: crank 0.2, coupler 0.5, rocker 0.4, ground 0.5 m.
+struct Linkage {
+  static constexpr double kCrank = 0.2, kCoupler = 0.5, kRocker = 0.4, kGround = 0.5;
+  struct Pin {
+    int a, b;            // bodies, -1: ground
+    Vector3 on_a, on_b;  // in their axes
+  };
+  std::vector<Pin> pins;
+  double friction = 0;  // coefficient, in the crank's pin
+
+  StudyScene scene() {
+    // The coupler's end is at 0.5 m from A and 0.4 m from C.
+    const double d = kGround - kCrank, along = (d * d + kCoupler * kCoupler - kRocker * kRocker) / (2 * d);
+    const Vector3 O{0, 0, 0}, A{kCrank, 0, 0}, C{kGround, 0, 0},
+        B{kCrank + along, std::sqrt(kCoupler * kCoupler - along * along), 0};
+    // Rates with which the loop stays closed: ω₁ z × (A - O) + ω₂ z × (B - A) = ω₃ z × (B - C).
+    constexpr double kRate = 15;  // rad/s, of the crank
+    const Vector3 AB = B - A, CB = B - C, of_A{0, kRate * kCrank, 0}, z{0, 0, 1};
+    const double coupler_rate = -kRate * kCrank * CB[1] / (AB[0] * CB[1] - AB[1] * CB[0]);
+    const double rocker_rate = coupler_rate * AB[1] / CB[1];
+    return {
+        .name = "linkage", .gravity = {0, 0, 0}, .draw = [=, this](SystemGraph& graph) -> std::vector<Sensor> {
+          pins.clear();
+          const auto bar = [&](const char* name, const Vector3& from, const Vector3& to, double mass, double rate,
+                               const Vector3& of_from) -> RigidBody& {
+            const Vector3 axis = to - from;
+            const double inertia = mass * axis.squaredNorm() / 12;
+            return graph.add<RigidBody>(name, {.mass = mass,
+                                               .inertia = {0.1 * inertia, inertia, inertia},
+                                               .position = 0.5 * (from + to),
+                                               .orientation = rotation_about(z, std::atan2(axis[1], axis[0])),
+                                               .velocity = of_from + rate * z.cross(0.5 * axis),
+                                               .angular_velocity = rate * z});
+          };
+          auto& crank = bar("crank", O, A, 1, kRate, O);
+          auto& coupler = bar("coupler", A, B, 0.5, coupler_rate, of_A);
+          auto& rocker = bar("rocker", C, B, 0.8, rocker_rate, O);
+          const auto pin = [&](const char* name, RigidBody* a, int number_a, const Vector3& on_a, RigidBody& b,
+                               int number_b, const Vector3& on_b) {
+            pins.push_back({number_a, number_b, on_a, on_b});
+            return &graph.add<RevoluteJoint>(name, {a ? a->marker(on_a) : graph.ground().marker(on_a), b.marker(on_b)});
+          };
+          const Vector3 a{kCrank / 2, 0, 0}, b{kCoupler / 2, 0, 0}, c{kRocker / 2, 0, 0};
+          auto* main = pin("main", nullptr, -1, O, crank, 0, -a);
+          pin("elbow", &crank, 0, a, coupler, 1, -b);
+          pin("head", &coupler, 1, b, rocker, 2, c);
+          pin("foot", nullptr, -1, C, rocker, 2, -c);
+          if (friction > 0)
+            graph.add<JointFriction>("rub", {main->angle()},
+                                     {.joint = main, .coefficient = friction, .creep_speed = 0.05, .radius = 0.02});
+          return {total_energy("energy"), position(rocker.marker(c), "head"), coordinate(main->angle(), "turned"),
+                  joint_reaction(*main, "main")};
+        }};
+  }
+  /// Largest distance between the two sides of a pin, from states alone.
+  double gap(const Values& x) const {
+    const auto place = [&](int body, const Vector3& on) -> Vector3 {
+      if (body < 0) return on;
+      const double* q = x.data() + 7 * body;
+      const Eigen::Map<const Vector4> e(q + 3);
+      return Eigen::Map<const Vector3>(q) + rotation_matrix(e / e.norm()) * on;
+    };
+    double largest = 0;
+    for (const Pin& p : pins)
+      largest = std::max(largest, (place(p.a, p.on_a) - place(p.b, p.on_b)).cwiseAbs().maxCoeff());
+    return largest;
+  }
+};
+
+TEST(FmuExchange, AClosedLoopWithRedundantRowsStaysClosedOverAHundredThousandSteps) {
+  Linkage linkage;
+  const FmuModel model = model_of(linkage.scene());
+  Direct one(model);
+  const auto n = static_cast<int>(one.instance.states().size());
+  const unsigned energy = reference(one.instance, "energy"), head = reference(one.instance, "head_x");
+  const double begins = one.instance.get(energy);
+  Importer importer(one, n, 0);
+  double largest = 0, norm = 0, lost = 0;
+  constexpr double kStep = 1e-3;
+  for (int i = 1; i <= 100000; ++i) {
+    importer.step(i * kStep - importer.time());
+    if (i % 7 == 0) {
+      largest = std::max(largest, linkage.gap(importer.states()));
+      for (int body = 0; body < 3; ++body)
+        norm = std::max(norm, std::abs(Eigen::Map<const Vector4>(importer.states().data() + 7 * body + 3).norm() - 1));
+    }
+    if (i == 2000) {
+      Native native(linkage.scene());
+      const Values exact = native.at(i * kStep);
+      EXPECT_GT(std::abs(exact[4]), 8 * M_PI) << "whole turns are counted";
+      for (unsigned k = 0; k < 4; ++k) EXPECT_NEAR(one.instance.get(head + k), exact[1 + k], 1e-6);
+    }
+    if (i % 1000 == 0) lost = std::max(lost, std::abs(one.instance.get(energy) / begins - 1));
+  }
+  std::printf("gaps to %.1e m, norms to %.1e, energy to %.1e, %ld corrections\n", largest, norm, lost,
+              importer.corrections);
+  EXPECT_LT(largest, 1e-8);
+  EXPECT_LT(norm, 1e-8);
+  EXPECT_LT(lost, 1e-5);
+  EXPECT_GT(importer.corrections, 10);
+}
+
+TEST(FmuExchange, CvodeKeepsALoopClosed) {
+  Linkage linkage;
+  const FmuModel model = model_of(linkage.scene());
+  Native native(linkage.scene());
+  const Values exact = native.at(2);
+  // Above 1e-10 the importer's own errors are allowed for, as it has told its tolerance.
+  for (const auto& [tolerance, gap, error] : {std::array{1e-10, 1e-8, 1e-6}, {1e-7, 1e-6, 1e-4}}) {
+    FmuInstance instance(model, FmuInstance::Form::model_exchange);
+    instance.begin(0, tolerance);
+    CvodeImporter importer(instance, tolerance);
+    double largest = 0;
+    importer.run(2, [&](const VectorX& x) { largest = std::max(largest, linkage.gap({x.begin(), x.end()})); });
+    const double off = difference(outputs_of(instance), exact, 5);
+    std::printf("CVODE at %.0e: %ld steps, %ld corrections, gaps to %.1e m, %.1e off the native run\n", tolerance,
+                importer.steps, importer.corrections, largest, off);
+    EXPECT_LT(largest, gap);
+    EXPECT_LT(off, error);
+    EXPECT_LT(10 * importer.corrections, importer.steps) << "its order would never grow";
+  }
+}
+
+TEST(FmuExchange, ALoopThatRubsIsTheNativeMotionAndRollsBackBitForBit) {
+  Linkage linkage{.pins = {}, .friction = 0.3};
+  const FmuModel model = model_of(linkage.scene());
+  Direct one(model), two(model);
+  const auto n = static_cast<int>(one.instance.states().size());
+  Importer importer(one, n, 0), other(two, n, 0);
+  importer.run(0.5, 2e-4);
+  Native native(linkage.scene());
+  const Values exact = native.at(0.5), values = outputs_of(one.instance);
+  EXPECT_LT(difference(values, exact), 1e-6);
+  std::mt19937 random(3);
+  for (int trial = 0; trial < 20; ++trial) {
+    const std::vector<unsigned char> saved = one.instance.save(1);
+    const double time = importer.time();
+    const int steps = 1 + static_cast<int>(random() % 40);
+    const auto go = [&](Importer<Direct>& by, Direct& instance) {
+      by.go_on_from(time);
+      Values all = outputs_of(instance.instance);
+      for (int i = 0; i < steps; ++i) by.step(1e-3);
+      const Values end = outputs_of(instance.instance);
+      all.insert(all.end(), end.begin(), end.end());
+      all.insert(all.end(), by.states().begin(), by.states().end());
+      return all;
+    };
+    const Values forth = go(importer, one);
+    one.instance.load(saved.data(), saved.size());
+    ASSERT_EQ(go(importer, one), forth) << trial;
+    two.instance.load(saved.data(), saved.size());
+    ASSERT_EQ(go(other, two), forth) << trial;
+  }
+}
+
+TEST(FmuExchange, AMotionGivenByTimeIsHonouredFromAnyStart) {
+  const StudyScene scene{
+      .name = "shaken", .draw = [](SystemGraph& graph) -> std::vector<Sensor> {
+        const Matrix3 along_y = rotation_about({1, 0, 0}, -M_PI / 2);
+        auto& arm = graph.add<RigidBody>("arm", {.mass = 1, .inertia = {0.01, 0.03, 0.03}, .position = {0.3, 0, 0}});
+        auto& rod = graph.add<RigidBody>("rod", {.mass = 1, .inertia = {0.01, 0.03, 0.03}, .position = {0.9, 0, 0}});
+        auto& pin =
+            graph.add<RevoluteJoint>("pin", {graph.ground().marker({}, along_y), arm.marker({-0.3, 0, 0}, along_y)});
+        graph.add<RevoluteJoint>("elbow", {arm.marker({0.3, 0, 0}, along_y), rod.marker({-0.3, 0, 0}, along_y)});
+        graph.add<CoordinateDrive>("drive", {pin.angle()}, {.motion = harmonic(0.4, 3)});
+        return {coordinate(pin.angle(), "angle"), position(rod.marker({0.3, 0, 0}), "tip"), joint_reaction(pin, "pin")};
+      }};
+  const FmuModel model = model_of(scene);
+  Direct one(model);
+  Importer importer(one, static_cast<int>(one.instance.states().size()), 0);
+  importer.run(1, 5e-4);
+  Native native(scene);
+  EXPECT_LT(difference(outputs_of(one.instance), native.at(1)), 1e-7);
+  EXPECT_NEAR(one.instance.get(reference(one.instance, "angle")), 0.4 * std::sin(3.0), 1e-9);
+  // From another time on the drive is where it is then, and as fast.
+  one.instance.reset();
+  one.instance.begin(0.7);
+  EXPECT_NEAR(one.instance.get(reference(one.instance, "angle")), 0.4 * std::sin(2.1), 1e-12);
+  EXPECT_NEAR(one.instance.get(reference(one.instance, "arm.omega_y")), 1.2 * std::cos(2.1), 1e-12);
+}
+
+TEST(FmuExchange, AStopIsAnEventWithHysteresis) {
+  const StudyScene scene{
+      .name = "stopped", .draw = [](SystemGraph& graph) -> std::vector<Sensor> {
+        const Matrix3 along_y = rotation_about({1, 0, 0}, -M_PI / 2);
+        auto& rod = graph.add<RigidBody>("rod", {.mass = 1, .inertia = {0.01, 0.03, 0.03}, .position = {0.3, 0, 0}});
+        auto& pin =
+            graph.add<RevoluteJoint>("pin", {graph.ground().marker({}, along_y), rod.marker({-0.3, 0, 0}, along_y)});
+        graph.add<CoordinateStop>("stop", {pin.angle()},
+                                  {.lower = -1.0, .upper = 1.0, .stiffness = 1e4, .dissipation = 0.1});
+        return {coordinate(pin.angle(), "angle"), coordinate_rate(pin.angle(), "rate")};
+      }};
+  const FmuModel model = model_of(scene);
+  Direct one(model);
+  ASSERT_EQ(one.instance.equations().indicator_count(), 2);
+  Importer importer(one, static_cast<int>(one.instance.states().size()), 2);
+  Native native(scene);
+  for (const double time : {0.5, 1.0, 1.5}) {
+    importer.run(time, 1e-4);
+    const Values exact = native.at(time);
+    EXPECT_NEAR(one.instance.get(reference(one.instance, "angle")), exact[0], 1e-6) << time;
+    EXPECT_NEAR(one.instance.get(reference(one.instance, "rate")), exact[1], 1e-5) << time;
+    for (const double z : importer.indicators()) EXPECT_GT(std::abs(z), 1e-11);
+  }
+  // CVODE finds the same ones.
+  FmuInstance instance(model, FmuInstance::Form::model_exchange);
+  instance.begin(0, 1e-9);
+  CvodeImporter cvode(instance, 1e-9);
+  cvode.run(1.5, [](const VectorX&) {});
+  EXPECT_EQ(cvode.crossings, importer.crossings);
+  EXPECT_NEAR(instance.get(reference(instance, "angle")), one.instance.get(reference(instance, "angle")), 1e-5);
+  // As often as the native run has met and left a stop, and never twice for one passage.
+  EXPECT_GE(importer.crossings, 4);
+  EXPECT_LT(importer.crossings, 40);
+  EXPECT_EQ(importer.crossings % 2, std::abs(one.instance.get(reference(one.instance, "angle"))) > 1 ? 1 : 0);
+}
+
+/// A ball above a floor.
+StudyScene ball_on_floor(const Contact::Parameters& law) {
+  return {.name = "ball", .draw = [law](SystemGraph& graph) -> std::vector<Sensor> {
+            auto& ball = graph.add<RigidBody>("ball", {.mass = 1, .position = {0, 0, 0.3}});
+            graph.add<Contact>(
+                "floor", {{graph.ground().marker(), shape::half_space()}, {ball.marker(), shape::sphere(0.1)}}, law);
+            return {height(ball.marker(), "height")};
+          }};
+}
+
+TEST(FmuExchange, SurfacesThatMeetAreEvents) {
+  const StudyScene scene =
+      ball_on_floor({.law = Compliance{.stiffness = 1e5, .dissipation = Dissipation::fixed, .damping = 0.1}});
+  const FmuModel model = model_of(scene);
+  Direct one(model);
+  ASSERT_EQ(one.instance.equations().indicator_count(), 1);
+  Importer importer(one, static_cast<int>(one.instance.states().size()), 1);
+  importer.run(1, 1e-4);
+  Native native(scene);
+  EXPECT_NEAR(one.instance.get(reference(one.instance, "height")), native.at(1)[0], 1e-6);
+  EXPECT_GE(importer.crossings, 4);
+}
+
+TEST(FmuExchange, IsRefusedByNameWhereASceneHasNoSuchForm) {
+  const auto why = [](const StudyScene& scene) {
+    const FmuModel model = model_of(scene);
+    const std::string refusal = FmuInstance(model).refusal();
+    expect_says(message_of<SceneError>([&] { FmuInstance(model, FmuInstance::Form::model_exchange); }), {refusal});
+    return refusal;
+  };
+  expect_says(why(ball_on_floor({.law = RigidSurfaces{}})), {"'floor'", "impulses"});
+  expect_says(why(ball_on_floor({.law = Compliance{.stiffness = 1e5, .restitution = 0.5}})), {"'floor'", "remembers"});
+  expect_says(why({.name = "driven",
+                   .draw = [](SystemGraph& graph) -> std::vector<Sensor> {
+                     auto& rod = graph.add<RigidBody>("rod", {});
+                     auto& pin = graph.add<RevoluteJoint>("pin", {graph.ground().marker(), rod.marker()});
+                     auto& target = graph.add<Input>("target", {.between = Input::Between::smooth});
+                     graph.add<CoordinateDrive>("drive", {pin.angle()}, {.motion = target});
+                     return {};
+                   }}),
+              {"'target'", "prescribes a motion"});
+
+  const ScriptFolder folder;
+  folder.write("ball.cpp", R"(#include "lithe/lithe.h"
+using namespace lithe;
+StudyScene scene() {
+  return {.name = "ball", .draw = [](SystemGraph& graph) -> std::vector<Sensor> {
+    auto& ball = graph.add<RigidBody>("ball", {.mass = 1, .position = {0, 0, 0.3}});
+    graph.add<Contact>("floor", {{graph.ground().marker(), shape::half_space()}, {ball.marker(), shape::sphere(0.1)}},
+                       {.law = RigidSurfaces{}});
+    return {height(ball.marker(), "height")};
+  }};
+}
+)");
+  const Outcome made = folder.shell("lithe fmu ball.cpp && python3 -m zipfile -e ball.fmu ball");
+  EXPECT_EQ(made.exit_code, 0) << made.output;
+  expect_says(made.output, {"for co-simulation alone", "'floor'", "impulses"});
+  const Outcome described = folder.shell("cat ball/modelDescription.xml");
+  expect_says(described.output, {"CoSimulation"});
+  EXPECT_EQ(described.output.find("ModelExchange"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace lithe::test::fmu_exchange_test

@@ -1,0 +1,174 @@
+#include "tests/scripting/fmu_importer.h"
+
+#include <dlfcn.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdarg>
+#include <cstdlib>
+#include <fstream>
+#include <regex>
+#include <stdexcept>
+
+namespace lithe::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+void log3(void* environment, int, const char*, const char* message) {
+  static_cast<FmuLog*>(environment)->text += std::string(message) + "\n";
+}
+void log2(void* environment, const char*, int, const char*, const char* format, ...) {
+  char text[4096];
+  va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  static_cast<FmuLog*>(environment)->text += std::string(text) + "\n";
+}
+
+}  // namespace
+
+UnpackedFmu::UnpackedFmu(const ScriptFolder& scratch, const std::string& scene, int version) {
+  const Outcome made =
+      scratch.shell("lithe fmu " + std::string(LITHE_SOURCE_DIR) + "/" + scene + " --step 1e-3 --fmi " +
+                    std::to_string(version) + " -o model.fmu && " + "python3 -m zipfile -e model.fmu unpacked");
+  EXPECT_EQ(made.exit_code, 0) << made.output;
+  folder = scratch.path() / "unpacked";
+  std::ifstream file(folder / "modelDescription.xml");
+  description = {std::istreambuf_iterator<char>(file), {}};
+  library = folder / (version == 3 ? "binaries/x86_64-linux" : "binaries/linux64") /
+            (fs::path(scene).stem().string() + ".so");
+}
+
+std::string UnpackedFmu::attribute(const std::string& name) const {
+  std::smatch found;
+  return std::regex_search(description, found, std::regex(" " + name + "=\"([^\"]*)\"")) ? found[1].str() : "";
+}
+
+std::string UnpackedFmu::token() const {
+  const std::string three = attribute("instantiationToken");
+  return three.empty() ? attribute("guid") : three;
+}
+
+unsigned UnpackedFmu::reference(const std::string& variable) const {
+  const std::string before = "name=\"" + variable + "\" valueReference=\"";
+  const std::size_t at = description.find(before);
+  EXPECT_NE(at, std::string::npos) << variable;
+  return at == std::string::npos ? 9999u : static_cast<unsigned>(std::stoul(description.substr(at + before.size(), 9)));
+}
+
+FmuLibrary::FmuLibrary(const fs::path& path) : handle_(dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL)) {
+  EXPECT_NE(handle_, nullptr) << dlerror();
+}
+bool FmuLibrary::has(const std::string& name) const { return dlsym(handle_, name.c_str()) != nullptr; }
+void* FmuLibrary::find(const std::string& name) const {
+  void* function = dlsym(handle_, name.c_str());
+  if (!function) throw std::runtime_error(name + " is missing");
+  return function;
+}
+
+ImportedInstance::ImportedInstance(const FmuLibrary& library, const std::string& token, int version, bool logging,
+                                   Form form)
+    : library_(library), three_(version == 3), callbacks_{log2, std::calloc, std::free, nullptr, &log} {
+  using Callback = void (*)();
+  const char* none = nullptr;
+  if (!three_)
+    component_ = library_.call<void*>("fmi2Instantiate", "one", static_cast<int>(form), token.c_str(), "",
+                                      (const void*)&callbacks_, 0, static_cast<int>(logging));
+  else if (form == Form::co_simulation)
+    component_ =
+        library_.call<void*>("fmi3InstantiateCoSimulation", "one", token.c_str(), none, false, logging, false, false,
+                             (const unsigned*)nullptr, std::size_t{0}, (void*)&log, &log3, (Callback) nullptr);
+  else
+    component_ = library_.call<void*>("fmi3InstantiateModelExchange", "one", token.c_str(), none, false, logging,
+                                      (void*)&log, &log3);
+}
+ImportedInstance::~ImportedInstance() { library_.call<void>(full("FreeInstance"), component_); }
+
+int ImportedInstance::start(double time) {
+  if (three_) {
+    const int entered = library_.call<int>("fmi3EnterInitializationMode", component_, false, 0.0, time, false, 0.0);
+    return entered | call("ExitInitializationMode");
+  }
+  return library_.call<int>("fmi2SetupExperiment", component_, 0, 0.0, time, 0, 0.0) | call("EnterInitializationMode") |
+         call("ExitInitializationMode");
+}
+int ImportedInstance::set(unsigned reference, double value) {
+  constexpr std::size_t kOne = 1;
+  return three_ ? library_.call<int>("fmi3SetFloat64", component_, &reference, kOne, &value, kOne)
+                : library_.call<int>("fmi2SetReal", component_, &reference, kOne, &value);
+}
+int ImportedInstance::get(const std::vector<unsigned>& references, std::vector<double>& values) {
+  values.assign(references.size(), NAN);
+  const std::size_t n = references.size();
+  return three_ ? library_.call<int>("fmi3GetFloat64", component_, references.data(), n, values.data(), n)
+                : library_.call<int>("fmi2GetReal", component_, references.data(), n, values.data());
+}
+int ImportedInstance::step(double time, double size) {
+  bool flags[3];
+  double last = 0;
+  return three_ ? library_.call<int>("fmi3DoStep", component_, time, size, true, flags, flags + 1, flags + 2, &last)
+                : library_.call<int>("fmi2DoStep", component_, time, size, 1);
+}
+
+int ImportedInstance::save(void** state) {
+  return library_.call<int>(three_ ? "fmi3GetFMUState" : "fmi2GetFMUstate", component_, state);
+}
+int ImportedInstance::restore(void* state) {
+  return library_.call<int>(three_ ? "fmi3SetFMUState" : "fmi2SetFMUstate", component_, state);
+}
+int ImportedInstance::forget(void** state) {
+  return library_.call<int>(three_ ? "fmi3FreeFMUState" : "fmi2FreeFMUstate", component_, state);
+}
+std::vector<unsigned char> ImportedInstance::serialized(void* state) {
+  std::size_t size = 0;
+  library_.call<int>(three_ ? "fmi3SerializedFMUStateSize" : "fmi2SerializedFMUstateSize", component_, state, &size);
+  std::vector<unsigned char> bytes(size);
+  EXPECT_EQ(library_.call<int>(three_ ? "fmi3SerializeFMUState" : "fmi2SerializeFMUstate", component_, state,
+                               bytes.data(), size),
+            0);
+  return bytes;
+}
+int ImportedInstance::deserialize(const std::vector<unsigned char>& bytes, void** state) {
+  return library_.call<int>(three_ ? "fmi3DeserializeFMUState" : "fmi2DeSerializeFMUstate", component_, bytes.data(),
+                            bytes.size(), state);
+}
+
+int ImportedInstance::complete_step(bool& event) {
+  if (three_) {
+    bool terminate = false;
+    return library_.call<int>("fmi3CompletedIntegratorStep", component_, true, &event, &terminate) | int{terminate};
+  }
+  int asks = 0, terminate = 0;
+  const int status = library_.call<int>("fmi2CompletedIntegratorStep", component_, 1, &asks, &terminate);
+  event = asks != 0;
+  return status | terminate;
+}
+int ImportedInstance::update(bool& states_changed) {
+  double next = 0;
+  if (three_) {
+    bool again = false, terminate = false, nominals = false, defined = false;
+    return library_.call<int>("fmi3UpdateDiscreteStates", component_, &again, &terminate, &nominals, &states_changed,
+                              &defined, &next) |
+           int{again || terminate || nominals || defined};
+  }
+  struct {
+    int again, terminate, nominals, states, defined;
+    double next;
+  } event{1, 1, 1, 1, 1, 0};
+  const int status = library_.call<int>("fmi2NewDiscreteStates", component_, (void*)&event);
+  states_changed = event.states != 0;
+  return status | event.again | event.terminate | event.nominals | event.defined;
+}
+int ImportedInstance::directional_derivative(const std::vector<unsigned>& unknowns, const std::vector<unsigned>& knowns,
+                                             const std::vector<double>& seed, std::vector<double>& sensitivity) {
+  sensitivity.assign(unknowns.size(), NAN);
+  const std::size_t u = unknowns.size(), k = knowns.size();
+  return three_ ? library_.call<int>("fmi3GetDirectionalDerivative", component_, unknowns.data(), u, knowns.data(), k,
+                                     seed.data(), k, sensitivity.data(), u)
+                : library_.call<int>("fmi2GetDirectionalDerivative", component_, unknowns.data(), u, knowns.data(), k,
+                                     seed.data(), sensitivity.data());
+}
+
+}  // namespace lithe::test

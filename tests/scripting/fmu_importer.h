@@ -1,0 +1,104 @@
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tests/scripting/command.h"
+
+namespace lithe::test {
+
+/// An FMU as made by the command, with --step 1e-3, and unpacked.
+struct UnpackedFmu {
+  std::filesystem::path folder, library;
+  std::string description;
+
+  UnpackedFmu(const ScriptFolder& scratch, const std::string& scene, int version);
+  /// Of the first element with that name, or of the root.
+  std::string attribute(const std::string& name) const;
+  std::string token() const;
+  /// 9999 and a failure: there is no such variable.
+  unsigned reference(const std::string& variable) const;
+};
+
+/// The library's functions, by the standard's names and signatures (tests/data/fmi). It stays loaded for the rest of
+/// the process, as scenes have statics.
+class FmuLibrary {
+ public:
+  explicit FmuLibrary(const std::filesystem::path& path);
+  template <class Result, class... Arguments>
+  Result call(const std::string& name, Arguments... arguments) const {
+    return reinterpret_cast<Result (*)(Arguments...)>(find(name))(arguments...);
+  }
+  bool has(const std::string& name) const;
+
+ private:
+  void* find(const std::string& name) const;
+  void* handle_;
+};
+
+/// What an instance tells its importer, a line each.
+struct FmuLog {
+  std::string text;
+};
+
+struct FmuCallbacks2 {
+  void (*logger)(void*, const char*, int, const char*, const char*, ...);
+  void* (*allocate)(std::size_t, std::size_t);
+  void (*release)(void*);
+  void (*finished)(void*, int);
+  void* environment;
+};
+
+/// One instance, by either standard: the library has both. Functions give the standard's status.
+class ImportedInstance {
+ public:
+  enum class Form { model_exchange, co_simulation };
+  ImportedInstance(const FmuLibrary& library, const std::string& token, int version, bool logging = false,
+                   Form form = Form::co_simulation);
+  ~ImportedInstance();
+  ImportedInstance(const ImportedInstance&) = delete;
+
+  bool exists() const { return component_ != nullptr; }
+  int start(double time = 0);
+  int set(unsigned reference, double value);
+  int get(const std::vector<unsigned>& references, std::vector<double>& values);
+  int step(double time, double size);
+  /// A function without arguments, without its prefix.
+  int call(const std::string& name) { return library_.call<int>(full(name), component_); }
+
+  int save(void** state);
+  int restore(void* state);
+  int forget(void** state);
+  std::vector<unsigned char> serialized(void* state);
+  int deserialize(const std::vector<unsigned char>& bytes, void** state);
+
+  // ---- model exchange ----
+  int set_time(double time) { return library_.call<int>(full("SetTime"), component_, time); }
+  int set_states(std::span<const double> x) {
+    return library_.call<int>(full("SetContinuousStates"), component_, x.data(), x.size());
+  }
+  int states(std::span<double> x) { return read("GetContinuousStates", x); }
+  int derivatives(std::span<double> x) { return read(three_ ? "GetContinuousStateDerivatives" : "GetDerivatives", x); }
+  int nominals(std::span<double> x) { return read("GetNominalsOfContinuousStates", x); }
+  int indicators(std::span<double> x) { return read("GetEventIndicators", x); }
+  int complete_step(bool& event);
+  int update(bool& states_changed);
+  int directional_derivative(const std::vector<unsigned>& unknowns, const std::vector<unsigned>& knowns,
+                             const std::vector<double>& seed, std::vector<double>& sensitivity);
+
+  FmuLog log;
+
+ private:
+  std::string full(const std::string& name) const { return (three_ ? "fmi3" : "fmi2") + name; }
+  int read(const std::string& name, std::span<double> x) {
+    return library_.call<int>(full(name), component_, x.data(), x.size());
+  }
+  const FmuLibrary& library_;
+  bool three_;
+  FmuCallbacks2 callbacks_;
+  void* component_ = nullptr;
+};
+
+}  // namespace lithe::test
