@@ -151,7 +151,9 @@ void LiveRun::set_inputs(double time) {
       wishes_.erase(wish);
       moved = true;
     }
-    const double value = slider.input->value(time);
+    // What begins here: at a jump value() tells what ends.
+    const Input::Sample& last = slider.input->samples().back();
+    const double value = last.time <= time ? last.value : slider.input->value(time);
     moved |= value != slider.value;
     slider.value = value;
   }

@@ -83,6 +83,8 @@ struct LoopbackServer::Connection {
 
   bool is_sent() const { return sent == out.size(); }
   /// Answered in full, or left.
+  /// Its last piece has gone: the next may be there.
+  bool is_due() const { return more && is_sent() && !out.empty(); }
   bool is_over() const { return left || (answered && is_sent() && !more); }
   void refill() {
     if (!more || !is_sent()) return;
@@ -149,7 +151,9 @@ void LoopbackServer::serve() {
       const int wanted = (c.answered ? POLLRDHUP : POLLIN) | (c.is_sent() ? 0 : POLLOUT);
       watched.push_back({c.socket, static_cast<short>(wanted), 0});
     }
-    if (::poll(watched.data(), watched.size(), 1000) < 0 && errno != EINTR) break;
+    const bool due =
+        std::any_of(connections.begin(), connections.end(), [](const Connection& c) { return c.is_due(); });
+    if (::poll(watched.data(), watched.size(), due ? 0 : 1000) < 0 && errno != EINTR) break;
     std::uint64_t woken;
     while (::read(waker_, &woken, sizeof woken) > 0) {
     }

@@ -64,6 +64,7 @@ void Run::stream(const std::string& path) {
 
 std::string Run::follow(const FollowOptions& options, std::source_location where) {
   parts_->require_fresh("follow");
+  if (parts_->live) return parts_->live->url();
   const auto is_duration = [](double value) { return value >= 0; };
   if (!is_duration(options.speed) || !std::isfinite(options.speed) || !is_duration(options.wait) ||
       !(options.ramp > 0) || !std::isfinite(options.ramp))

@@ -66,8 +66,8 @@ class Run final : public Observer {
   /// The page pauses the run, goes from state to state, ends it (simulation.stopped_by() names the page) and sets
   /// inputs of the scene, all at the states that this run observes: results are, bit for bit, those of the run that
   /// nobody looks at, unless an input is moved. A run that is paused goes on when all browsers have left for five
-  /// seconds. See docs/page.md. Throws SceneError after the first state and for options out of range, FileError for a
-  /// port that cannot be had.
+  /// seconds. Called again it returns the address. See docs/page.md. Throws SceneError after the first state and for
+  /// options out of range, FileError for a port that cannot be had.
   std::string follow(const FollowOptions& options = {}, std::source_location where = std::source_location::current());
   /// `lithe view --follow` sets this variable of the environment to a port: then every run is followed, in real time,
   /// from when a browser is there.

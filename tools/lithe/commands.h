@@ -12,8 +12,9 @@ namespace lithe::command {
 void add_new(CLI::App& app, int& exit_code);
 /// lithe run FILE.cpp [arguments]: compiles one scene, runs it.
 void add_run(CLI::App& app, int& exit_code);
-/// That: `words` are the scene and its arguments. Returns the exit code where the scene is not run.
-int run_scene(const std::vector<std::string>& words, bool verbose = false, bool compile_only = false);
+/// That: `words` are the scene and its arguments; `before`: C++ in front of it. Returns the exit code where the scene
+/// is not run.
+int run_scene(const std::vector<std::string>& words, bool verbose, bool compile_only, const std::string& before = "");
 /// Marks all that follows the scene as the scene's own: "run --verbose -- scene.cpp --verbose".
 std::vector<std::string> with_scene_arguments_apart(std::vector<std::string> arguments);
 /// lithe chart SCENE: work-precision of all methods on one scene (engine/study/).

@@ -16,11 +16,12 @@ struct RunOptions {
 
 }  // namespace
 
-int run_scene(const std::vector<std::string>& words, bool verbose, bool compile_only) {
+int run_scene(const std::vector<std::string>& words, bool verbose, bool compile_only, const std::string& before) {
   const SceneFile scene = SceneFile::find(words[0]);
+  const std::string main_text = before.empty() ? "" : before + "#include \"" + scene.path.string() + "\"\n";
   std::filesystem::path program;
   try {
-    program = compiled_scene(Installation::find(), scene, verbose);
+    program = compiled_scene(Installation::find(), scene, verbose, main_text);
   } catch (const CompileFailure& failure) {
     std::fprintf(stderr, "%s", failure.what());
     return 2;

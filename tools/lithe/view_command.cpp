@@ -16,7 +16,7 @@ namespace {
 struct ViewOptions {
   std::vector<std::string> paths;
   std::string page, title;
-  bool follow = false;
+  bool follow = false, verbose = false;
   int port = 0;
 };
 
@@ -43,7 +43,9 @@ int view(const ViewOptions& options) {
 
 int follow(const ViewOptions& options) {
   ::setenv(Run::kFollowVariable, std::to_string(options.port).c_str(), 1);
-  return run_scene(options.paths);
+  // Scenes that record no Run are followed all the same (engine/page/followed_simulation.h).
+  return run_scene(options.paths, options.verbose, false,
+                   "#include \"lithe/lithe.h\"\n#define Simulation FollowedSimulation\n");
 }
 
 }  // namespace
@@ -58,6 +60,8 @@ void add_view(CLI::App& app, int& exit_code) {
       "--follow", options->follow,
       "RUNS is a scene, a .cpp file with a main(), and its arguments (behind --): run it, and show it meanwhile");
   command->add_option("--port", options->port, "of 127.0.0.1, to follow at; default: any that is free")->needs(follows);
+  command->add_flag("--verbose", options->verbose, "Show the compiler's command and all of its messages")
+      ->needs(follows);
   command->add_option("-o,--out", options->page, "the page; default: beside the first run, .html")->excludes(follows);
   command->add_option("--title", options->title, "default: the names of the runs")->excludes(follows);
   command->callback([options, &exit_code] { exit_code = options->follow ? follow(*options) : view(*options); });

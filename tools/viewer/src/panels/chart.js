@@ -164,7 +164,7 @@ export class Chart {
   tell() {
     const t = this.view.time;
     this.curves.forEach((curve, i) => {
-      this.values[i].textContent = `${number(valueAt(curve, t), 4)} ${this.unit}`;
+      this.values[i].textContent = `${number(curve.run === undefined ? valueAt(curve, t) : curve.channel.value(curve.run, t), 4)} ${this.unit}`;
     });
     if (!this.plot) return;
     const x = this.plot.valToPos(t, 'x');

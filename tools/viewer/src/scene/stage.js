@@ -118,7 +118,9 @@ export class Stage {
     this.motion_points = sampledCorners(this.runs.map(({ bodies }) => bodies));
     const size = Math.hypot(...[0, 1, 2].map((c) => this.motion_points.reduce((most, p) => Math.max(most, p[c]), this.high[c]) -
       this.motion_points.reduce((least, p) => Math.min(least, p[c]), this.low[c])));
-    this.eye.extent = Math.max(this.extent, size);
+    const grown = size > 1.02 * this.eye.extent;
+    this.eye.extent = Math.max(this.eye.extent, size);
+    if (grown && !this.eye.by_hand) this.fitMotion();
     this.touch();
   }
 
