@@ -283,7 +283,7 @@ std::string page_text(const std::vector<const RunRecord*>& runs, const std::stri
                {"title", title},
                {"made_by", "lithe " + std::string(kVersion)},
                {"runs", Json::array()}};
-  if (kind == PageKind::live) page["live"] = true;
+  if (kind == PageKind::live) page["live"] = {{"width", runs[0]->width}};
   for (const RunRecord* run : runs) page["runs"].push_back(PageRun(*run, arrays, kind).make());
 
   constexpr std::string_view kPlace = "<!--LITHE-DATA-->";

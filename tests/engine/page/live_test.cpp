@@ -143,7 +143,7 @@ TEST(Live, ShowsTheStatesOfTheRunInTheirOrderToAllWhoLook) {
   const ScratchFolder folder;
   write_text(folder.path("page.html"), html);
   const Page page(folder.path("page.html"));
-  EXPECT_EQ(page.scene.at("live"), true);
+  EXPECT_EQ(page.scene.at("live").at("width"), first.frames.at(0).size());
   EXPECT_EQ(page.channel("tip_z").size(), 1);
   EXPECT_EQ(page.channel("tip_z")[0], z[0]);
   std::size_t column = 0;
@@ -332,8 +332,13 @@ TEST(Live, OfALongRunThePageHasEverySecondState) {
   for (std::size_t i = 0; i < early.frames.size(); ++i) EXPECT_EQ(early.frames[i][0], t[every * (i + 1)]);
 }
 
-TEST(Live, MeshesOfModesAndOfNodesAreShownAsTheyAre) {
+TEST(Live, MeshesOfModesAndOfNodesAreShownAsTheyAreWhateverIsToCome) {
   RodScene scene(Deflection::stiffened, 3);
+  const FiniteElementModel model =
+      brick_mesh({.size = {0.2, 0.05, 0.05}, .divisions = {2, 1, 1}, .type = "C3D8I", .material = {2e8, 0.3, 1000}});
+  const std::vector<int>& root = model.node_set("x_min");
+  auto& nodal = scene.graph.add<FlexibleBody>(
+      "nodal", {.basis = make_basis(model, ThreeNodeFrame{root[0], root[1], root[2]}, kAllNodal)});
   const System system = assemble(scene.graph);
   State state = system.initial_state();
   lithe::Run run{system};
@@ -343,9 +348,25 @@ TEST(Live, MeshesOfModesAndOfNodesAreShownAsTheyAre) {
   const ScratchFolder folder;
   write_text(folder.path("page.html"), address.get(""));
   const Page page(folder.path("page.html"));
-  const Json& mesh = page.body("rod").at("mesh");
-  EXPECT_EQ(mesh.at("shapes").at("type"), "f32") << "whatever the motion to come";
-  EXPECT_EQ(mesh.at("coordinates").at("width"), 3);
+  const Json& modes = page.body("rod").at("mesh");
+  EXPECT_EQ(modes.at("shapes").at("type"), "f32") << "16-bit integers hold what has been";
+  EXPECT_EQ(modes.at("coordinates").at("width"), 3);
+  const Json& nodes = page.body(nodal.name()).at("mesh");
+  EXPECT_EQ(nodes.at("nodal").at("n"), nodes.at("points").at("n"));
+  EXPECT_LT((page.array(nodes.at("nodal"), 3) - page.array(nodes.at("points"), 3)).norm(), 1e-6);
+
+  // A row is as long as its last part, and a state is a row.
+  LiveFrames frames(address);
+  state.time = 0.1;
+  now.evaluate(state);
+  run.observe(now);
+  frames.read(1);
+  ASSERT_EQ(frames.frames.size(), 1u);
+  const std::size_t first = nodes.at("nodal").at("row"), width = nodes.at("nodal").at("width");
+  ASSERT_LE(first + width, frames.frames[0].size());
+  const VectorX points = page.array(nodes.at("points"), 1).transpose();
+  for (std::size_t i = 0; i < width; ++i)
+    EXPECT_NEAR(frames.frames[0][first + i], points[static_cast<Eigen::Index>(i)], 1e-6);
 }
 
 TEST(Live, WhatCannotBeIsRefused) {

@@ -241,7 +241,7 @@ export async function readPage(page = document) {
     title: json.title || 'Lithe',
     made_by: json.made_by ?? '',
     runs: json.runs.map((run, i) => readRun(run, i, arrays)),
-    live: json.live === true,
+    live: json.live ?? null, // {width}: numbers of a state, of a run that goes on
     json,
     refs: arrays.refs, // array -> its ref in the JSON
   };

@@ -17,7 +17,6 @@ export class Live {
   constructor(page, model, view) {
     Object.assign(this, { page, model, view });
     this.run = new GrowingRun(page.runs[0], page.refs);
-    this.width = Math.max(...this.run.parts.map(({ ref }) => ref.row + ref.width));
     this.thinned = null; // how often every second state was left out; the program knows
     view.set({ live: { state: 'connecting', speed: 0, problem: '', inputs: [] } });
     this.over = this.#follow();
@@ -91,7 +90,7 @@ export class Live {
   }
 
   #takeMessage(kind, bytes) {
-    if (kind === kFrame) this.run.push(new Float64Array(bytes.buffer), this.width);
+    if (kind === kFrame) this.run.push(new Float64Array(bytes.buffer), this.page.live.width);
     if (kind === kThinned) {
       this.run.thin();
       ++this.thinned;
