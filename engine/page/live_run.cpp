@@ -53,7 +53,8 @@ LiveRun::LiveRun(std::string name, const FollowOptions& options, std::vector<Inp
           options.port, [this](const HttpRequest& request) { return answer(request); }, where) {
   const std::lock_guard lock(mutex_);
   for (Input* input : inputs) sliders_.push_back({input, input->parameters().value, 0});
-  std::fprintf(stderr, "run '%s' can be followed at %s\n", name_.c_str(), url().c_str());
+  std::fprintf(stderr, "run '%s' %s at %s\n", name_.c_str(),
+               options.wait > 0 ? "waits for a browser" : "can be followed", url().c_str());
 }
 
 LiveRun::~LiveRun() {
@@ -76,7 +77,7 @@ void LiveRun::show(const RunRecord& record, const VectorX& row, const std::vecto
     set_pace(row[0]);
   }
   keep(row, contacts);
-  server_.wake();
+  if (server_.stream_count() > 0) server_.wake();
   hold(lock, row[0], is_first);
   if (stopping_) throw StopRun{"the page of run '" + name_ + "'"};
 }

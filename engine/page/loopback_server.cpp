@@ -23,7 +23,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kMostHead = 16 << 10, kMostBody = 64 << 10;  // bytes of a request
 constexpr std::size_t kMostConnections = 64;
-constexpr auto kPatience = std::chrono::seconds(15);  // with who neither asks nor reads
+constexpr auto kPatience = std::chrono::seconds(15);  // with who does not finish asking, or does not read
 
 std::string random_token() {
   unsigned char bytes[16];
@@ -79,7 +79,7 @@ struct LoopbackServer::Connection {
   std::size_t sent = 0;
   bool answered = false, left = false;
   std::function<bool(std::string& bytes)> more{};
-  Clock::time_point moved = Clock::now();  // bytes, last
+  Clock::time_point moved = Clock::now();  // when bytes left last; before: when it came
 
   bool is_sent() const { return sent == out.size(); }
   /// Answered in full, or left.
@@ -138,7 +138,8 @@ LoopbackServer::~LoopbackServer() {
   ::close(listener_), ::close(waker_);
 }
 
-void LoopbackServer::wake() const {
+void LoopbackServer::wake() {
+  if (woken_.exchange(true)) return;  // it has not looked yet
   const std::uint64_t one = 1;
   [[maybe_unused]] const ssize_t written = ::write(waker_, &one, sizeof one);  // full: it is awake already
 }
@@ -157,6 +158,7 @@ void LoopbackServer::serve() {
     std::uint64_t woken;
     while (::read(waker_, &woken, sizeof woken) > 0) {
     }
+    woken_ = false;
     for (std::size_t i = 0; i < connections.size(); ++i) {
       Connection& c = connections[i];
       const short happened = watched[i + 2].revents;
@@ -193,7 +195,6 @@ void LoopbackServer::read(Connection& c) const {
     c.left = true;
     return;
   }
-  c.moved = Clock::now();
   c.in.append(bytes, static_cast<std::size_t>(count));
   const std::size_t end = c.in.find("\r\n\r\n");
   HttpResponse response{.status = 431, .body = "the request is too long\n"};

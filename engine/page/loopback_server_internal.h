@@ -42,7 +42,7 @@ class LoopbackServer {
   /// "http://127.0.0.1:PORT/TOKEN/"
   const std::string& url() const { return url_; }
   /// Asks streams for more. Any thread may call it.
-  void wake() const;
+  void wake();
   /// Those that somebody reads.
   int stream_count() const { return streams_; }
 
@@ -57,7 +57,7 @@ class LoopbackServer {
   const Answer answer_;
   int listener_ = -1, waker_ = -1;
   std::string token_, own_hosts_[2], url_;
-  std::atomic<bool> ending_ = false;
+  std::atomic<bool> ending_ = false, woken_ = false;
   std::atomic<int> streams_ = 0;
   std::thread thread_;
 };
