@@ -11,6 +11,7 @@
 
 #include "engine/archive/archive.h"
 #include "engine/base/number_text.h"
+#include "engine/observe/stop_run.h"
 
 namespace lithe {
 
@@ -36,6 +37,12 @@ double ObserverSchedules::next_stop(double time, double end) const {
 }
 
 void ObserverSchedules::rethrow_of(const Observer& observer, double time) {
+  try {
+    throw;
+  } catch (const StopRun&) {
+    throw;
+  } catch (...) {  // NOLINT: an error, which is told below
+  }
   const char* mangled = typeid(observer).name();
   const std::unique_ptr<char, void (*)(void*)> type(abi::__cxa_demangle(mangled, nullptr, nullptr, nullptr), std::free);
   rethrow_as_error(std::string("the observer ") + (type ? type.get() : mangled), time_text(time),

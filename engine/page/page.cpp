@@ -76,19 +76,20 @@ VectorX largest_of(ConstMatrixRef coordinates) {
 /// One run as the page has it: the recorder's description with every array in the buffer.
 class PageRun {
  public:
-  PageRun(const RunRecord& record, Arrays& arrays)
+  PageRun(const RunRecord& record, Arrays& arrays, PageKind kind)
       : record_(record),
         arrays_(arrays),
+        live_(kind == PageKind::live),
         rows_(record.rows.data(), record.width, record.row_count()),
         json_(Json::parse(record.scene)) {}
 
   Json make() {
     for (Json& body : json_["bodies"]) {
       if (body["mesh"].is_null()) continue;
-      if (body["mesh"].contains("nodal"))
-        add_fitted(body);
-      else
+      if (!body["mesh"].contains("nodal"))
         add_natural(body["mesh"]);
+      else if (!live_)
+        add_fitted(body);
     }
     json_["name"] = record_.name;
     resolve(json_);
@@ -105,10 +106,12 @@ class PageRun {
   }
   const MatrixX& set(const Json& place) const { return record_.sets.at(place.at("set").get<std::string>()); }
 
+  static constexpr double kAnyMotion = 1e100;  // modal coordinates that a run to come stays below
+
   /// Modes of the body: exact to 1e-6 of its size, the stress to 5e-4 of its largest.
   void add_natural(Json& mesh) {
     const MatrixX eta = part(mesh["coordinates"]), shapes = set(mesh["shapes"]);
-    const VectorX largest = largest_of(eta);
+    const VectorX largest = live_ ? VectorX::Constant(eta.rows(), kAnyMotion) : largest_of(eta);
     const double size = size_of(set(mesh["points"])), used = std::max(largest.sum(), 1e-300);
     mesh["shapes"] = arrays_.add_shapes(shapes, 5e-7 * size / used);
     if (mesh["pairs"].is_object()) add_pairs(mesh, set(mesh["pairs"]), largest, size);
@@ -184,9 +187,11 @@ class PageRun {
   void resolve(Json& json) {
     if (json.is_object() && json.contains("set"))
       json = arrays_.add(set(json), json["as"]);
-    else if (json.is_object() && json.contains("row"))
-      json = arrays_.add(part(json), json["as"]);
-    else if (json.is_structured())
+    else if (json.is_object() && json.contains("row")) {
+      Json reference = arrays_.add(part(json), json["as"]);
+      if (live_) reference["row"] = json["row"], reference["width"] = json["width"];
+      json = std::move(reference);
+    } else if (json.is_structured())
       for (Json& inner : json) resolve(inner);
   }
 
@@ -208,6 +213,7 @@ class PageRun {
 
   const RunRecord& record_;
   Arrays& arrays_;
+  const bool live_;
   const Rows rows_;
   Json json_;
 };
@@ -246,36 +252,49 @@ void write_page(const Run& run, const std::string& path, const PageOptions& opti
 
 void write_page(const std::vector<std::reference_wrapper<const Run>>& runs, const std::string& path,
                 const PageOptions& options) {
-  using namespace page_parts;
   if (runs.empty()) throw SceneError("a page without a run", path, "give the runs that it is to show");
-  Arrays arrays;
   std::string title = options.title;
   std::set<std::string> names;
-  Json page = {
-      {"format", "lithe-page"}, {"version", 1}, {"made_by", "lithe " + std::string(kVersion)}, {"runs", Json::array()}};
+  std::vector<std::shared_ptr<const RunRecord>> kept;
+  std::vector<const RunRecord*> records;
   for (const Run& run : runs) {
     if (!names.insert(run.name()).second)
       throw SceneError("two runs of the page are called '" + run.name() + "'", path,
                        "give each its own RunOptions::name");
     if (options.title.empty()) title += (title.empty() ? "" : ", ") + run.name();
-    const auto record = run.record();
-    if (record->row_count() == 0)
+    kept.push_back(run.record());
+    records.push_back(kept.back().get());
+    if (records.back()->row_count() == 0)
       throw SceneError("the run '" + run.name() + "' has no states", path,
                        "call simulation.observe(run, every(...)) before simulation.run()");
-    page["runs"].push_back(PageRun(*record, arrays).make());
   }
-  page["title"] = title;
+  const std::string text = page_text(records, title, path);
+  PartialFile file(path);
+  file.stream() << text;
+  file.commit();
+}
+
+std::string page_text(const std::vector<const RunRecord*>& runs, const std::string& title, const std::string& where,
+                      PageKind kind) {
+  using namespace page_parts;
+  Arrays arrays;
+  Json page = {{"format", "lithe-page"},
+               {"version", 1},
+               {"title", title},
+               {"made_by", "lithe " + std::string(kVersion)},
+               {"runs", Json::array()}};
+  if (kind == PageKind::live) page["live"] = {{"width", runs[0]->width}};
+  for (const RunRecord* run : runs) page["runs"].push_back(PageRun(*run, arrays, kind).make());
 
   constexpr std::string_view kPlace = "<!--LITHE-DATA-->";
   const std::string_view viewer = viewer_template();
   const std::size_t at = viewer.find(kPlace);
   if (at == std::string_view::npos)
-    throw SceneError("the viewer in this library has no place for data", path, "build it with tools/viewer/build.sh");
-  PartialFile file(path);
-  file.stream() << viewer.substr(0, at) << "<script type=\"application/json\" id=\"lithe-scene\">"
-                << text_of(page, path) << "</script>\n<script type=\"text/plain\" id=\"lithe-data\">"
-                << packed_text(arrays.bytes()) << "</script>" << viewer.substr(at + kPlace.size());
-  file.commit();
+    throw SceneError("the viewer in this library has no place for data", where, "build it with tools/viewer/build.sh");
+  std::string text(viewer.substr(0, at));
+  text += "<script type=\"application/json\" id=\"lithe-scene\">" + text_of(page, where);
+  text += "</script>\n<script type=\"text/plain\" id=\"lithe-data\">" + packed_text(arrays.bytes()) + "</script>";
+  return text.append(viewer.substr(at + kPlace.size()));
 }
 
 }  // namespace lithe

@@ -1,8 +1,13 @@
 #include "engine/page/run.h"
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
 
 #include "engine/base/number_text.h"
+#include "engine/page/live_run_internal.h"
 #include "engine/page/run_record_internal.h"
 
 namespace lithe {
@@ -16,6 +21,7 @@ struct Run::Parts {
   std::shared_ptr<RunRecord> record = std::make_shared<RunRecord>();
   std::unique_ptr<SceneRecorder> recorder;  // since the first state
   std::unique_ptr<RunFile> file;
+  std::unique_ptr<LiveRun> live;
   int frames = 0;
   double last_time = 0;
   VectorX row;
@@ -36,6 +42,7 @@ Run::Run(const System& system, std::vector<Sensor> sensors, RunOptions options, 
   if (const auto twice = std::adjacent_find(names.begin(), names.end()); twice != names.end())
     throw SceneError("two columns of the run '" + parts_->options.name + "' are called '" + *twice + "'",
                      to_string(where), "name one of the sensors, as in height(marker, \"tip\")");
+  if (const char* port = std::getenv(kFollowVariable)) follow_as_asked(port);
 }
 Run::Run(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
 Run::Run(Run&& other) noexcept : Observer(), parts_(std::move(other.parts_)) {}
@@ -53,6 +60,29 @@ void Run::draw(const Body& body, DrawnShape shape) {
 void Run::stream(const std::string& path) {
   parts_->require_fresh("stream");
   parts_->path = path;
+}
+
+std::string Run::follow(const FollowOptions& options, std::source_location where) {
+  parts_->require_fresh("follow");
+  if (parts_->live) return parts_->live->url();
+  const auto is_duration = [](double value) { return value >= 0; };
+  if (!is_duration(options.speed) || !std::isfinite(options.speed) || !is_duration(options.wait) ||
+      !(options.ramp > 0) || !std::isfinite(options.ramp))
+    throw SceneError("the run '" + parts_->options.name + "' is to be followed with a speed of " +
+                         number_text(options.speed) + ", a wait of " + number_text(options.wait) + " s and ramps of " +
+                         number_text(options.ramp) + " s",
+                     to_string(where), "give a speed and a wait of at least 0, and longer ramps than 0");
+  parts_->live =
+      std::make_unique<LiveRun>(parts_->options.name, options, parts_->system->graph().inputs(), to_string(where));
+  return parts_->live->url();
+}
+
+void Run::follow_as_asked(const std::string& text) {
+  FollowOptions options{.speed = 1, .wait = std::numeric_limits<double>::infinity()};
+  const auto read = std::from_chars(text.data(), text.data() + text.size(), options.port);
+  if (read.ec != std::errc() || *read.ptr != 0)
+    throw SceneError("'" + text + "' is no port", kFollowVariable, "give a number, 0 for any port that is free");
+  follow(options);
 }
 
 void Run::observe(Snapshot& now) {
@@ -81,6 +111,7 @@ void Run::observe(Snapshot& now) {
   }
   p.last_time = now.time();
   ++p.frames;
+  if (p.live) p.live->show(*p.record, p.row, p.contacts);
 }
 
 void Run::add(const std::vector<EventRecord>& events) {

@@ -26,6 +26,16 @@ struct RunOptions {
   int detailed = 100;        // bodies and connectors, in the order drawn, that have charts; those beyond only move
 };
 
+/// How Run::follow() shows a run while it goes on.
+struct FollowOptions {
+  int port = 0;       // of 127.0.0.1; 0: any that is free
+  double speed = 0;   // simulated seconds a second, while somebody looks; 0: as fast as possible. The page changes it
+  double wait = 0;    // s, at the first state, for a browser to open the page
+  double ramp = 0.5;  // s of the run in which an input between samples `linear` or `smooth` gets to what the page asks
+  std::size_t kept =
+      std::size_t{256} << 20;  // bytes of states for the page: beyond them every second is left out there
+};
+
 /// A recorded simulation for viewing: as one page (write_page, engine/page/page.h), or from a file by
 /// `lithe view`.
 ///   Run run{system, {position(tip, "tip")}, {.name = "flexible"}};
@@ -52,6 +62,16 @@ class Run final : public Observer {
   /// even if the run is killed at any moment (engine/output/hdf5_series.h). Throws SceneError after the first state,
   /// FileError if it cannot be written.
   void stream(const std::string& path);
+  /// Shows the run in a browser while it goes on: at the address that it returns and prints, on this machine alone.
+  /// The page pauses the run, goes from state to state, ends it (simulation.stopped_by() names the page) and sets
+  /// inputs of the scene, all at the states that this run observes: results are, bit for bit, those of the run that
+  /// nobody looks at, unless an input is moved. A run that is paused goes on when all browsers have left for five
+  /// seconds. Called again it returns the address. See docs/page.md. Throws SceneError after the first state and for
+  /// options out of range, FileError for a port that cannot be had.
+  std::string follow(const FollowOptions& options = {}, std::source_location where = std::source_location::current());
+  /// `lithe view --follow` sets this variable of the environment to a port: then every run is followed, in real time,
+  /// from when a browser is there.
+  static constexpr const char* kFollowVariable = "LITHE_FOLLOW";
   /// The events of the run: run.add(simulation.events()), once, after the run.
   void add(const std::vector<EventRecord>& events);
 
@@ -74,6 +94,7 @@ class Run final : public Observer {
 
  private:
   struct Parts;
+  void follow_as_asked(const std::string& port);
   explicit Run(std::unique_ptr<Parts> parts);
   std::unique_ptr<Parts> parts_;
 };

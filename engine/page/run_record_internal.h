@@ -84,6 +84,12 @@ struct FittedShapes {
 };
 FittedShapes fit_shapes(const MatrixX& displacements, double tolerance);
 
+/// Runs as one page. A live one has one run, which goes on (LiveRun): its arrays tell which part of a row they are of
+/// (tools/viewer/README.md), and nothing is left out or rounded by the motion so far. `where`: for errors.
+enum class PageKind { finished, live };
+std::string page_text(const std::vector<const RunRecord*>& runs, const std::string& title, const std::string& where,
+                      PageKind kind = PageKind::finished);
+
 /// The whole page around the data: tools/viewer/dist/viewer.html, as it was when the library was built.
 std::string_view viewer_template();
 

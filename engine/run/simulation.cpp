@@ -8,6 +8,7 @@
 #include "engine/base/error.h"
 #include "engine/base/number_text.h"
 #include "engine/model/islands.h"
+#include "engine/observe/stop_run.h"
 #include "engine/run/island_run.h"
 #include "engine/run/sleeping_integrator.h"
 #include "engine/simplify/simplification.h"
@@ -286,18 +287,21 @@ void Simulation::run(State& state, double end, Multipliers multipliers) {
   begun_ = true;
   watches_.begin(state.time, !resumed);
   checkpoints_.begin(state.time, !resumed);
+  std::string stopped_by;
   const auto tell_due = [&] {
-    watches_.tell_due(state.time, [&]() -> Snapshot& { return look(state); });
+    stopped_by =
+        stopped_by_observers([&] { watches_.tell_due(state.time, [&]() -> Snapshot& { return look(state); }); });
     write_due_checkpoint(state);
   };
   tell_due();
 
   // 2. From one meeting to the next.
-  while (end - state.time > time_round_off(end)) {
+  while (end - state.time > time_round_off(end) && stopped_by.empty()) {
     const double stop = watches_.next_stop(state.time, end);
     advance(state, stop, needed(stop));
     tell_due();
   }
+  islands_.front()->run.stopped_by_ = stopped_by;
 }
 
 /// All islands to `stop`.
@@ -391,7 +395,7 @@ void Simulation::fail(State& state, const Island& failed, const SimulationError&
   } catch (const SimulationError&) {  // NOLINT: they met at last_
   }
   gather_events();
-  watches_.tell_all(state.time, [&]() -> Snapshot& { return look(state); });
+  stopped_by_observers([&] { watches_.tell_all(state.time, [&]() -> Snapshot& { return look(state); }); });
   throw SimulationError("in the island of " + names(failed.system.layout()) + ": " + error.problem(), error.where(),
                         error.fix());
 }

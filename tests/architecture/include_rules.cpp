@@ -67,6 +67,8 @@ const std::vector<Package>& packages() {
       {"HDF5", std::regex(R"(hdf5\.h)"), std::regex(R"(engine/output/hdf5_(\w+\.cpp|internal\.h))"),
        "engine/output/hdf5_*.cpp, hdf5_internal.h"},
       {"gnuplot", std::regex(R"(spawn\.h)"), std::regex(R"(engine/output/chart\.cpp)"), "engine/output/chart.cpp"},
+      {"sockets", std::regex(R"((netinet|arpa)/\w+\.h|netdb\.h|sys/socket\.h)"),
+       std::regex(R"(engine/page/loopback_server\.cpp)"), "engine/page/loopback_server.cpp"},
       {"zlib", std::regex(R"(z(lib|conf)\.h)"), std::regex(R"(engine/page/packed_text\.cpp)"),
        "engine/page/packed_text.cpp"},
       {"pugixml", std::regex(R"(pugixml\.hpp)"), std::regex(R"(models/xml_file_internal\.h)"),

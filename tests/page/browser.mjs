@@ -14,18 +14,22 @@ export async function openBrowser() {
   return chromium.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: kFlags, timeout: kPatience });
 }
 
-/** A tab of 1280 x 720 with the page ready, without a network; `trouble` gathers console errors and failed requests. */
+/**
+ * A tab of 1280 x 720 with the page ready; `trouble` gathers console errors and requests. `path` is a file, which is
+ * opened without a network, or the address of a run that goes on, which asks nobody else.
+ */
 export async function openPage(browser, path, { dark = false } = {}) {
+  const live = path.startsWith('http:');
   const context = await browser.newContext({
-    viewport: { width: 1280, height: 720 }, colorScheme: dark ? 'dark' : 'light', reducedMotion: 'reduce', offline: true,
+    viewport: { width: 1280, height: 720 }, colorScheme: dark ? 'dark' : 'light', reducedMotion: 'reduce', offline: !live,
   });
   const page = await context.newPage();
   page.setDefaultTimeout(kPatience);
   const trouble = [];
   page.on('console', (message) => { if (message.type() === 'error') trouble.push(`console: ${message.text()}`); });
   page.on('pageerror', (error) => trouble.push(`error: ${error.message}`));
-  page.on('request', (request) => { if (/^(https?|wss?):/.test(request.url())) trouble.push(`asks the network for ${request.url()}`); });
-  await page.goto(pathToFileURL(path).href, { timeout: kPatience });
+  page.on('request', (request) => { if (/^(https?|wss?):/.test(request.url()) && !(live && request.url().startsWith(path))) trouble.push(`asks the network for ${request.url()}`); });
+  await page.goto(live ? path : pathToFileURL(path).href, { timeout: kPatience });
   await page.evaluate(() => window.lithe.ready);
   return { page, trouble, close: () => context.close() };
 }

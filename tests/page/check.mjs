@@ -1,7 +1,8 @@
-// Checks pages in a real browser: node check.mjs PAGE.html... Exits with 1 and the list of what is wrong.
+// Checks pages in a real browser: node check.mjs PAGE.html... live:PROGRAM. Exits with 1 and the list of what is wrong.
 import { readFileSync, statSync } from 'node:fs';
 import { basename, resolve } from 'node:path';
 import { openBrowser, openPage, pixels, project, settle } from './browser.mjs';
+import { checkLive } from './live.mjs';
 
 const kMostBytes = 3e6;
 const kPixels = 2; // how far a projected tip may be from where it was recorded
@@ -256,7 +257,10 @@ async function checkBroken(browser, path) {
 const browser = await openBrowser();
 try {
   for (const path of process.argv.slice(2)) {
-    if (path.startsWith('broken:')) await checkBroken(browser, resolve(path.slice(7)));
+    if (path.startsWith('live:')) {
+      console.log(`${basename(path)}, followed`);
+      await checkLive(browser, resolve(path.slice(5)), check);
+    } else if (path.startsWith('broken:')) await checkBroken(browser, resolve(path.slice(7)));
     else await checkPage(browser, resolve(path));
   }
 } finally {

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Tests the run's page in headless Chromium: tests/page/run.sh [PAGE.html...]; a page of known motion is always among
+# Tests the run's page in headless Chromium: tests/page/run.sh [PAGE.html... live:PROGRAM]; a page of known motion is always among
 # them, and the committed bundle must be what its sources give. Exits with 77 where Chromium or npm's packages are not
 # to be had. Pictures for the documentation: tests/page/run.sh --pictures DIR PAGE.html...
 set -euo pipefail

@@ -12,6 +12,9 @@ namespace lithe::command {
 void add_new(CLI::App& app, int& exit_code);
 /// lithe run FILE.cpp [arguments]: compiles one scene, runs it.
 void add_run(CLI::App& app, int& exit_code);
+/// That: `words` are the scene and its arguments; `before`: C++ in front of it. Returns the exit code where the scene
+/// is not run.
+int run_scene(const std::vector<std::string>& words, bool verbose, bool compile_only, const std::string& before = "");
 /// Marks all that follows the scene as the scene's own: "run --verbose -- scene.cpp --verbose".
 std::vector<std::string> with_scene_arguments_apart(std::vector<std::string> arguments);
 /// lithe chart SCENE: work-precision of all methods on one scene (engine/study/).
@@ -25,7 +28,7 @@ void add_body(CLI::App& app, int& exit_code);
 void add_model(CLI::App& app, int& exit_code);
 /// lithe fmu SCENE: a scene as a functional mock-up unit (engine/fmu/).
 void add_fmu(CLI::App& app, int& exit_code);
-/// lithe view RUN...: one page of recorded runs (engine/page/).
+/// lithe view RUN...: one page of recorded runs (engine/page/); lithe view --follow FILE.cpp: a run that goes on.
 void add_view(CLI::App& app, int& exit_code);
 
 }  // namespace lithe::command

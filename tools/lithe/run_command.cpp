@@ -14,20 +14,21 @@ struct RunOptions {
   bool verbose = false, compile_only = false;
 };
 
-int run(const RunOptions& options) {
-  const SceneFile scene = SceneFile::find(options.words[0]);
+}  // namespace
+
+int run_scene(const std::vector<std::string>& words, bool verbose, bool compile_only, const std::string& before) {
+  const SceneFile scene = SceneFile::find(words[0]);
+  const std::string main_text = before.empty() ? "" : before + "#include \"" + scene.path.string() + "\"\n";
   std::filesystem::path program;
   try {
-    program = compiled_scene(Installation::find(), scene, options.verbose);
+    program = compiled_scene(Installation::find(), scene, verbose, main_text);
   } catch (const CompileFailure& failure) {
     std::fprintf(stderr, "%s", failure.what());
     return 2;
   }
-  if (options.compile_only) return 0;
-  become_scene(program, {options.words.begin() + 1, options.words.end()});
+  if (compile_only) return 0;
+  become_scene(program, {words.begin() + 1, words.end()});
 }
-
-}  // namespace
 
 void add_run(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand("run", "Compile one scene and run it; again at once if nothing changed");
@@ -36,7 +37,8 @@ void add_run(CLI::App& app, int& exit_code) {
       ->required();
   command->add_flag("--verbose", options->verbose, "Show the compiler's command and all of its messages");
   command->add_flag("--compile-only", options->compile_only, "Do not run it");
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  command->callback(
+      [options, &exit_code] { exit_code = run_scene(options->words, options->verbose, options->compile_only); });
 }
 
 std::vector<std::string> with_scene_arguments_apart(std::vector<std::string> arguments) {

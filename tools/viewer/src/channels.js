@@ -26,6 +26,11 @@ export class Channel {
     });
   }
 
+  /** The runs have more frames than before. */
+  grow() {
+    this.#cache = [];
+  }
+
   /** {times, values} of a run, or null. */
   series(run) {
     if (this.#cache[run] === undefined) {

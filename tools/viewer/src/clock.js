@@ -11,7 +11,7 @@ export class Clock {
 
   #start() {
     const { view, model } = this;
-    if (view.time >= model.end) view.set({ time: model.start });
+    view.set(view.time >= model.end ? { time: model.start, head: false } : { head: false });
     let before = performance.now();
     const tick = (now) => {
       if (!view.playing) return;
@@ -33,7 +33,7 @@ export class Clock {
   }
 
   goTo(t) {
-    this.view.set({ time: Math.min(this.model.end, Math.max(this.model.start, t)) });
+    this.view.set({ head: t >= this.model.end, time: Math.min(this.model.end, Math.max(this.model.start, t)) });
   }
 
   /** Frames of the first shown run, forth or back. */

@@ -22,6 +22,7 @@ const kWriteAgain = 'write the page again with write_page() or lithe view, and c
 class Arrays {
   constructor(bytes) {
     this.bytes = bytes;
+    this.refs = new Map(); // of the arrays handed out
   }
 
   /** The array that `ref` names; `count` is how many numbers it must have; `what` says whose it is. */
@@ -37,6 +38,7 @@ class Arrays {
       throw new PageError(`${what} has ${ref.n} numbers where ${count} are needed.`, kWriteAgain);
     }
     const stored = new Type(this.bytes.buffer, this.bytes.byteOffset + ref.at, ref.n);
+    this.refs.set(stored, ref);
     if (ref.scale === undefined || ref.scale === null) return stored;
     return Float32Array.from(stored, (value) => value * ref.scale);
   }
@@ -74,6 +76,7 @@ function readMesh(json, arrays, what, frames) {
     natural: json.natural !== false,
     coordinates: arrays.maybe(json.coordinates, `${what}: modal coordinates`, frames * mode_count),
     shapes: arrays.maybe(json.shapes, `${what}: mode shapes`, mode_count * n * 3),
+    nodal: arrays.maybe(json.nodal, `${what}: points of the frames`, frames * n * 3),
     pairs: null,
     stress: null,
   };
@@ -234,5 +237,12 @@ export async function readPage(page = document) {
     throw new PageError(`The numbers of the run cannot be unpacked (${error.message}).`, kWriteAgain);
   }
   const arrays = new Arrays(bytes);
-  return { title: json.title || 'Lithe', made_by: json.made_by ?? '', runs: json.runs.map((run, i) => readRun(run, i, arrays)) };
+  return {
+    title: json.title || 'Lithe',
+    made_by: json.made_by ?? '',
+    runs: json.runs.map((run, i) => readRun(run, i, arrays)),
+    live: json.live ?? null, // {width}: numbers of a state, of a run that goes on
+    json,
+    refs: arrays.refs, // array -> its ref in the JSON
+  };
 }

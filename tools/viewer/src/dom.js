@@ -65,6 +65,17 @@ export function iconButton(name, label, keys, onclick) {
   return h('button.icon', { type: 'button', title: tip, 'aria-label': tip, onclick }, icon(name));
 }
 
+/** Calls `act` a little later, once for all calls till then. */
+export function throttled(ms, act) {
+  let waiting = 0;
+  return () => {
+    waiting ||= setTimeout(() => {
+      waiting = 0;
+      act();
+    }, ms);
+  };
+}
+
 export function clear(element) {
   element.replaceChildren();
   return element;

@@ -1,7 +1,8 @@
 // window.lithe: for tests in a browser, and for whoever likes the console.
 import { locate, markerPose, restPoint, bodyPose, worldPoint } from './motion.js';
+import { savedPage } from './save.js';
 
-export function hooks({ model, view, clock, stage }) {
+export function hooks({ model, view, clock, stage, live }) {
   /** A point in world axes at the present time: of a marker, a mesh node (index, of body), or a body's frame. */
   const point = (run_index, kind, index, body_index) => {
     const run = model.runs[run_index];
@@ -15,6 +16,7 @@ export function hooks({ model, view, clock, stage }) {
     model,
     runs: model.runs,
     view,
+    savedPage: () => live && savedPage(live.page, live.run),
     setTime: (t) => {
       view.set({ playing: false });
       clock.goTo(t);

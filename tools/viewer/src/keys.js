@@ -41,7 +41,7 @@ export function listenToKeys(view, model, act) {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const { target } = event;
     if (document.querySelector('dialog[open]')) return;
-    const writes = target.matches?.('input[type=search], input[type=text], select, textarea');
+    const writes = target.matches?.('input[type=search], input[type=text], input[type=number], select, textarea');
     if (writes && event.key !== 'Escape') return;
     const slides = target.matches?.('input[type=range]') && target.id !== 'time';
     if (slides && /^(Arrow|Home|End)/.test(event.key)) return;

@@ -4,6 +4,7 @@ import { PageError, readPage } from './data.js';
 import { clear, h } from './dom.js';
 import { hooks } from './hooks.js';
 import { listenToKeys } from './keys.js';
+import { Live } from './live.js';
 import { Model } from './model.js';
 import { chartDock } from './panels/charts.js';
 import { displayView } from './panels/display.js';
@@ -12,6 +13,7 @@ import { header } from './panels/header.js';
 import { helpSheet } from './panels/help.js';
 import { inspector } from './panels/inspector.js';
 import { listView } from './panels/list.js';
+import { inputsView, liveBar } from './panels/live.js';
 import { modesView } from './panels/modes.js';
 import { overlay } from './panels/overlay.js';
 import { channelPicker } from './panels/picker.js';
@@ -88,13 +90,14 @@ async function open(app) {
   setTheme();
   view.watch(['theme'], setTheme); // first of all watchers, so that the others read the new colours
   const clock = new Clock(model, view);
+  const live = page.live ? new Live(page, model, view) : null;
 
   const scene = h('section.scene', { 'aria-label': 'Scene' });
   const help = helpSheet();
   const picker = channelPicker(model);
   const toggle = (name) => app.classList.toggle(name);
   const toggleSide = () => toggle('no-side');
-  clear(app).append(header(model, view, { help: () => help.showModal(), toggleSide }), scene, transport(model, view, clock));
+  clear(app).append(header(model, view, { help: () => help.showModal(), toggleSide, live: live && liveBar(live, view) }), scene, transport(model, view, clock));
   const stage = makeStage(scene, model, view);
   const eye = eyeActions(model, view, stage);
   if (stage) {
@@ -104,6 +107,7 @@ async function open(app) {
   const charts = chartDock(model, view, clock, picker);
   const side = h('aside.side', {},
     tabs([
+      ...(live ? [['Inputs', () => inputsView(live, view)]] : []),
       ['Graph', () => graphView(model, view)],
       ['List', () => listView(model, view)],
       ['Modes', () => modesView(model, view, (index) => stage?.fitBody(index))],
@@ -134,7 +138,7 @@ async function open(app) {
   });
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', (event) => view.set({ theme: event.matches ? 'dark' : 'light' }));
   stage?.draw();
-  return { model, view, clock, stage, charts };
+  return { model, view, clock, stage, charts, live };
 }
 
 const app = document.getElementById('app');

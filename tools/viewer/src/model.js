@@ -30,7 +30,7 @@ export class Model {
     this.made_by = page.made_by;
     this.runs = page.runs;
     this.start = Math.min(...this.runs.map((run) => run.times[0]));
-    this.end = Math.max(...this.runs.map((run) => run.times[run.frames - 1]));
+    this.end = this.#last();
     this.bodies = merged(this.runs, 'bodies');
     this.connectors = merged(this.runs, 'connectors');
     for (const list of ['bodies', 'connectors']) {
@@ -48,6 +48,16 @@ export class Model {
     this.recorded = merged(this.runs, 'channels').map((entry) => Channel.recorded(this, entry));
     this.channels = [...this.recorded, ...derivedChannels(this)];
     this.notices = this.#notices();
+  }
+
+  #last() {
+    return Math.max(...this.runs.map((run) => run.times[run.frames - 1]));
+  }
+
+  /** A run that goes on has more frames. */
+  grow() {
+    this.end = this.#last();
+    for (const channel of this.channels) channel.grow();
   }
 
   /** 'body' or 'connector' and its index in the model. */

@@ -72,8 +72,12 @@ export function bodyPose(body, at) {
   };
 }
 
-/** Modal coordinates η at a time. */
+/** Modal coordinates η at a time; of a mesh whose points were recorded as they are, the points' displacements. */
 export function modalCoordinates(mesh, at) {
+  if (mesh.nodal) {
+    const n = mesh.points.length;
+    return mesh.points.map((x, c) => mesh.nodal[at.i * n + c] * (1 - at.w) + mesh.nodal[at.j * n + c] * at.w - x);
+  }
   const modes = mesh.modes.length;
   const eta = new Float64Array(modes);
   if (!mesh.coordinates) return eta;
@@ -92,6 +96,10 @@ function addShape(out, shapes, which, factor) {
 
 /** Displacements of all mesh points in the body's axes: Σ η_k φ_k + Σ η_i η_j φ_ij. */
 export function displacements(mesh, eta, out) {
+  if (mesh.nodal) {
+    out.set(eta);
+    return out;
+  }
   out.fill(0);
   for (let k = 0; k < eta.length; ++k) addShape(out, mesh.shapes, k, eta[k]);
   if (mesh.pairs) {
@@ -103,6 +111,7 @@ export function displacements(mesh, eta, out) {
 
 /** The displacement of one point, as displacements(). */
 export function displacementOf(mesh, eta, node) {
+  if (mesh.nodal) return Array.from(eta.subarray(3 * node, 3 * node + 3));
   const u = [0, 0, 0];
   const add = (shapes, which, factor) => {
     for (let c = 0; c < 3; ++c) u[c] += factor * shapes[(which * mesh.count + node) * 3 + c];

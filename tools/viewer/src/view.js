@@ -29,6 +29,9 @@ export function initialView(model) {
   const some_deform = model.runs.some(deforms) && !model.runs.every(deforms);
   return new View({
     time: model.start,
+    frames: model.runs[0].frames,
+    live: null, // of a run that goes on: {state, speed, problem, inputs}
+    head: true, // its newest state is shown as it comes
     playing: false,
     speed: 1,
     loop: true,

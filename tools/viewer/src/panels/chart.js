@@ -60,8 +60,6 @@ export class Chart {
     const ink = css.getPropertyValue('--faint').trim();
     const line = css.getPropertyValue('--grid-line').trim();
     const axis = { stroke: ink, grid: { stroke: line, width: 1 }, ticks: { stroke: line, width: 1, size: 4 }, font: '11px system-ui, sans-serif' };
-    const tables = this.curves.map(({ times, values }) => [Array.from(times), Array.from(values, (value) => (Number.isFinite(value) ? value : null))]);
-    const data = tables.length ? uPlot.join(tables) : [[this.model.start, this.model.end]];
     const options = {
       width,
       height,
@@ -80,10 +78,25 @@ export class Chart {
         draw: [() => this.tell()],
       },
     };
-    this.plot = new uPlot(options, data, this.frame);
+    this.plot = new uPlot(options, this.#data(), this.frame);
     this.plot.over.append(this.now);
     this.#listen();
     if (zoom) this.show(zoom);
+    this.tell();
+  }
+
+  #data() {
+    const tables = this.curves.map(({ times, values }) => [Array.from(times), Array.from(values, (value) => (Number.isFinite(value) ? value : null))]);
+    return tables.length ? uPlot.join(tables) : [[this.model.start, this.model.end]];
+  }
+
+  /** The runs have more frames. */
+  grow() {
+    if (!this.plot) return this.build();
+    this.curves = this.#curves();
+    this.quiet = true;
+    this.plot.setData(this.#data(), !this.zoom);
+    queueMicrotask(() => { this.quiet = false; });
     this.tell();
   }
 
@@ -151,7 +164,7 @@ export class Chart {
   tell() {
     const t = this.view.time;
     this.curves.forEach((curve, i) => {
-      this.values[i].textContent = `${number(valueAt(curve, t), 4)} ${this.unit}`;
+      this.values[i].textContent = `${number(curve.run === undefined ? valueAt(curve, t) : curve.channel.value(curve.run, t), 4)} ${this.unit}`;
     });
     if (!this.plot) return;
     const x = this.plot.valToPos(t, 'x');

@@ -1,8 +1,9 @@
 // The dock of charts under the scene.
-import { h, icon } from '../dom.js';
+import { h, icon, throttled } from '../dom.js';
 import { Chart } from './chart.js';
 
 const kMostCharts = 6;
+const kMeanwhile = 200; // ms between drawings of a run that goes on
 
 /** What a page opens with: the first recorded channel, and with variants its difference; else one of another unit. */
 function firstCharts(model) {
@@ -50,6 +51,7 @@ export function chartDock(model, view, clock, picker) {
   const pick = () => picker.open_for((channel) => show(channel));
   for (const [channel, differs] of firstCharts(model)) append(channel, differs);
   view.watch(['time'], () => charts.forEach((chart) => chart.tell()));
+  view.watch(['frames'], throttled(kMeanwhile, () => charts.forEach((chart) => chart.grow())));
   view.watch(['runs', 'theme'], () => charts.forEach((chart) => chart.build()));
   const add = h('button.add-chart', { type: 'button', title: 'Add a channel (a)', 'aria-label': 'Add a channel (a)', onclick: pick }, icon('plus'), h('span', {}, 'Channel'));
   return { element: h('section.charts', { 'aria-label': 'Charts' }, row, add), show, pick, charts };

@@ -16,7 +16,7 @@ function variant(model, view, r) {
     }, solid ? 'solid' : 'translucent'));
 }
 
-export function header(model, view, { help, toggleSide }) {
+export function header(model, view, { help, toggleSide, live }) {
   const variants = h('div.variants', {});
   const tell = () => {
     const focus = document.activeElement?.dataset?.focus;
@@ -27,7 +27,7 @@ export function header(model, view, { help, toggleSide }) {
   view.watch(['runs', 'theme'], tell);
   tell();
   const theme = iconButton('theme', 'Light or dark', 't', () => view.set({ theme: view.theme === 'dark' ? 'light' : 'dark' }));
-  return h('header.bar', {}, h('h1', { title: model.title }, model.title), variants, h('span.gap', {}),
+  return h('header.bar', {}, h('h1', { title: model.title }, model.title), variants, live, h('span.gap', {}),
     h('span.faint.made', {}, model.made_by),
     iconButton('panel', 'Side panel', 'g', toggleSide), theme,
     h('button.icon', { type: 'button', title: 'Keys and help (?)', 'aria-label': 'Keys and help (?)', onclick: help }, '?'));

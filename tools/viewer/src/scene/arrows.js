@@ -1,5 +1,5 @@
 // Many arrows of one kind in two instanced meshes; a moment's arrow has two heads.
-import { ConeGeometry, CylinderGeometry, InstancedMesh, Matrix4, MeshBasicMaterial, Quaternion, Vector3 } from 'three';
+import { ConeGeometry, CylinderGeometry, InstancedBufferAttribute, InstancedMesh, Matrix4, MeshBasicMaterial, Quaternion, Vector3 } from 'three';
 import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 
 const kShaft = new CylinderGeometry(1, 1, 1, 10).translate(0, 0.5, 0);
@@ -21,6 +21,16 @@ export class Arrows {
     this.meshes = [this.shafts, this.heads];
     for (const mesh of this.meshes) mesh.frustumCulled = false;
     this.begin();
+  }
+
+  /** Room for that many; those that are drawn are drawn anew. */
+  reserve(capacity) {
+    for (const mesh of this.meshes) {
+      if (capacity <= mesh.instanceMatrix.count) continue;
+      mesh.dispose();
+      mesh.instanceMatrix = new InstancedBufferAttribute(new Float32Array(16 * 2 * capacity), 16);
+      mesh.count = 0;
+    }
   }
 
   begin() {

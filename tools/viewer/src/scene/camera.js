@@ -14,6 +14,8 @@ export class Eye {
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.addEventListener('change', changed);
     this.controls.zoomToCursor = true;
+    this.by_hand = false; // moved by whoever looks
+    this.controls.addEventListener('start', () => { this.by_hand = true; });
     this.aspect = 1;
     this.extent = 1;
     this.followed = null;

@@ -32,9 +32,9 @@ export function typicalSize(lists) {
 
 /** A rope: the points of its line at a frame, or between two of them. */
 class RopeLine {
-  constructor(points, frames) {
-    this.points = points;
-    this.now = new Float32Array(points.length / frames);
+  constructor(connector, frames) {
+    this.connector = connector;
+    this.now = new Float32Array(connector.line.length / frames);
     this.material = new LineMaterial({ linewidth: 3.5, transparent: true });
     this.line = new Line2(new LineGeometry(), this.material);
     this.line.frustumCulled = false;
@@ -43,7 +43,8 @@ class RopeLine {
 
   update({ i, j, w }) {
     const n = this.now.length;
-    for (let k = 0; k < n; ++k) this.now[k] = (1 - w) * this.points[i * n + k] + w * this.points[j * n + k];
+    const points = this.connector.line;
+    for (let k = 0; k < n; ++k) this.now[k] = (1 - w) * points[i * n + k] + w * points[j * n + k];
     this.line.geometry.setPositions(this.now);
   }
 }
@@ -69,7 +70,7 @@ export class ConnectorViews {
       const material = new MeshLambertMaterial({ side: DoubleSide });
       const ghost = new MeshLambertMaterial({ transparent: true, opacity: 0.35, depthFunc: GreaterDepth, depthWrite: false });
       const glyph = ghosted(glyphGeometry(connector.kind), material, ghost);
-      const rope = connector.line ? new RopeLine(connector.line, run.frames) : null;
+      const rope = connector.line ? new RopeLine(connector, run.frames) : null;
       const links = rope ? [] : connector.markers.slice(1).map(() => ghosted(linkGeometry(connector.kind), material, ghost));
       group.add(glyph, ...links);
       if (rope) group.add(rope.line);
@@ -79,9 +80,16 @@ export class ConnectorViews {
     const n = Math.max(1, run.connectors.length);
     this.forces = new Arrows(n, false, dim);
     this.moments = new Arrows(n, true, dim);
-    const most = run.contacts ? run.contacts.first.reduce((max, first, i, all) => (i ? Math.max(max, first - all[i - 1]) : 0), 0) : 0;
-    this.contacts = new Arrows(Math.max(1, most), false, dim);
+    this.contacts = new Arrows(1, false, dim);
     for (const arrows of [this.forces, this.moments, this.contacts]) this.group.add(...arrows.meshes);
+    this.grow();
+  }
+
+  /** Sizes and numbers of the arrows that the run has by now. */
+  grow() {
+    const { run } = this;
+    const most = run.contacts ? run.contacts.first.reduce((max, first, i, all) => (i ? Math.max(max, first - all[i - 1]) : 0), 0) : 0;
+    this.contacts.reserve(most);
     const of = (field) => run.connectors.map((one) => one.reaction?.[field]).filter(Boolean);
     this.typical_force = Math.max(typicalSize(of('force')), run.contacts ? typicalSize([run.contacts.forces]) : 0);
     this.typical_moment = typicalSize(of('moment'));

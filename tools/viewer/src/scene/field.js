@@ -1,5 +1,5 @@
 // Fields on a finite-element mesh: displacement and stress, from the modal coordinates.
-import { displacements } from '../motion.js';
+import { displacements, modalCoordinates } from '../motion.js';
 
 const kComponents = ['σxx', 'σyy', 'σzz', 'τxy', 'τyz', 'τzx'];
 
@@ -62,13 +62,12 @@ export class FieldOnMesh {
   range(name) {
     const { mesh } = this;
     const modes = mesh.modes.length;
-    const frames = mesh.coordinates ? mesh.coordinates.length / Math.max(1, modes) : 1;
+    const frames = mesh.nodal ? mesh.nodal.length / mesh.points.length : mesh.coordinates ? mesh.coordinates.length / Math.max(1, modes) : 1;
     const affordable = Math.max(20, Math.floor(4e7 / (mesh.count * 6 * Math.max(1, modes))));
     const step = Math.max(1, Math.ceil(frames / affordable));
     const range = [Infinity, -Infinity];
     for (let frame = 0; frame < frames; frame += step) {
-      const eta = mesh.coordinates ? mesh.coordinates.subarray(frame * modes, (frame + 1) * modes) : new Float32Array(0);
-      extend(range, this.evaluate(name, eta));
+      extend(range, this.evaluate(name, modalCoordinates(mesh, { i: frame, j: frame, w: 0 })));
     }
     return range;
   }

@@ -15,24 +15,37 @@ export class Traces {
     this.materials = [0, 1].map((ahead) => new LineMaterial({ linewidth: ahead ? 1.2 : 2.2, dashed: dash.length > 0, transparent: true, opacity: ahead ? 0.35 : 1 }));
     this.lines = [];
     for (const trace of run.traces) {
-      if (run.frames < 2) continue;
-      const pair = this.materials.map((material) => new Line2(new LineGeometry().setPositions(trace.points), material));
+      const pair = this.materials.map((material) => new Line2(new LineGeometry(), material));
       for (const line of pair) {
-        line.computeLineDistances();
         line.frustumCulled = false;
         this.group.add(line);
       }
-      this.lines.push(pair);
+      this.lines.push({ trace, pair });
     }
     this.dash = dash;
+    this.grow();
+  }
+
+  /** Takes the paths as they are by now. */
+  grow() {
+    for (const { trace, pair } of this.lines) {
+      for (const line of pair) {
+        line.visible = this.run.frames > 1;
+        if (!line.visible) continue;
+        line.geometry.dispose();
+        line.geometry = new LineGeometry().setPositions(trace.points);
+        line.computeLineDistances();
+      }
+    }
+    this.frames = this.run.frames;
   }
 
   update(view) {
     this.group.visible = view.show.traces;
     const { i } = locate(this.run.times, view.time);
-    for (const [behind, ahead] of this.lines) {
-      behind.geometry.instanceCount = i;
-      ahead.geometry.instanceCount = this.run.frames - 1;
+    for (const { pair: [behind, ahead] } of this.lines) {
+      behind.geometry.instanceCount = Math.min(i, this.frames - 1);
+      ahead.geometry.instanceCount = this.frames - 1;
     }
   }
 

@@ -1,5 +1,6 @@
 // The 3D view: all runs in one space, drawn when something has changed.
 import { AmbientLight, Color, DirectionalLight, HemisphereLight, Raycaster, Scene, Vector2, Vector3, WebGLRenderer } from 'three';
+import { throttled } from '../dom.js';
 import { bodyPose, locate } from '../motion.js';
 import { runDash, seriesColour } from '../palette.js';
 import { ConnectorViews } from './connector_view.js';
@@ -9,6 +10,7 @@ import { makeGrid, MarkerAxes, Traces } from './lines.js';
 import { RunScene } from './run_scene.js';
 
 const kSampledFrames = 40; // of the motion, for its bounds
+const kMeanwhile = 400; // ms between looks at all of a run that goes on
 
 /** Index of the axis that gravity points along most, and its sign; z where there is none. */
 function upAxis(runs) {
@@ -16,6 +18,16 @@ function upAxis(runs) {
   const sizes = gravity.map(Math.abs);
   const axis = sizes.indexOf(Math.max(...sizes));
   return { axis, sign: -Math.sign(gravity[axis]) };
+}
+
+/** Corners of the bodies over the motion. */
+function sampledCorners(scenes) {
+  return scenes.flatMap((scene) => {
+    const step = Math.max(1, Math.floor(scene.run.frames / kSampledFrames));
+    const points = [];
+    for (let frame = 0; frame < scene.run.frames; frame += step) points.push(...scene.cornersAt(frame));
+    return points;
+  }).filter((point) => point.every(Number.isFinite));
 }
 
 export class Stage {
@@ -35,6 +47,7 @@ export class Stage {
     this.#build();
     this.#light(up);
     view.watch(['time', 'magnification', 'mode', 'show', 'arrow_scale', 'glyph_scale', 'colouring', 'bands', 'whole_range', 'follow'], () => this.touch());
+    view.watch(['frames'], throttled(kMeanwhile, () => this.grow()));
     view.watch(['runs', 'selection', 'theme', 'colouring', 'show'], () => this.dress());
     this.dress();
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
@@ -44,15 +57,9 @@ export class Stage {
 
   #build() {
     const { model } = this;
-    const sampled = (scenes) => scenes.flatMap((scene) => {
-      const step = Math.max(1, Math.floor(scene.run.frames / kSampledFrames));
-      const points = [];
-      for (let frame = 0; frame < scene.run.frames; frame += step) points.push(...scene.cornersAt(frame));
-      return points;
-    }).filter((point) => point.every(Number.isFinite));
     // Planes without end take their size from the rest, so the bodies are measured before they are built.
     const rough = model.runs.map((run) => new RunScene(model, run, 1));
-    this.motion_points = sampled(rough);
+    this.motion_points = sampledCorners(rough);
     const start = rough.flatMap((scene) => scene.cornersAt(0)).filter((point) => point.every(Number.isFinite));
     const points = this.motion_points.length ? this.motion_points : [[-1, -1, -1], [1, 1, 1]];
     this.low = [0, 1, 2].map((c) => points.reduce((low, point) => Math.min(low, point[c]), Infinity));
@@ -99,6 +106,22 @@ export class Stage {
     const flat_drawing = spread[this.up_axis] < 0.3 * Math.max(spread[front], spread[side]);
     direction[this.up_axis] = (flat_drawing ? 1.1 : 0.32) * this.eye.up.getComponent(this.up_axis);
     return direction;
+  }
+
+  /** The run has more frames: what was taken from all of them is taken anew. */
+  grow() {
+    this.ranges.clear();
+    for (const { connectors, traces } of this.runs) {
+      connectors.grow();
+      traces.grow();
+    }
+    this.motion_points = sampledCorners(this.runs.map(({ bodies }) => bodies));
+    const size = Math.hypot(...[0, 1, 2].map((c) => this.motion_points.reduce((most, p) => Math.max(most, p[c]), this.high[c]) -
+      this.motion_points.reduce((least, p) => Math.min(least, p[c]), this.low[c])));
+    const grown = size > 1.02 * this.eye.extent;
+    this.eye.extent = Math.max(this.eye.extent, size);
+    if (grown && !this.eye.by_hand) this.fitMotion();
+    this.touch();
   }
 
   touch() {
