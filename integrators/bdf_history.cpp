@@ -8,9 +8,10 @@
 
 namespace lithe {
 
-void BdfHistory::reset(const Layout& layout, const VectorX& q) {
+void BdfHistory::reset(const Layout& layout, double time, const VectorX& q) {
   size_ = 0;
   std::iota(columns_.begin(), columns_.end(), 0);
+  base_time_ = time;
   base_ = q;
   q_.setZero(layout.q_count(), kCapacity);
   d_.setZero(layout.v_count(), kCapacity);
@@ -35,6 +36,7 @@ void BdfHistory::drop(int point) {
 }
 
 void BdfHistory::recentre(const Layout& layout) {
+  base_time_ = time(0);
   base_ = q_.col(columns_[0]);
   for (int i = 0; i < size_; ++i) layout.difference(base_, q_.col(columns_[i]), d_.col(columns_[i]));
 }
@@ -43,6 +45,7 @@ void BdfHistory::history(Archive& archive) {
   archive("points", size_);
   archive("columns", columns_);
   archive("times", times_);
+  archive("base_time", base_time_);
   archive("base", base_);
   archive("q", q_);
   archive("d", d_);
@@ -52,17 +55,6 @@ void BdfHistory::history(Archive& archive) {
                      std::all_of(columns_.begin(), columns_.end(), [](int c) { return c >= 0 && c < kCapacity; });
   if (!sound)
     throw FileError("the checkpoint's multistep history is damaged", archive.source(), "resume from an older one");
-}
-
-void BdfHistory::derivative_weights(double t, int order, Weights& w) const {
-  w[0] = 0;
-  for (int i = 1; i <= order; ++i) {
-    const double from = t - time(i - 1);
-    w[0] += 1 / from;
-    w[i] = -1 / from;
-    for (int j = 1; j <= order; ++j)
-      if (j != i) w[i] *= (t - time(j - 1)) / (time(i - 1) - time(j - 1));
-  }
 }
 
 void BdfHistory::extrapolation_weights(double t, int order, Weights& w) const {

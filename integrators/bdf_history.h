@@ -15,8 +15,8 @@ class BdfHistory {
   static constexpr int kCapacity = 7;
   using Weights = std::array<double, kCapacity + 1>;
 
-  /// Empties it; q is the base. Allocates.
-  void reset(const Layout& layout, const VectorX& q);
+  /// Empties it; q, at this time, is the base. Allocates.
+  void reset(const Layout& layout, double time, const VectorX& q);
   void push(double time, const VectorX& q, const VectorX& d, const VectorX& v, const VectorX& lambda);
   void drop(int point);
   /// Takes the newest point as base.
@@ -28,9 +28,24 @@ class BdfHistory {
   auto d(int point) const { return d_.col(columns_[point]); }
   auto v(int point) const { return v_.col(columns_[point]); }
   const VectorX& base() const { return base_; }
+  double base_time() const { return base_time_; }
 
   /// p'(t) = Σ w_i y_i of the polynomial through y_0 at t and the `order` newest points y_1, y_2, …
-  void derivative_weights(double t, int order, Weights& w) const;
+  void derivative_weights(double t, int order, Weights& w) const {
+    derivative_weights(
+        t, order, [this](int point) { return time(point); }, w);
+  }
+  template <class Time>
+  static void derivative_weights(double t, int order, const Time& time, Weights& w) {
+    w[0] = 0;
+    for (int i = 1; i <= order; ++i) {
+      const double from = t - time(i - 1);
+      w[0] += 1 / from;
+      w[i] = -1 / from;
+      for (int j = 1; j <= order; ++j)
+        if (j != i) w[i] *= (t - time(j - 1)) / (time(i - 1) - time(j - 1));
+    }
+  }
   /// p(t) = Σ w_i y_i of the polynomial through the `order` + 1 newest points y_1, y_2, …; w_0 = 0.
   void extrapolation_weights(double t, int order, Weights& w) const;
   /// Local error Σ w_i y_i of a BDF step of this order that ended with y_0 at t, from the `order` + 1 newest points:
@@ -48,6 +63,7 @@ class BdfHistory {
   int size_ = 0;
   std::array<int, kCapacity> columns_{};  // of the points, newest first
   std::array<double, kCapacity> times_{};
+  double base_time_ = 0;
   VectorX base_;
   MatrixX q_, d_, v_, lambda_;  // a column a point
 };

@@ -1,30 +1,13 @@
 #include "engine/base/error.h"
 #include "engine/motion/chart_maps.h"
 #include "integrators/generalized_alpha.h"
+#include "integrators/refinement.h"
 
 namespace lithe {
 
 namespace {
 
-constexpr int kMostRefinements = 12;
-constexpr double kSolved = 1e-14;   // last correction, of the motion in the step
 constexpr double kSameStep = 1e-7;  // times add up to this; what a change so small does is beyond round-off
-constexpr double kGood = 1e-6;      // the same, where round-off stops it
-
-/// Corrections of a linear solution, until they are round-off. Returns false where they do not shrink far enough.
-template <class Correct>
-bool refine(const Correct& correct) {
-  double last = 0;
-  for (int k = 0; k < kMostRefinements; ++k) {
-    const auto [change, size] = correct();
-    if (!std::isfinite(change)) return false;
-    // Corrections shrink by one factor: that which would come next is round-off.
-    if (k > 0 && (change <= kSolved * size || change * std::min(change / last, 1.0) <= kSolved * size)) return true;
-    if (k > 1 && change > 0.5 * last) return change <= kGood * size;
-    last = change;
-  }
-  return false;
-}
 
 [[noreturn]] void give_up(const State& to) {
   throw SimulationError("the derivative of the step to t = " + std::to_string(to.time) + " s was not found to 1e-6",
@@ -49,14 +32,17 @@ class GeneralizedAlphaDerivative final : public StepDerivative {
     return vectors;
   }
 
-  std::string refuse(const State& from, const State& to) const override {
+  bool weighs_parameters() const override { return false; }
+
+  std::string refuse_step(const State& from, const State& to) const override {
     const double wished = method_.parameters_.step, h = to.time - from.time;
     if (std::abs(h - wished) <= kSameStep * wished) return "";
     return "a step of " + step_text(h) + " instead of " + step_text(wished) +
            ": cut by the end of the run, by an angle's turn or by Newton";
   }
 
-  void tangent(LinearEquations& equations, const State& from, const State& to, Variation& x) override {
+  void tangent(LinearEquations& equations, const TakenStep& step, Variation& x) override {
+    const State &from = step.from, &to = step.to;
     set_step(equations.layout(), from, to);
     MatrixX &v_dot = x.history[0], &a = x.history[1];
     // What is known before the step's equations are solved.
@@ -102,8 +88,8 @@ class GeneralizedAlphaDerivative final : public StepDerivative {
     }
   }
 
-  void adjoint(LinearEquations& equations, const State& from, const State& to, Variation& x,
-               MatrixX& gradient) override {
+  void adjoint(LinearEquations& equations, const TakenStep& step, Variation& x, MatrixX& gradient) override {
+    const State &from = step.from, &to = step.to;
     set_step(equations.layout(), from, to);
     equations.at(to);
     equations.factorize({1, g1_, b1_}, d_, true);

@@ -54,10 +54,13 @@ void LieBdf::prepare(EquationsOfMotion& equations, State& state) {
   factor_weight_ = 0;
   convergence_rate_ = kRateOfFreshFactor;
   steps_at_order_ = 0;
+  begun_ = state.time;
+  last_order_ = 0;
+  started_.clear();
   if (starter_) {
     h_ = parameters_.step;
     order_ = parameters_.max_order;
-    history_.reset(layout, state.q);
+    history_.reset(layout, state.time, state.q);
     history_.push(state.time, state.q, d_, state.v, state.lambda);
     starter_->start(equations, state);
     return;
@@ -68,7 +71,7 @@ void LieBdf::prepare(EquationsOfMotion& equations, State& state) {
 
 /// The past before the start, as v and v̇ tell it: it serves the first predictors and error estimates alone.
 void LieBdf::begin(const Layout& layout, const State& state) {
-  history_.reset(layout, state.q);
+  history_.reset(layout, state.time, state.q);
   for (int i = 2; i >= 0; --i) {
     const double t = -i * h_;
     d_ = t * state.v + 0.5 * t * t * state.v_dot;
@@ -96,15 +99,18 @@ double LieBdf::natural_step(double left) const {
 StepResult LieBdf::start_step(EquationsOfMotion& equations, State& state, double t_stop) {
   const double h = natural_step(t_stop - state.time);
   const double time = state.time + h >= t_stop - 1e-9 * h ? t_stop : state.time + h;
-  while (state.time < time)
+  started_.clear();
+  while (state.time < time) {
     if (StepResult result = starter_->step(equations, state, time); !result.ok()) return result;
+    started_.push_back(starter_->last_step());
+    started_.back().to = state;
+  }
   const IntegratorStatistics& of_start = starter_->statistics();
   const long steps = statistics_.steps;
   statistics_ = of_start;
   statistics_.steps = steps + 1;
   equations.layout().difference(history_.base(), state.q, d_);
   history_.push(state.time, state.q, d_, state.v, state.lambda);
-  if (fastest_turning(equations.layout(), d_) > kTurnedChart) history_.recentre(equations.layout());
   return {};
 }
 
@@ -222,8 +228,9 @@ LieBdf::Newton LieBdf::iterate(EquationsOfMotion& equations, const State& start,
 
 StepResult LieBdf::advance(EquationsOfMotion& equations, State& state, double t_stop) {
   if (!(t_stop > state.time)) return {};
-  if (starter_ && history_.size() <= parameters_.max_order) return start_step(equations, state, t_stop);
   const Layout& layout = equations.layout();
+  if (fastest_turning(layout, history_.d(0)) > kTurnedChart) history_.recentre(layout);
+  if (starter_ && history_.size() <= parameters_.max_order) return start_step(equations, state, t_stop);
   // A step cut by t_stop takes nothing back, but the points it leaves do not bear a much longer one.
   const double wished = h_, turning = fastest_turning(layout, state.v);
   if (!automatic()) order_ = parameters_.max_order;
@@ -236,6 +243,7 @@ StepResult LieBdf::advance(EquationsOfMotion& equations, State& state, double t_
     const double time = last ? t_stop : state.time + h;
     if (last) h = t_stop - state.time;
     const Newton newton = solve(equations, state, time);
+    const int order = order_;
     double ratio = 0;
     if (newton == Newton::converged && automatic()) ratio = error(time, order_);
     if (newton == Newton::converged && ratio <= 1) {
@@ -244,7 +252,9 @@ StepResult LieBdf::advance(EquationsOfMotion& equations, State& state, double t_
         if (h < 0.999 * wished && tries == 1) h_ = std::max(wished, h_);
         if (parameters_.max_step > 0) h_ = std::min(h_, parameters_.max_step);
       }
-      accept(layout, state, time);
+      accept(state, time);
+      last_order_ = order;
+      started_.clear();
       return {};
     }
     ++statistics_.rejected;
@@ -287,9 +297,8 @@ bool LieBdf::keep(Archive& archive, EquationsOfMotion& equations, const State& s
   return true;
 }
 
-void LieBdf::accept(const Layout& layout, State& state, double time) {
+void LieBdf::accept(State& state, double time) {
   history_.push(time, q_, d_, v_, lambda_);
-  if (fastest_turning(layout, d_) > kTurnedChart) history_.recentre(layout);
   state.time = time;
   state.q = q_;
   state.v = v_;

@@ -4,9 +4,24 @@
 
 #include "engine/motion/integrator.h"
 #include "engine/motion/kept_factor.h"
+#include "engine/motion/step_derivative.h"
 #include "integrators/bdf_history.h"
 
 namespace lithe {
+
+/// What a step was taken from: the newest points of the past, in the chart of the state at base_time.
+struct BdfRecord final : StepRecord {
+  struct Step {
+    State to;  // of several steps; else left empty
+    double base_time;
+    VectorX d;                  // of the step's end
+    std::vector<double> times;  // of the points, newest first
+    MatrixX past_d;             // a column each
+  };
+  std::vector<Step> steps;  // several: the first of fixed steps are made of those of the automatic method
+  double oldest;            // s: no later step takes an earlier state
+  std::size_t bytes() const override;
+};
 
 /// BDF of variable order and step on the Lie group, in the stabilized index-2 form (Gear, Gupta & Leimkuhler 1985; on
 /// groups: Wieloch & Arnold 2021, here in a chart of the past, which needs no commutators). With q = base ⊕ d and p'
@@ -17,7 +32,7 @@ namespace lithe {
 /// 5.2); multipliers are not tested. For stiff scenes with damping, at tolerances of 1e-4 and finer; orders above 2 are
 /// not A-stable: where stiff modes go undamped, 2 is the better max_order.
 /// A step is kept so short that bodies turn less than some two radians over the polynomial's points.
-class LieBdf final : public Integrator {
+class LieBdf final : public Integrator, public DifferentiableSteps {
  public:
   struct Parameters {
     double step = 0;  // s; 0: automatic. Fixed steps are of max_order, on a start made automatically by the tolerance
@@ -36,6 +51,8 @@ class LieBdf final : public Integrator {
   bool approximates_accelerations() const override { return true; }
   double current_step() const { return h_; }
   int current_order() const { return order_; }
+  std::unique_ptr<StepDerivative> step_derivative() const override;
+  std::shared_ptr<const StepRecord> step_record() const override;
 
  protected:
   void prepare(EquationsOfMotion& equations, State& state) override;
@@ -44,6 +61,7 @@ class LieBdf final : public Integrator {
   void lose_factor() override { factor_weight_ = 0; }
 
  private:
+  friend class LieBdfDerivative;
   enum class Newton { converged, slow, no_number };
   static constexpr double kLargestTurn = 2.2;  // rad, of a body over the points of a polynomial
 
@@ -60,10 +78,11 @@ class LieBdf final : public Integrator {
   Newton solve(EquationsOfMotion& equations, const State& start, double time);
   Newton iterate(EquationsOfMotion& equations, const State& start, double time, bool fresh);
   double error(double time, int order);
-  void accept(const Layout& layout, State& state, double time);
+  void accept(State& state, double time);
   void plan(const Layout& layout, double time, double h, double ratio);
   void shrink(double ratio, double time, double& h, int failures);
   std::string describe(const Layout& layout, Newton newton, double h) const;
+  BdfRecord::Step last_step() const;
 
   Parameters parameters_;
   IntegratorStatistics statistics_;
@@ -77,6 +96,11 @@ class LieBdf final : public Integrator {
   double factor_weight_ = 0;  // w_0 of the factor at hand; 0: none
   KeptFactor factor_;
   double convergence_rate_ = 0.5;  // of Newton with it
+
+  // Of the step taken last, for its derivative.
+  double begun_ = 0;                      // s, where the past begins
+  int last_order_ = 0;                    // 0: none taken
+  std::vector<BdfRecord::Step> started_;  // the automatic method's within a fixed step; else none
 
   BdfHistory history_;
   BdfHistory::Weights weights_{}, error_weights_{};

@@ -183,44 +183,6 @@ bool Radau::keep(Archive& archive, EquationsOfMotion& equations, const State& /*
   return true;
 }
 
-namespace {
-
-class RepeatedRadau final : public RepeatedStep {
- public:
-  explicit RepeatedRadau(EquationsOfMotion& equations) : equations_(equations), projector_(equations) {}
-
-  /// From constant accelerations instead of the last step's polynomial, and to round-off.
-  void take(const State& from, State& to) override {
-    constexpr double kSolved = 1e-15;  // m, rad
-    start_ = from;
-    start_.v_dot.setZero(from.v.size());
-    start_.lambda.setZero(equations_.layout().row_count());
-    projector_.accelerations(start_.time, start_.q, start_.v, start_.v_dot, start_.lambda);
-    const double h = to.time - from.time;
-    stages_.prepare(equations_, start_);
-    stages_.predict(equations_.layout(), start_, h);
-    if (!stages_.solve(equations_, start_, to.time, h, {Tolerance{}, kSolved}, statistics_))
-      throw SimulationError("the step to t = " + std::to_string(to.time) + " s cannot be taken again nearby",
-                            "Radau, derivative of a step", "look for what is not smooth there");
-    to.q.resize(from.q.size());
-    equations_.layout().retract(from.q, stages_.increment(), to.q);
-    to.v = stages_.velocity();
-  }
-
- private:
-  EquationsOfMotion& equations_;
-  Projector projector_;
-  RadauStages stages_;
-  IntegratorStatistics statistics_;
-  State start_;
-};
-
-}  // namespace
-
-std::unique_ptr<RepeatedStep> Radau::repeated_step(EquationsOfMotion& equations) const {
-  return std::make_unique<RepeatedRadau>(equations);
-}
-
 /// Why no step of size h was taken, with the coordinate that is to blame.
 std::string Radau::describe(const Layout& layout, bool converged, double h) const {
   const int worst = converged ? statistics_.limiting : stages_.worst();

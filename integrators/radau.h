@@ -36,6 +36,8 @@ class Radau final : public Integrator, public DifferentiableSteps {
   const IntegratorStatistics& statistics() const override { return statistics_; }
   double current_step() const { return h_; }
   std::unique_ptr<RepeatedStep> repeated_step(EquationsOfMotion& equations) const override;
+  std::unique_ptr<StepAdjoint> step_adjoint() const override;
+  std::shared_ptr<const StepRecord> step_record() const override { return stages_.record(); }
 
  protected:
   void prepare(EquationsOfMotion& equations, State& state) override;

@@ -247,8 +247,7 @@ bool RadauStages::solve(EquationsOfMotion& equations, const State& start, double
     if (hopeless && renewed) break;
     if (k > 0 && !renewed && (hopeless || (!fresh && rate_ > kSlow))) {
       factors = fresh = renewed = true;
-      correction_.setZero();  // they lay along the old factor
-      advance_kinematics(equations.layout(), h);
+      begin_again(equations.layout(), h);  // corrections lay along the old factor
     }
     last = now;
   }
@@ -262,6 +261,17 @@ void RadauStages::accept(const State& start, double h) {
   last_lambda_ = lambda_;
   last_h_ = h;
   if (!worth_keeping()) complex_h_ = 0;
+}
+
+void RadauStages::begin_again(const Layout& layout, double h) {
+  correction_.setZero();
+  advance_kinematics(layout, h);
+}
+
+std::shared_ptr<const RadauRecord> RadauStages::record() const {
+  const auto record = std::make_shared<RadauRecord>();
+  record->d = d_, record->v = v_, record->v_dot = v_dot_, record->lambda = lambda_;
+  return record;
 }
 
 void RadauStages::estimate(EquationsOfMotion& equations, const State& start, double h, bool again, VectorX& d_error,

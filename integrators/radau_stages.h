@@ -2,8 +2,17 @@
 
 #include "engine/motion/integrator.h"
 #include "engine/motion/kept_factor.h"
+#include "engine/motion/step_derivative.h"
 
 namespace lithe {
+
+/// What the stages of one step came to, a column each.
+struct RadauRecord final : StepRecord {
+  MatrixX d, v, v_dot, lambda;
+  std::size_t bytes() const override {
+    return sizeof(RadauRecord) + sizeof(double) * static_cast<std::size_t>(3 * d.size() + lambda.size());
+  }
+};
 
 /// The three stages of one step of Radau IIA (Hairer & Wanner II, IV.5) in the stabilized index-2 form (Gear, Gupta &
 /// Leimkuhler 1985), in the chart of the step's start, q_i = q_n ⊕ d_i:
@@ -34,6 +43,9 @@ class RadauStages {
              IntegratorStatistics& statistics);
   /// The step is taken: its polynomial starts the next, its complex factor may serve again.
   void accept(const State& start, double h);
+  /// The stages as they are, as start values of the same step; corrections of positions begin at zero.
+  void begin_again(const Layout& layout, double h);
+  std::shared_ptr<const RadauRecord> record() const;
   void history(Archive& archive, EquationsOfMotion& equations);
 
   /// Error of an embedded formula of order 3 at the step's end, in the chart and of v, damped by the real factor (IV.8,
@@ -56,6 +68,7 @@ class RadauStages {
   int worst() const;
 
  private:
+  friend class RadauAdjoint;
   static constexpr double kKeep = 0.02;  // rate of Newton up to which the complex factor serves the next step
   using Stages = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 

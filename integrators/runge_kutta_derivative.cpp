@@ -35,8 +35,8 @@ class RungeKuttaAdjoint final : public StepAdjoint {
  public:
   explicit RungeKuttaAdjoint(const RungeKuttaTableau& tableau) : tableau_(tableau) {}
 
-  void adjoint(LinearEquations& equations, const State& from, const State& to, Variation& x,
-               MatrixX& gradient) override {
+  void adjoint(LinearEquations& equations, const TakenStep& step, Variation& x, MatrixX& gradient) override {
+    const State &from = step.from, &to = step.to;
     const Layout& layout = equations.layout();
     const Eigen::Index n = from.v.size(), wants = x.turn.cols();
     const int last = tableau_.stages - 1, rows = layout.row_count();
@@ -132,7 +132,7 @@ class RungeKuttaAdjoint final : public StepAdjoint {
         equations.at(stage_state(from, to, i, layout));
         equations.add_accelerations(of_v_dot[stage], q, v, gradient);
         // ḋ = Jr⁻¹(d) v.
-        add_rate(layout, d_.col(i), v_.col(i), of_d_dot[stage], d, v);
+        add_chart_rate_products(layout, d_.col(i), v_.col(i), of_d_dot[stage], d, v);
       }
       // q_i = q_n ⊕ d_i.
       maps_.at(layout, d_.col(i));
@@ -154,6 +154,12 @@ class RungeKuttaAdjoint final : public StepAdjoint {
   }
 
   void adjoint_start(LinearEquations&, const State&, Variation&, MatrixX&) override {}
+
+  std::string refuse(EquationsOfMotion& equations) const override {
+    if (!equations.parts().forward_dynamics) return "";
+    return "forward dynamics of trees and planar mechanisms, by which explicit methods run this scene, have no adjoint "
+           "yet (ParametricScene::forward_dynamics = false goes without)";
+  }
 
  private:
   /// The stages again, from the equations themselves.
@@ -191,33 +197,6 @@ class RungeKuttaAdjoint final : public StepAdjoint {
     state.v_dot = v_dot_.col(i);
     state.lambda = lambda_.col(i);
     return state;
-  }
-
-  /// Of ḋ = Jr⁻¹(ψ) ω: wanted · ∂ḋ/∂ω = Jr⁻ᵀ wanted; by ψ, with J̇r(ψ; δψ) ḋ = -left_jacobian_rate(-ψ, -δψ) ḋ,
-  /// δḋ = -Jr⁻¹ (δJr) ḋ.
-  static void add_rate(const Layout& layout, const VectorX& d, const VectorX& v, const MatrixX& wanted, MatrixX& of_d,
-                       MatrixX& of_v) {
-    for (const auto& b : layout.bodies()) {
-      const int turn = b.v + 3, linear = b.v + (b.frame ? 6 : 0);
-      if (b.frame) {
-        const Vector3 psi = d.segment<3>(turn), omega = v.segment<3>(turn);
-        const Matrix3 inverse = right_jacobian_inverse(psi);
-        const Vector3 rate = inverse * omega;
-        of_v.middleRows(b.v, 3) += wanted.middleRows(b.v, 3);
-        of_v.middleRows(turn, 3) += inverse.transpose() * wanted.middleRows(turn, 3);
-        Matrix3 by_psi;
-        for (int k = 0; k < 3; ++k) by_psi.col(k) = -inverse * jacobian_change(psi, Vector3::Unit(k), rate);
-        of_d.middleRows(turn, 3) += by_psi.transpose() * wanted.middleRows(turn, 3);
-      }
-      of_v.middleRows(linear, b.linear) += wanted.middleRows(linear, b.linear);
-    }
-  }
-
-  /// (δJr along δψ) x: differences of fourth order, of entries of order one.
-  static Vector3 jacobian_change(const Vector3& psi, const Vector3& by, const Vector3& x) {
-    constexpr double h = 1e-3;
-    const auto at = [&](double steps) -> Vector3 { return left_jacobian(-(psi + steps * h * by)) * x; };
-    return (8 * (at(1) - at(-1)) - (at(2) - at(-2))) / (12 * h);
   }
 
   const RungeKuttaTableau& tableau_;

@@ -13,15 +13,6 @@ constexpr int kMostContactRows = 1200;  // whose couplings are solved for exactl
 
 }  // namespace
 
-/// Of factorize_complex().
-struct TangentFactors::ComplexPart {
-  explicit ComplexPart(const BlockStructure& structure) : factor(structure) {}
-  ComplexBlockFactor factor;
-  std::vector<std::complex<double>> values;
-  ComplexVectorX unknowns;
-  ContactCorrection<std::complex<double>> contacts;
-};
-
 TangentFactors::TangentFactors(Evaluator& evaluator, Workspace& work, std::vector<int>& redundant_rows,
                                ContactForces* contacts)
     : evaluator_(evaluator),
@@ -35,7 +26,6 @@ TangentFactors::TangentFactors(Evaluator& evaluator, Workspace& work, std::vecto
   if (contacts_) contact_correction_ = std::make_unique<ContactCorrection<double>>();
 }
 
-/// Here, where the complex part is a complete type.
 TangentFactors::~TangentFactors() = default;
 
 void TangentFactors::factorize(const TangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
@@ -116,8 +106,8 @@ void TangentFactors::solve(VectorRef rv, VectorRef rl) const {
 }
 
 /// S is linear in the weights: twice the real form gives its real and imaginary part. Compliant rows are not: -1/(k w).
-void TangentFactors::factorize_complex(const ComplexTangentWeights& weights, ConstVectorRef v_dot,
-                                       ConstVectorRef lambda, const VectorX* increment) {
+void TangentFactors::form_complex(const ComplexTangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
+                                  const VectorX* increment) {
   if (!complex_) {
     complex_ = std::make_unique<ComplexPart>(blocks_);
     complex_->unknowns.setZero(unknowns_.size());
@@ -157,8 +147,13 @@ void TangentFactors::factorize_complex(const ComplexTangentWeights& weights, Con
       values[c.values + i] = work_.values[c.values + i] / work_.values[k] * values[k];
     }
   }
+}
+
+void TangentFactors::factorize_complex(const ComplexTangentWeights& weights, ConstVectorRef v_dot,
+                                       ConstVectorRef lambda, const VectorX* increment) {
+  form_complex(weights, v_dot, lambda, increment);
   complex_->factor.drop_rows(redundant_rows_);
-  complex_->factor.factorize(values);
+  complex_->factor.factorize(complex_->values);
   complex_->contacts.clear();
   if (!contacts_) return;
   contacts_->form({1, 1, 1}, increment);

@@ -48,6 +48,8 @@ class TangentFactors final : public ComplexFactor {
                             const VectorX* increment);
   /// The same of blocks that were formed before.
   void factorize_transposed(const std::vector<double>& blocks);
+  /// The same at complex weights, for solve_complex(); corrections are turns of the present state.
+  void factorize_complex_transposed(const ComplexTangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda);
 
   /// Leaves these rows out from the next factorisation on.
   void drop_rows(const std::vector<int>& rows) { factor_.drop_rows(rows); }
@@ -57,6 +59,8 @@ class TangentFactors final : public ComplexFactor {
   bool has_loops() const { return factor_.guarded(); }
 
  private:
+  void form_complex(const ComplexTangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
+                    const VectorX* increment);
   void add_contact_diagonals(const TangentWeights& weights);
   void exchange_weak_rows();
   int unknown_count() const { return static_cast<int>(unknowns_.size()); }
@@ -69,7 +73,14 @@ class TangentFactors final : public ComplexFactor {
   ContactForces* contacts_;
   BlockFactor factor_;
   std::unique_ptr<ContactCorrection<double>> contact_correction_;  // null: the scene has no contacts
-  struct ComplexPart;
+  /// Of factorize_complex().
+  struct ComplexPart {
+    explicit ComplexPart(const BlockStructure& structure) : factor(structure) {}
+    ComplexBlockFactor factor;
+    std::vector<std::complex<double>> values;
+    ComplexVectorX unknowns;
+    ContactCorrection<std::complex<double>> contacts;
+  };
   std::unique_ptr<ComplexPart> complex_;  // once asked for
   VectorX weak_rates_;                    // of exchange_weak_rows()
   mutable VectorX unknowns_;              // velocities, constraint rows, compliant rows

@@ -4,6 +4,25 @@
 #include "engine/factor/block_products.h"
 
 namespace lithe {
+namespace {
+
+/// Rows and columns of the constraints are each other's transpose already, linear blocks are symmetric.
+template <class Scalar>
+void transpose_blocks(const BlockStructure& blocks, Scalar* values) {
+  using Block = Eigen::Map<Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>>;
+  const auto swap_transposed = [&](int upper, int lower, int rows, int columns) {
+    Block U(values + upper, rows, columns), L(values + lower, columns, rows);
+    for (int i = 0; i < columns; ++i)
+      for (int k = 0; k < rows; ++k) std::swap(U(k, i), L(i, k));
+  };
+  for (const auto& f : blocks.frames) Block(values + f.values, 6, 6).transposeInPlace();
+  for (const auto& l : blocks.linears)
+    for (int f = 0, at = 0; f < l.frames; ++f, at += 6 * l.size)
+      swap_transposed(l.frame_linear + at, l.linear_frame + at, 6, l.size);
+  for (const auto& c : blocks.couplings) swap_transposed(c.ab, c.ba, 6, 6);
+}
+
+}  // namespace
 
 void TangentFactors::form_tangent(const TangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
                                   const VectorX* increment) {
@@ -21,25 +40,17 @@ void TangentFactors::factorize_transposed(const TangentWeights& weights, ConstVe
 
 void TangentFactors::factorize_transposed(const std::vector<double>& formed) {
   if (&formed != &work_.values) work_.values = formed;
-  // Rows and columns of the constraints are each other's transpose already, linear blocks are symmetric.
-  const auto& blocks = blocks_;
-  double* values = work_.values.data();
-  for (const auto& f : blocks.frames) Eigen::Map<Matrix6>(values + f.values).transposeInPlace();
-  for (const auto& l : blocks.linears) {
-    for (int f = 0; f < l.frames; ++f) {
-      Eigen::Map<Matrix6X> upper(values + l.frame_linear + 6 * l.size * f, 6, l.size);
-      Eigen::Map<MatrixX> lower(values + l.linear_frame + 6 * l.size * f, l.size, 6);
-      for (int i = 0; i < l.size; ++i)
-        for (int k = 0; k < 6; ++k) std::swap(upper(k, i), lower(i, k));
-    }
-  }
-  for (const auto& c : blocks.couplings) {
-    Eigen::Map<Matrix6> ab(values + c.ab), ba(values + c.ba);
-    for (int i = 0; i < 6; ++i)
-      for (int k = 0; k < 6; ++k) std::swap(ab(k, i), ba(i, k));
-  }
+  transpose_blocks(blocks_, work_.values.data());
   factor_.factorize(work_.values);
   if (!factor_.weak_rows().empty()) exchange_weak_rows();
+}
+
+void TangentFactors::factorize_complex_transposed(const ComplexTangentWeights& weights, ConstVectorRef v_dot,
+                                                  ConstVectorRef lambda) {
+  form_complex(weights, v_dot, lambda, nullptr);
+  transpose_blocks(blocks_, complex_->values.data());
+  complex_->factor.drop_rows(redundant_rows_);
+  complex_->factor.factorize(complex_->values);
 }
 
 void TangentFactors::add_tangent_product(const std::vector<double>& formed, const VectorX& x, VectorX& out,

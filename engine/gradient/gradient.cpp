@@ -81,20 +81,18 @@ class RunGradient {
     Evaluator equations(drawing_.system());
     if (!equations.velocity_rows().empty() || equations.reacts())
       return "rows on velocities alone (rolling) and friction by reactions have no adjoint yet";
-    if (!run_->derivative() && equations.parts().forward_dynamics)
-      return "forward dynamics of trees and planar mechanisms, by which " + run_->method_name() +
-             " runs this scene, have no adjoint yet (ParametricScene::forward_dynamics = false goes without)";
-    return "";
+    return adjoint->refuse(equations);
   }
 
   /// Very many parameters by the terms that they act on, where these can be told apart.
   void find_parameters(const std::vector<DesignParameter>& parameters) {
     const auto& places = columns_.places;
     const bool many = parameters.size() > kFewParameters, repeated = !run_->derivative();
+    const bool weighed = mode_ == Mode::adjoint && run_->method().step_adjoint()->weighs_parameters();
     std::string why;
-    if (mode_ == Mode::adjoint && (many || repeated))
+    if (mode_ == Mode::adjoint && (many || weighed))
       terms_ = ParameterTerms::find(scene_, parameters, drawing_, run_->probes(), places, many, why);
-    if (mode_ == Mode::adjoint && repeated && !terms_)
+    if (weighed && !terms_)
       throw SceneError(why, "the gradient of scene '" + scene_.name + "'",
                        "take GradientOptions::Mode::tangent, or GeneralizedAlpha");
     if (terms_ && many) return;
@@ -151,6 +149,10 @@ class RunGradient {
     }
   }
 
+  static TakenStep step(const std::vector<RecordedRun::Taken>& states, std::size_t i) {
+    return {states[i - 1].state, states[i].state, states[i].record.get()};
+  }
+
   void forwards(VectorX& values, MatrixX& derivatives) {
     Variation x = parameters_->start();
     std::unique_ptr<RepeatedSteps> repeated;
@@ -159,15 +161,15 @@ class RunGradient {
       derivatives.row(quantity) += weight * (turn.transpose() * x.turn + velocity.transpose() * x.velocity);
     };
     for (int s = 0; s < run_->stretch_count(); ++s) {
-      const std::vector<State>& states = run_->stretch(s);
+      const auto& states = run_->stretch(s);
       const long first = run_->first(s);
-      if (s == 0) at_step(0, states[0], values, derivatives, read);
+      if (s == 0) at_step(0, states[0].state, values, derivatives, read);
       for (std::size_t i = 1; i < states.size(); ++i) {
         if (repeated)
-          repeated->tangent(states[i - 1], states[i], x);
+          repeated->tangent(states[i - 1].state, states[i].state, x);
         else
-          run_->derivative()->tangent(*equations_, states[i - 1], states[i], x);
-        at_step(first + static_cast<long>(i), states[i], values, derivatives, read);
+          run_->derivative()->tangent(*equations_, step(states, i), x);
+        at_step(first + static_cast<long>(i), states[i].state, values, derivatives, read);
       }
     }
   }
@@ -191,13 +193,13 @@ class RunGradient {
       x.velocity.col(quantity) += weight * velocity;
     };
     for (int s = run_->stretch_count() - 1; s >= 0; --s) {
-      const std::vector<State>& states = run_->stretch(s);
+      const auto& states = run_->stretch(s);
       const long first = run_->first(s);
       for (std::size_t i = states.size() - 1; i >= 1; --i) {
-        at_step(first + static_cast<long>(i), states[i], values, derivatives, read);
-        adjoint->adjoint(*equations_, states[i - 1], states[i], x, within);
+        at_step(first + static_cast<long>(i), states[i].state, values, derivatives, read);
+        adjoint->adjoint(*equations_, step(states, i), x, within);
       }
-      if (s == 0) at_step(0, states[0], values, derivatives, read);
+      if (s == 0) at_step(0, states[0].state, values, derivatives, read);
     }
     if (!parameters_) {
       adjoint->adjoint_start(*equations_, drawing_.system().initial_state(), x, within);

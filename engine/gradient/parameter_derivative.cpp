@@ -31,18 +31,16 @@ VectorX random_vector(std::mt19937& random, Eigen::Index size) {
 /// The scene with some parameters moved.
 struct ParameterDerivative::Moved : MovedDrawing {
   using MovedDrawing::MovedDrawing;
-  /// r, then the rows.
+  /// r, then the rows, then ġ.
   void residual(const State& state, VectorX& out) {
     const int velocities = equations.layout().v_count(), rows = equations.layout().row_count();
-    out.resize(velocities + rows);
+    out.resize(velocities + 2 * rows);
     equations.recall(state.quarter_turns);
     equations.evaluate(state.time, state.q, state.v, Level::velocity);
     equations.residual(state.v_dot, state.lambda, out.head(velocities));
-    equations.constraint(Level::position, out.tail(rows));
-    if (equations.velocity_rows().empty()) return;
-    VectorX rates(rows);
-    equations.constraint(Level::velocity, rates);
-    for (int row : equations.velocity_rows()) out[velocities + row] = rates[row];
+    equations.constraint(Level::position, out.segment(velocities, rows));
+    equations.constraint(Level::velocity, out.tail(rows));
+    for (int row : equations.velocity_rows()) out[velocities + row] = out[velocities + rows + row];
   }
 };
 
@@ -128,7 +126,7 @@ ParameterDerivative::ParameterDerivative(const ParametricScene& scene, std::vect
         break;
     if (g == groups_.size()) {
       groups_.push_back(std::make_unique<Group>());
-      taken.emplace_back(static_cast<std::size_t>(layout.v_count() + layout.row_count()), 0);
+      taken.emplace_back(static_cast<std::size_t>(layout.v_count() + 2 * layout.row_count()), 0);
       linear_group.push_back(linear);
     }
     for (int row : rows) taken[g][static_cast<std::size_t>(row)] = 1;
@@ -249,21 +247,27 @@ void ParameterDerivative::difference(const State& state, const Take& take) {
   }
 }
 
-void ParameterDerivative::columns(const State& state, MatrixX& force, MatrixX& rows) {
+void ParameterDerivative::columns(const State& state, MatrixX& force, MatrixX& rows, MatrixX* rates) {
   const Eigen::Index velocities = state.v.size(), row_count = state.lambda.size();
   force.setZero(velocities, count());
   rows.setZero(row_count, count());
+  if (rates) rates->setZero(row_count, count());
   difference(state, [&](const Group& group, const VectorX& change) {
     for (std::size_t m = 0; m < group.members.size(); ++m) {
       const int k = group.members[m];
       const double scale = 1 / parameters_[static_cast<std::size_t>(k)].step;
       if (group.rows[m].empty() && group.members.size() == 1) {
         force.col(k) = scale * change.head(velocities);
-        rows.col(k) = scale * change.tail(row_count);
+        rows.col(k) = scale * change.segment(velocities, row_count);
+        if (rates) rates->col(k) = scale * change.tail(row_count);
         continue;
       }
-      for (int row : group.rows[m])
-        (row < velocities ? force(row, k) : rows(row - velocities, k)) = scale * change[row];
+      for (int row : group.rows[m]) {
+        if (row < velocities + row_count)
+          (row < velocities ? force(row, k) : rows(row - velocities, k)) = scale * change[row];
+        else if (rates)
+          (*rates)(row - velocities - row_count, k) = scale * change[row];
+      }
     }
   });
 }
@@ -275,8 +279,9 @@ void ParameterDerivative::add_products(const State& state, const VectorX& mu, co
       const int k = group.members[m];
       double sum = 0;
       if (group.rows[m].empty() && group.members.size() == 1)
-        sum = mu.dot(change.head(velocities)) + nu.dot(change.tail(nu.size()));
-      for (int row : group.rows[m]) sum += (row < velocities ? mu[row] : nu[row - velocities]) * change[row];
+        sum = mu.dot(change.head(velocities)) + nu.dot(change.segment(velocities, nu.size()));
+      for (int row : group.rows[m])
+        if (row < velocities + nu.size()) sum += (row < velocities ? mu[row] : nu[row - velocities]) * change[row];
       out[k] += sum / parameters_[static_cast<std::size_t>(k)].step;
     }
   });

@@ -29,8 +29,8 @@ class ParameterDerivative {
   /// The changes of the state that start() left and of the method's history, a column a parameter.
   const Variation& start() const { return start_; }
 
-  /// ∂r/∂p and ∂g/∂p at a state with its accelerations and multipliers.
-  void columns(const State& state, MatrixX& force, MatrixX& rows);
+  /// ∂r/∂p, ∂g/∂p and, where asked for, ∂ġ/∂p at a state with its accelerations and multipliers.
+  void columns(const State& state, MatrixX& force, MatrixX& rows, MatrixX* rates = nullptr);
   void add_products(const State& state, const VectorX& mu, const VectorX& nu, VectorX& out);
   /// The drawings in which a parameter moves alone (Grouping::apart), with their weights in its derivative.
   void visit(int k, const std::function<void(Evaluator&, double weight)>& look);
@@ -57,7 +57,7 @@ class ParameterDerivative {
   std::vector<bool> seen_;
   Variation start_;
   std::vector<std::unique_ptr<Group>> groups_;
-  std::vector<VectorX> nominal_rows_;  // r and the rows at the probes
+  std::vector<VectorX> nominal_rows_;  // r, the rows and their rates at the probes
   VectorX difference_, part_, other_;
 };
 

@@ -53,7 +53,7 @@ RecordedRun::RecordedRun(const ParametricScene& scene, const Drawing& drawing, s
   while (scene.duration - state.time > time_round_off(scene.duration)) {
     before = state;
     advance(*integrator_, equations_, state);
-    if (const std::string why = derivative_ ? derivative_->refuse(before, state) : ""; !why.empty())
+    if (const std::string why = derivative_ ? derivative_->refuse_step(before, state) : ""; !why.empty())
       refuse(scene, "the step to t = " + std::to_string(state.time) + " s cannot be differentiated: " + why,
              "choose a step that divides the duration and that Newton can take");
     record();
@@ -63,7 +63,7 @@ RecordedRun::RecordedRun(const ParametricScene& scene, const Drawing& drawing, s
   // Probes: the tape's own states, or checkpoints.
   for (const double share : {0.0, 0.37, 1.0}) {
     if (all_)
-      probes_.push_back(states_[static_cast<std::size_t>(share * static_cast<double>(states_.size() - 1))]);
+      probes_.push_back(states_[static_cast<std::size_t>(share * static_cast<double>(states_.size() - 1))].state);
     else
       probes_.push_back(
           checkpoints_[static_cast<std::size_t>(share * static_cast<double>(checkpoints_.size() - 1))].state);
@@ -94,12 +94,19 @@ void RecordedRun::keep(const State& state, long step) {
     if (checkpoints_.size() > 1 && checkpoints_.size() * checkpoint_bytes_ > memory_ / 2) thin();
   }
   if (!all_) return;
-  states_.push_back(state);
-  bytes_ = states_.size() * state_bytes_;
+  add(state, *integrator_);
+  bytes_ = states_bytes_;
   if (bytes_ > memory_) {
     all_ = false;
     states_ = {};
   }
+}
+
+/// To the states in memory.
+void RecordedRun::add(const State& state, const Integrator& integrator) {
+  const Taken& taken =
+      states_.emplace_back(Taken{state, dynamic_cast<const DifferentiableSteps&>(integrator).step_record()});
+  states_bytes_ += state_bytes_ + (taken.record ? taken.record->bytes() : 0);
 }
 
 /// Every second checkpoint goes.
@@ -114,7 +121,7 @@ int RecordedRun::stretch_count() const { return all_ ? 1 : static_cast<int>((ste
 
 long RecordedRun::first(int stretch) const { return all_ ? 0 : stretch * stride_; }
 
-const std::vector<State>& RecordedRun::stretch(int number) {
+const std::vector<RecordedRun::Taken>& RecordedRun::stretch(int number) {
   if (all_ || number == present_) return states_;
   present_ = number;
   Checkpoint& mark = checkpoints_[static_cast<std::size_t>(number)];
@@ -125,16 +132,18 @@ const std::vector<State>& RecordedRun::stretch(int number) {
   integrator->start(equations, start);
   equations.recall(state.quarter_turns);
   integrator->history(mark.history, equations, state);
-  states_.assign(1, state);
+  states_.clear();
+  states_bytes_ = 0;
+  add(state, *integrator);
   const long last = std::min(steps(), (number + 1) * stride_);
   for (long step = number * stride_; step < last; ++step) {
     advance(*integrator, equations, state);
     if (state.time != times_[static_cast<std::size_t>(step) + 1])
       throw SimulationError("the run from a checkpoint at t = " + std::to_string(mark.state.time) + " s left its steps",
                             "RecordedRun", "give more memory, so that all states are kept");
-    states_.push_back(state);
+    add(state, *integrator);
   }
-  bytes_ = std::max(bytes_, states_.size() * state_bytes_ + checkpoints_.size() * checkpoint_bytes_);
+  bytes_ = std::max(bytes_, states_bytes_ + checkpoints_.size() * checkpoint_bytes_);
   return states_;
 }
 

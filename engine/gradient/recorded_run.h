@@ -36,7 +36,11 @@ class RecordedRun {
   /// The stretches in order: states first() … first() + size - 1; neighbours share one state.
   int stretch_count() const;
   long first(int stretch) const;
-  const std::vector<State>& stretch(int number);
+  struct Taken {
+    State state;
+    std::shared_ptr<const StepRecord> record;  // of the step that led there
+  };
+  const std::vector<Taken>& stretch(int number);
 
  private:
   struct Checkpoint {
@@ -44,6 +48,7 @@ class RecordedRun {
     Archive history;
   };
   void keep(const State& state, long step);
+  void add(const State& state, const Integrator& integrator);
   void thin();
   void advance(Integrator& integrator, Evaluator& equations, State& state) const;
 
@@ -53,11 +58,11 @@ class RecordedRun {
   std::unique_ptr<Integrator> integrator_;
   const DifferentiableSteps* method_ = nullptr;
   std::unique_ptr<StepDerivative> derivative_;
-  std::size_t memory_, state_bytes_ = 0, checkpoint_bytes_ = 0, bytes_ = 0;
+  std::size_t memory_, state_bytes_ = 0, states_bytes_ = 0, checkpoint_bytes_ = 0, bytes_ = 0;
   double seconds_ = 0;
   long stride_ = 32;
   bool all_ = true;            // states_ are all of the run
-  std::vector<State> states_;  // of the run, or of the stretch that was run again last
+  std::vector<Taken> states_;  // of the run, or of the stretch that was run again last
   int present_ = -1;
   std::vector<double> times_;
   std::vector<Checkpoint> checkpoints_;  // of every stride_-th step

@@ -88,12 +88,47 @@ void add_extremum(const Quantity& quantity, const std::vector<double>& times, st
   add_interpolation(times, first, count, std::clamp(t, t0, t2), 1, weights);
 }
 
+/// From one event to the next: states first … last.
+struct Smooth {
+  long first, last;
+};
+std::vector<Smooth> smooth_parts(const std::vector<double>& times) {
+  std::vector<Smooth> parts{{0, 0}};
+  for (long i = 1; i < static_cast<long>(times.size()); ++i)
+    if (times[i] > times[i - 1])
+      parts.back().last = i;
+    else
+      parts.push_back({i, i});
+  return parts;
+}
+
+/// Of the part with the extreme state; at an event it has no weights that hold.
+const Smooth& part_of_extremum(const Quantity& quantity, const std::vector<Smooth>& parts,
+                               const std::vector<double>& times, const std::vector<double>& samples) {
+  if (parts.size() == 1) return parts.front();
+  const auto top = quantity.kind == Quantity::Kind::largest ? std::max_element(samples.begin(), samples.end())
+                                                            : std::min_element(samples.begin(), samples.end());
+  const long at = top - samples.begin();
+  const auto part = std::find_if(parts.begin(), parts.end(), [&](const Smooth& p) { return at <= p.last; });
+  if ((at == part->first && at != 0) || (at == part->last && at != parts.back().last))
+    refuse(quantity, "'" + quantity.name() + "' is reached at an event, at t = " + std::to_string(times[at]) + " s",
+           "ask for the value at a time");
+  return *part;
+}
+
 }  // namespace
 
 std::vector<SampleWeight> sample_weights(const Quantity& quantity, const std::vector<double>& times,
                                          const std::vector<double>& samples) {
   std::map<long, double> weights;
+  const std::vector<Smooth> parts = smooth_parts(times);
   const double end = times.back(), slack = 1e-9 * (times[1] - times[0]);
+  const auto within = [&](const Smooth& part, const std::vector<double>& of) {
+    return std::vector<double>(of.begin() + part.first, of.begin() + part.last + 1);
+  };
+  const auto add_shifted = [&](const Smooth& part, const std::map<long, double>& found) {
+    for (const auto& [step, weight] : found) weights[part.first + step] += weight;
+  };
   switch (quantity.kind) {
     case Quantity::Kind::at_time:
     case Quantity::Kind::integral:
@@ -101,13 +136,24 @@ std::vector<SampleWeight> sample_weights(const Quantity& quantity, const std::ve
         refuse(quantity,
                "'" + quantity.name() + "' asks for times outside the run, which ends at " + std::to_string(end) + " s",
                "give times between its begin and its end");
-      if (quantity.kind == Quantity::Kind::at_time)
-        add_value(times, quantity.to, weights);
-      else
-        add_integral(times, quantity.from, quantity.to, weights);
+      for (const Smooth& part : parts) {
+        if (part.first == part.last) continue;
+        std::map<long, double> found;
+        const std::vector<double> inside = within(part, times);
+        if (quantity.kind == Quantity::Kind::integral)
+          add_integral(inside, quantity.from, quantity.to, found);
+        else if (quantity.to <= inside.back() || part.last == parts.back().last)
+          add_value(inside, quantity.to, found);
+        add_shifted(part, found);
+        if (quantity.kind == Quantity::Kind::at_time && !found.empty()) break;
+      }
       break;
-    default:
-      add_extremum(quantity, times, samples, weights);
+    default: {
+      const Smooth& part = part_of_extremum(quantity, parts, times, samples);
+      std::map<long, double> found;
+      add_extremum(quantity, within(part, times), within(part, samples), found);
+      add_shifted(part, found);
+    }
   }
   std::vector<SampleWeight> result;
   for (const auto& [step, weight] : weights)

@@ -14,7 +14,8 @@ struct SampleWeight {
   double weight;
 };
 
-/// `times`: of the steps' ends, the first state's among them; `samples`: the column there, for largest and smallest.
+/// `times`: of the steps' ends, the first state's among them, twice where an event changes the state; `samples`: the
+/// column there, for largest and smallest. Interpolation does not reach across events; a value at one is that before.
 /// Throws SceneError for times outside the run and for an extremum that is reached twice.
 std::vector<SampleWeight> sample_weights(const Quantity& quantity, const std::vector<double>& times,
                                          const std::vector<double>& samples);

@@ -42,7 +42,8 @@ void TangentEquations::stand() {
   evaluated_ = true;
 }
 
-void TangentEquations::evaluate(double offset, const Direction& direction, VectorX& force, VectorX& rows) {
+void TangentEquations::evaluate(double offset, const Direction& direction, VectorX& force, VectorX& rows,
+                                VectorX* rates) {
   evaluated_ = false;
   const auto step = [&](const VectorX& base, const VectorX& by, VectorX& out) {
     out = base;
@@ -60,13 +61,14 @@ void TangentEquations::evaluate(double offset, const Direction& direction, Vecto
   rows.resize(state_.lambda.size());
   equations_.residual(near_.v_dot, near_.lambda, force);
   equations_.constraint(Level::position, rows);
-  if (equations_.velocity_rows().empty()) return;
-  VectorX rates(rows.size());
-  equations_.constraint(Level::velocity, rates);
-  for (int row : equations_.velocity_rows()) rows[row] = rates[row];
+  if (!rates && equations_.velocity_rows().empty()) return;
+  VectorX g_dot(rows.size());
+  equations_.constraint(Level::velocity, g_dot);
+  for (int row : equations_.velocity_rows()) rows[row] = g_dot[row];
+  if (rates) *rates = g_dot;
 }
 
-void TangentEquations::along(const Direction& direction, VectorX& force, VectorX& rows) {
+void TangentEquations::along(const Direction& direction, VectorX& force, VectorX& rows, VectorX* rates) {
   // Linear in accelerations; multipliers and velocities count as far as they turn or move something.
   const double size =
       std::max(largest_entry(direction.turn), largest_entry(direction.velocity) / (1 + largest_entry(state_.v)));
@@ -74,17 +76,21 @@ void TangentEquations::along(const Direction& direction, VectorX& force, VectorX
   VectorX f, g;
   force.setZero(state_.v.size());
   rows.setZero(state_.lambda.size());
+  if (rates) rates->setZero(state_.lambda.size());
   // In pairs, so that no direction gives zero to the bit.
-  VectorX f_behind, g_behind;
+  VectorX f_behind, g_behind, g_dot, g_dot_behind;
   for (std::size_t i = 0; i < kOffsets.size(); i += 2) {
-    evaluate(kOffsets[i].steps * h, direction, f, g);
-    evaluate(kOffsets[i + 1].steps * h, direction, f_behind, g_behind);
+    evaluate(kOffsets[i].steps * h, direction, f, g, rates ? &g_dot : nullptr);
+    evaluate(kOffsets[i + 1].steps * h, direction, f_behind, g_behind, rates ? &g_dot_behind : nullptr);
+    if (rates) *rates += kOffsets[i].weight / h * (g_dot - g_dot_behind);
     force += kOffsets[i].weight / h * (f - f_behind);
     rows += kOffsets[i].weight / h * (g - g_behind);
   }
 }
 
-void TangentEquations::parameter_columns(MatrixX& force, MatrixX& rows) { parameters_->columns(state_, force, rows); }
+void TangentEquations::parameter_columns(MatrixX& force, MatrixX& rows, MatrixX* rates) {
+  parameters_->columns(state_, force, rows, rates);
+}
 
 void TangentEquations::add_parameter_products(const MatrixX& mu, const MatrixX& nu, double factor, MatrixX& out) {
   if (terms_) {
@@ -161,6 +167,15 @@ void TangentEquations::factorize_formed(const TangentWeights& weights, const Vec
 }
 
 void TangentEquations::solve(VectorX& force, VectorX& rows) { equations_.solve(force, rows); }
+
+void TangentEquations::factorize_complex(const ComplexTangentWeights& weights) {
+  stand();
+  equations_.factors().factorize_complex_transposed(weights, state_.v_dot, state_.lambda);
+}
+
+void TangentEquations::solve_complex(ComplexVectorX& force, ComplexVectorX& rows) {
+  equations_.factors().solve_complex(force, rows);
+}
 
 void TangentEquations::solve_mass(MatrixX& force, MatrixX& rows) {
   stand();
@@ -394,7 +409,7 @@ void TangentEquations::add_weighted(const WeightedSum& sum, const MatrixX& mu, c
         break;
     }
   }
-  if (terms_) terms_->add_products(state_, sum, mu, nu, factor, gradient);
+  if (terms_ && gradient.rows() > 0) terms_->add_products(state_, sum, mu, nu, factor, gradient);
 }
 
 /// The elements' tangents against differences along a random direction, body by body.

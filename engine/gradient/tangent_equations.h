@@ -25,12 +25,14 @@ class TangentEquations final : public LinearEquations {
   const Layout& layout() const override { return equations_.layout(); }
   const std::vector<int>& velocity_rows() const override { return equations_.velocity_rows(); }
   void at(const State& state) override;
-  void along(const Direction& direction, VectorX& force, VectorX& rows) override;
-  void parameter_columns(MatrixX& force, MatrixX& rows) override;
+  void along(const Direction& direction, VectorX& force, VectorX& rows, VectorX* rates = nullptr) override;
+  void parameter_columns(MatrixX& force, MatrixX& rows, MatrixX* rates = nullptr) override;
   void factorize(const TangentWeights& weights, const VectorX& increment, bool transposed) override;
   void solve(VectorX& force, VectorX& rows) override;
   void pull(const VectorX& mu, const VectorX& nu, Pulled& out) override;
   void add_parameter_products(const MatrixX& mu, const MatrixX& nu, double factor, MatrixX& out) override;
+  void factorize_complex(const ComplexTangentWeights& weights) override;
+  void solve_complex(ComplexVectorX& force, ComplexVectorX& rows) override;
   void solve_mass(MatrixX& force, MatrixX& rows) override;
   void accelerations(VectorX& v_dot, VectorX& lambda) override;
   void add_weighted(const WeightedSum& sum, const MatrixX& mu, const MatrixX& nu, double factor, MatrixX& turn,
@@ -41,7 +43,7 @@ class TangentEquations final : public LinearEquations {
   Tangents tangents() const { return tangents_; }
 
  private:
-  void evaluate(double offset, const Direction& direction, VectorX& force, VectorX& rows);
+  void evaluate(double offset, const Direction& direction, VectorX& force, VectorX& rows, VectorX* rates);
   void check_tangents();
   bool agrees(const VectorX& force, const VectorX& own, double all) const;
   void stand();

@@ -19,4 +19,29 @@ void ChartMaps::apply(Matrix3 Frame::*map, bool transposed, MatrixX& columns) co
   }
 }
 
+Vector3 right_jacobian_change(const Vector3& psi, const Vector3& by, const Vector3& x) {
+  constexpr double h = 1e-3;
+  const auto at = [&](double steps) -> Vector3 { return left_jacobian(-(psi + steps * h * by)) * x; };
+  return (8 * (at(1) - at(-1)) - (at(2) - at(-2))) / (12 * h);
+}
+
+/// By v: Jr⁻ᵀ wanted; by ψ: δḋ = -Jr⁻¹ (δJr) ḋ.
+void add_chart_rate_products(const Layout& layout, const VectorX& d, const VectorX& v, const MatrixX& wanted,
+                             MatrixX& of_d, MatrixX& of_v) {
+  for (const auto& b : layout.bodies()) {
+    const int turn = b.v + 3, linear = b.v + (b.frame ? 6 : 0);
+    if (b.frame) {
+      const Vector3 psi = d.segment<3>(turn), omega = v.segment<3>(turn);
+      const Matrix3 inverse = right_jacobian_inverse(psi);
+      const Vector3 rate = inverse * omega;
+      of_v.middleRows(b.v, 3) += wanted.middleRows(b.v, 3);
+      of_v.middleRows(turn, 3) += inverse.transpose() * wanted.middleRows(turn, 3);
+      Matrix3 by_psi;
+      for (int k = 0; k < 3; ++k) by_psi.col(k) = -inverse * right_jacobian_change(psi, Vector3::Unit(k), rate);
+      of_d.middleRows(turn, 3) += by_psi.transpose() * wanted.middleRows(turn, 3);
+    }
+    of_v.middleRows(linear, b.linear) += wanted.middleRows(linear, b.linear);
+  }
+}
+
 }  // namespace lithe

@@ -30,4 +30,11 @@ class ChartMaps {
   std::vector<Frame> frames_;
 };
 
+/// δJr(ψ) x along δψ: differences of fourth order, of entries of order one.
+Vector3 right_jacobian_change(const Vector3& psi, const Vector3& by, const Vector3& x);
+
+/// Of the rates ḋ = Jr⁻¹(d) v: adds what is wanted of them to the same of d and v; a column a want.
+void add_chart_rate_products(const Layout& layout, const VectorX& d, const VectorX& v, const MatrixX& wanted,
+                             MatrixX& of_d, MatrixX& of_v);
+
 }  // namespace lithe

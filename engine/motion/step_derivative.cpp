@@ -10,4 +10,9 @@ void LinearEquations::add_accelerations(MatrixX wanted, MatrixX& turn, MatrixX& 
   add_weighted(sum, wanted, nu, -1, turn, velocity, gradient);
 }
 
+void LinearEquations::add_rate_sums(const MatrixX& nu, MatrixX& turn, MatrixX& velocity, MatrixX& gradient) {
+  const WeightedSum sum{.rows = WeightedSum::Rows::velocity, .forces = false, .a = {}, .l = {}, .u = {}};
+  add_weighted(sum, MatrixX(turn.rows(), 0), nu, 1, turn, velocity, gradient);
+}
+
 }  // namespace lithe

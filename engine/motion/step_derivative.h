@@ -23,6 +23,20 @@ struct WeightedSum {
   VectorX a, l, u;
 };
 
+/// What the derivative of a step needs of it besides the states at its ends: the method's own.
+class StepRecord {
+ public:
+  virtual ~StepRecord() = default;
+  virtual std::size_t bytes() const = 0;
+};
+
+/// A step of a run.
+struct TakenStep {
+  const State& from;
+  const State& to;
+  const StepRecord* record;  // null: the method keeps none
+};
+
 /// The equations of motion near one state, differentiated to round-off by q, v, v_dot, λ and the parameters of a scene:
 ///   r = M v̇ + Gᵀλ - f;   g, or G v + ∂g/∂t for rows on velocities alone
 /// What a StepDerivative is given. Turns are those of the state itself, in body axes.
@@ -37,10 +51,10 @@ class LinearEquations {
   struct Direction {
     VectorX turn, velocity, acceleration, multipliers;
   };
-  /// The derivatives of r and of the rows along a direction.
-  virtual void along(const Direction& direction, VectorX& force, VectorX& rows) = 0;
-  /// ∂r/∂p and ∂g/∂p, a column a parameter.
-  virtual void parameter_columns(MatrixX& force, MatrixX& rows) = 0;
+  /// The derivatives of r and of the rows along a direction; where asked for, those of ġ = G v + ∂g/∂t too.
+  virtual void along(const Direction& direction, VectorX& force, VectorX& rows, VectorX* rates = nullptr) = 0;
+  /// ∂r/∂p, ∂g/∂p and, where asked for, ∂ġ/∂p; a column a parameter.
+  virtual void parameter_columns(MatrixX& force, MatrixX& rows, MatrixX* rates = nullptr) = 0;
 
   /// An iteration matrix near [S Gᵀ; G 0], or near [Sᵀ Gᵀ; G 0], as EquationsOfMotion::factorize() has it.
   virtual void factorize(const TangentWeights& weights, const VectorX& increment, bool transposed) = 0;
@@ -57,16 +71,23 @@ class LinearEquations {
   /// out += factor (μᵀ ∂r/∂p + νᵀ ∂g/∂p), a column a want.
   virtual void add_parameter_products(const MatrixX& mu, const MatrixX& nu, double factor, MatrixX& out) = 0;
 
-  // ---- what starts and methods of index 1 take, backwards; columns are wants ----
+  /// The transposed iteration matrix at complex weights, beside the real one; corrections are turns of the state.
+  virtual void factorize_complex(const ComplexTangentWeights& weights) = 0;
+  virtual void solve_complex(ComplexVectorX& force, ComplexVectorX& rows) = 0;
+
+  // ---- what starts and methods of index 1 and 2 take, backwards; columns are wants ----
   /// Solves [M Gᵀ; G 0] (x, y) = (force, rows) at the state, in place.
   virtual void solve_mass(MatrixX& force, MatrixX& rows) = 0;
   /// v̇ and λ of the equations at the state's t, q, v: [M Gᵀ; G 0] (v̇, λ) = (f, γ).
   virtual void accelerations(VectorX& v_dot, VectorX& lambda) = 0;
-  /// Adds factor times the derivatives of the sums μ · r + ν · row by q, v and the parameters; a and l do not change.
+  /// Adds factor times the derivatives of the sums μ · r + ν · row by q, v and the parameters; a and l do not change. A
+  /// gradient without rows: not by the parameters.
   virtual void add_weighted(const WeightedSum& sum, const MatrixX& mu, const MatrixX& nu, double factor, MatrixX& turn,
                             MatrixX& velocity, MatrixX& gradient) = 0;
   /// From what is wanted of these v̇ to the same of q, v and the parameters, added.
   void add_accelerations(MatrixX wanted, MatrixX& turn, MatrixX& velocity, MatrixX& gradient);
+  /// Adds the derivatives of the sums ν · (G v + ∂g/∂t).
+  void add_rate_sums(const MatrixX& nu, MatrixX& turn, MatrixX& velocity, MatrixX& gradient);
 };
 
 /// The derivative of the very steps that an integrator took, backwards. Each step is the solution of equations, x' =
@@ -77,11 +98,14 @@ class StepAdjoint {
   /// From what is wanted of the changes at `to` to the same of those at `from`; a column a want. Adds what the
   /// parameters do within the step to `gradient`, a column a want. Throws SimulationError where the linear equations
   /// cannot be solved.
-  virtual void adjoint(LinearEquations& equations, const State& from, const State& to, Variation& x,
-                       MatrixX& gradient) = 0;
+  virtual void adjoint(LinearEquations& equations, const TakenStep& step, Variation& x, MatrixX& gradient) = 0;
   /// Through the integrator's start() from this state, right after it: from what is wanted of the state and of the
   /// history that it left to what is wanted of q and v before.
   virtual void adjoint_start(LinearEquations& equations, const State& before, Variation& x, MatrixX& gradient) = 0;
+  /// Whether adjoint() takes the parameters through add_weighted().
+  virtual bool weighs_parameters() const { return true; }
+  /// Why there is no adjoint with these equations; empty: there is.
+  virtual std::string refuse(EquationsOfMotion& /*equations*/) const { return ""; }
 };
 
 /// Forwards too.
@@ -91,9 +115,9 @@ class StepDerivative : public StepAdjoint {
   /// column each.
   virtual MatrixX history(const State& state) const = 0;
   /// Why the step between these states cannot be differentiated; empty: it can.
-  virtual std::string refuse(const State& from, const State& to) const = 0;
+  virtual std::string refuse_step(const State& from, const State& to) const = 0;
   /// From the changes at `from` to those at `to`, a column a parameter. Throws as adjoint().
-  virtual void tangent(LinearEquations& equations, const State& from, const State& to, Variation& x) = 0;
+  virtual void tangent(LinearEquations& equations, const TakenStep& step, Variation& x) = 0;
 };
 
 /// Takes steps of one method again, from states near those of a run and with equations near those of the run: the
@@ -112,6 +136,8 @@ class DifferentiableSteps {
   virtual ~DifferentiableSteps() = default;
   virtual std::unique_ptr<StepDerivative> step_derivative() const { return nullptr; }
   virtual std::unique_ptr<StepAdjoint> step_adjoint() const { return step_derivative(); }
+  /// Of the step taken last; null: states tell all.
+  virtual std::shared_ptr<const StepRecord> step_record() const { return nullptr; }
   /// Of a method that carries nothing from step to step but q and v: forwards by differences of its steps.
   virtual std::unique_ptr<RepeatedStep> repeated_step(EquationsOfMotion& /*equations*/) const { return nullptr; }
 };

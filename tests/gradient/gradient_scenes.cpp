@@ -5,6 +5,7 @@
 #include "joints/coordinate_drive.h"
 #include "joints/forces/spring_damper.h"
 #include "joints/revolute_joint.h"
+#include "joints/spherical_joint.h"
 #include "tests/reference/squeezer.h"
 
 namespace lithe::test {
@@ -43,6 +44,25 @@ ParametricScene pendulum() {
                 graph.add<RevoluteJoint>("pin", {graph.ground().marker({}, kAlongY), rod.marker({-a, 0, 0}, kAlongY)});
                 return std::vector<Sensor>{position(rod.marker({a, 0, 0}), "tip"), velocity(rod.marker(), "v"),
                                            total_energy("energy")};
+              },
+          .integrator = exact_alpha(5e-3)};
+}
+
+ParametricScene tumbling_top() {
+  return {.name = "top",
+          .duration = 0.4,
+          .draw =
+              [](SystemGraph& graph, const SweepPoint& p) {
+                const Vector3 arm(0.1, -0.05, p["length"]), turning(1.5, -2, p["spin"]);
+                const Matrix3 R = rotation_about({1, 0, 0}, 0.4);
+                auto& top = graph.add<RigidBody>("top", {.mass = p["mass"],
+                                                         .inertia = {p["inertia"], 0.05, 0.03},
+                                                         .position = R * arm,
+                                                         .orientation = R,
+                                                         .velocity = R * turning.cross(arm),
+                                                         .angular_velocity = turning});
+                graph.add<SphericalJoint>("ball", {graph.ground().marker(), top.marker(-arm)});
+                return std::vector<Sensor>{position(top.marker({0.2, 0, 0}), "tip"), velocity(top.marker(), "v")};
               },
           .integrator = exact_alpha(5e-3)};
 }

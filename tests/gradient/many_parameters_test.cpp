@@ -1,4 +1,6 @@
 #include "bodies/rigid_body.h"
+#include "integrators/lie_bdf.h"
+#include "integrators/radau.h"
 #include "joints/forces/coordinate_spring.h"
 #include "joints/forces/point_force.h"
 #include "joints/forces/spring_damper.h"
@@ -85,13 +87,10 @@ struct Chain {
 
 /// Sixty parameters, of which those with different terms are moved together, against the forward mode, which moves
 /// each alone; tangents with the rows of dampers that turn; the start goes backwards too.
-TEST(ManyParameters, AdjointByTermsIsTheTangent) {
-  const Chain chain{3, 0.2, 4e-3};
+void expect_adjoint_is_tangent(const ParametricScene& scene, const std::vector<DesignParameter>& parameters) {
   const std::vector<Quantity> quantities{value_at("tip_z", 0.2), value_at("tip_x", 0.11), integral("kinetic")};
-  const Gradient forwards =
-      gradient(chain.scene(), quantities, chain.parameters(), {.mode = GradientOptions::Mode::tangent});
-  const Gradient backwards =
-      gradient(chain.scene(), quantities, chain.parameters(), {.mode = GradientOptions::Mode::adjoint});
+  const Gradient forwards = gradient(scene, quantities, parameters, {.mode = GradientOptions::Mode::tangent});
+  const Gradient backwards = gradient(scene, quantities, parameters, {.mode = GradientOptions::Mode::adjoint});
   EXPECT_FALSE(backwards.differenced);
   EXPECT_LE(backwards.groups, 30);
   for (Eigen::Index i = 0; i < forwards.values.size(); ++i)  // sums in another order
@@ -112,6 +111,24 @@ TEST(ManyParameters, AdjointByTermsIsTheTangent) {
                   backwards.groups);
     EXPECT_LE(off, 1e-8 * size) << forwards.quantities[i];
   }
+}
+TEST(ManyParameters, AdjointByTermsIsTheTangent) {
+  const Chain chain{3, 0.2, 4e-3};
+  expect_adjoint_is_tangent(chain.scene(), chain.parameters());
+}
+TEST(ManyParameters, AdjointByTermsIsTheTangentOfRadau) {
+  const Chain chain{2, 0.2, 4e-3};
+  ParametricScene scene = chain.scene();
+  scene.integrator = [] { return std::make_unique<Radau>(Radau::Parameters{.step = 4e-3, .newton_tolerance = 1e-13}); };
+  expect_adjoint_is_tangent(scene, chain.parameters());
+}
+TEST(ManyParameters, AdjointByTermsIsTheTangentOfLieBdf) {
+  const Chain chain{3, 0.2, 4e-3};
+  ParametricScene scene = chain.scene();
+  scene.integrator = [] {
+    return std::make_unique<LieBdf>(LieBdf::Parameters{.tolerance = {.relative = 1e-8, .absolute = 1e-9}});
+  };
+  expect_adjoint_is_tangent(scene, chain.parameters());
 }
 
 /// A thousand parameters of twenty kinds in less than four times the run (docs/gradients.md has figures). The bound is

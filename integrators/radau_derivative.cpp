@@ -1,0 +1,232 @@
+#include "engine/base/error.h"
+#include "engine/motion/chart_maps.h"
+#include "integrators/radau.h"
+#include "integrators/refinement.h"
+
+namespace lithe {
+
+namespace {
+
+class RepeatedRadau final : public RepeatedStep {
+ public:
+  explicit RepeatedRadau(EquationsOfMotion& equations) : equations_(equations), projector_(equations) {}
+
+  /// To round-off, from constant accelerations instead of the last step's polynomial; then once more from there, so
+  /// that positions are corrected along rows of the step itself.
+  void take(const State& from, State& to) override {
+    constexpr double kSolved = 1e-15;  // m, rad
+    start_ = from;
+    start_.v_dot.setZero(from.v.size());
+    start_.lambda.setZero(equations_.layout().row_count());
+    projector_.accelerations(start_.time, start_.q, start_.v, start_.v_dot, start_.lambda);
+    const double h = to.time - from.time;
+    stages_.prepare(equations_, start_);
+    stages_.predict(equations_.layout(), start_, h);
+    for (const bool again : {false, true}) {
+      if (again) stages_.begin_again(equations_.layout(), h);
+      if (!stages_.solve(equations_, start_, to.time, h, {Tolerance{}, kSolved}, statistics_))
+        throw SimulationError("the step to t = " + std::to_string(to.time) + " s cannot be taken again nearby",
+                              "Radau, derivative of a step", "look for what is not smooth there");
+    }
+    to.q.resize(from.q.size());
+    equations_.layout().retract(from.q, stages_.increment(), to.q);
+    to.v = stages_.velocity();
+  }
+
+ private:
+  EquationsOfMotion& equations_;
+  Projector projector_;
+  RadauStages stages_;
+  IntegratorStatistics statistics_;
+  State start_;
+};
+
+constexpr int kMostRefinements = 40;
+constexpr double kSameEnd = 1e-9;  // m, rad: of a step and its record
+
+}  // namespace
+
+/// The step, equation by equation, backwards. With q_i = q_n ⊕ d_i, R = Jr⁻¹(d), and b_i the corrections of positions:
+///   v_i = v_n + h Σ a_ij v̇_j,   d_i = h Σ a_ij R_j v_j + R_i b_i,   M v̇_i + Gᵀλ_i = f,   G v_i + ∂g/∂t = 0,
+///   g(q_i) = 0,   S b_i + Gᵀy_i = 0 at the middle stage, S = s²M + sD + K; how S and G turn there is left out.
+/// With multipliers μ, κ, ν, ξ of dynamics, velocities, positions and d, the derivatives by v_i, q_i, v̇_j and d_j are
+///   p_i = Dᵀμ_i + Gᵀκ_i - R_iᵀΞ_i + [what is wanted of v'],   Ξ_i = h Σ a_ki ξ_k,
+///   z_i = Kᵀμ_i + Ġᵀκ_i + Gᵀν_i + [what is wanted of q'],
+///   M μ_j + h Σ a_ij p_i = 0,   T_jᵀz_j + ξ_j = (∂Rv/∂d)ᵀΞ_j + (∂Rb/∂d)ᵀξ_j,   G μ_j = 0,   G S⁻ᵀ R_jᵀξ_j = 0.
+/// Solved by corrections: with one M, D, K, G and R = 1 for all stages they fall apart in the eigenvectors of A⁻¹ into
+/// a real and a complex system with Sᵀ, for μ and s κ + ν; what the last equation lacks is the correction of ν.
+class RadauAdjoint final : public StepAdjoint {
+ public:
+  void adjoint(LinearEquations& equations, const TakenStep& step, Variation& x, MatrixX& gradient) override {
+    begin(equations, step, x);
+    equations.at(stages_[1]);
+    const double s = method_.gamma_ / h_;
+    const std::complex<double> c = method_.alpha_ / h_;
+    equations.factorize({1, s, s * s}, VectorX::Zero(step.from.v.size()), true);
+    equations.factorize_complex({1.0, c, c * c});
+    const bool solved = refine([&] { return correct(equations, x); }, kMostRefinements);
+    if (!solved)
+      throw SimulationError(
+          "the adjoint of the step to t = " + std::to_string(step.to.time) + " s was not found to 1e-6",
+          "Radau, derivative of a step", "look for what is not smooth there, or give a smaller step or tolerance");
+    for (int i = 0; i < 3; ++i) {
+      equations.at(stages_[i]);
+      equations.add_parameter_products(mu_[i], nu_[i], 1, gradient);
+      MatrixX turn = MatrixX::Zero(x.turn.rows(), x.turn.cols()), velocity = turn;
+      equations.add_rate_sums(kappa_[i], turn, velocity, gradient);
+    }
+    x.turn = of_q_;
+    x.velocity = of_v_;
+  }
+
+  void adjoint_start(LinearEquations&, const State&, Variation&, MatrixX&) override {}
+
+ private:
+  using Stages = std::array<MatrixX, 3>;
+
+  /// Σ x_i w_ij.
+  static Stages combine(const Stages& x, const Matrix3& w) {
+    Stages out;
+    for (int j = 0; j < 3; ++j) out[j] = w(0, j) * x[0] + w(1, j) * x[1] + w(2, j) * x[2];
+    return out;
+  }
+
+  void begin(LinearEquations& equations, const TakenStep& step, const Variation& x) {
+    const Layout& layout = equations.layout();
+    const Eigen::Index n = x.turn.rows(), wants = x.turn.cols(), rows = layout.row_count();
+    h_ = step.to.time - step.from.time;
+    const auto* record = dynamic_cast<const RadauRecord*>(step.record);
+    VectorX off(n), end(step.to.q.size()), rate(n);
+    if (record) {
+      layout.retract(step.from.q, record->d.col(2), end);
+      layout.difference(end, step.to.q, off);
+    }
+    if (!record || !(off.lpNorm<Eigen::Infinity>() <= kSameEnd))
+      throw SimulationError("the step to t = " + std::to_string(step.to.time) + " s is not one of the method",
+                            "Radau, derivative of a step", "look for a singular pose that the run was led across");
+    MatrixX rates(n, 3);
+    for (int i = 0; i < 3; ++i) {
+      State& state = stages_[i] = step.from;
+      state.time = i == 2 ? step.to.time : step.from.time + method_.c_[i] * h_;
+      layout.retract(step.from.q, record->d.col(i), state.q);
+      state.v = record->v.col(i);
+      state.v_dot = record->v_dot.col(i);
+      state.lambda = record->lambda.col(i);
+      d_[i] = record->d.col(i);
+      maps_[i].at(layout, d_[i]);
+      layout.chart_rates(d_[i], state.v, rate);
+      rates.col(i) = rate;
+      mu_[i].setZero(n, wants), kappa_[i].setZero(rows, wants), nu_[i].setZero(rows, wants);
+    }
+    const MatrixX corrections = record->d - h_ * rates * method_.A_.transpose();
+    for (int i = 0; i < 3; ++i) {
+      MatrixX b = corrections.col(i);
+      maps_[i].turn(b);
+      b_[i] = b;
+    }
+    of_q_.setZero(n, wants), of_v_.setZero(n, wants);
+  }
+
+  /// What the equations lack, and a correction by it. Leaves what is wanted of q_n and v_n as it was before.
+  std::pair<double, double> correct(LinearEquations& equations, const Variation& x) {
+    const Layout& layout = equations.layout();
+    const Eigen::Index n = x.turn.rows(), wants = x.turn.cols(), rows = layout.row_count();
+    Stages z, p, M, G, theta;
+    LinearEquations::Pulled pulled;
+    MatrixX no_gradient(0, wants);
+    for (int i = 0; i < 3; ++i) {
+      equations.at(stages_[i]);
+      for (MatrixX* m : {&z[i], &p[i], &M[i]}) m->resize(n, wants);
+      G[i].resize(rows, wants);
+      for (Eigen::Index k = 0; k < wants; ++k) {
+        equations.pull(mu_[i].col(k), nu_[i].col(k), pulled);
+        z[i].col(k) = pulled.turn, p[i].col(k) = pulled.velocity, M[i].col(k) = pulled.acceleration;
+        G[i].col(k) = pulled.rows;
+      }
+      equations.add_rate_sums(kappa_[i], z[i], p[i], no_gradient);
+    }
+    z[2] += x.turn;
+    p[2] += x.velocity;
+    // ξ of the d_j, in passes: turns within a step are small.
+    Stages turned = z, xi, pulled_back;
+    for (int i = 0; i < 3; ++i) maps_[i].turn_transposed(turned[i]), xi[i] = -turned[i];
+    for (int pass = 0; pass < kMostRefinements; ++pass) {
+      pulled_back = combine(xi, h_ * method_.A_);
+      double change = 0, size = 0;
+      for (int i = 0; i < 3; ++i) {
+        MatrixX of_d = -turned[i], of_v = MatrixX::Zero(n, wants), unused = of_v;
+        add_chart_rate_products(layout, d_[i], b_[i], xi[i], of_d, unused);
+        add_chart_rate_products(layout, d_[i], stages_[i].v, pulled_back[i], of_d, of_v);
+        change = std::max(change, (of_d - xi[i]).lpNorm<Eigen::Infinity>());
+        size = std::max(size, of_d.lpNorm<Eigen::Infinity>());
+        xi[i] = of_d;
+        pulled_back[i] = of_v;
+      }
+      if (!(change > 1e-16 * size)) break;
+    }
+    MatrixX of_q = MatrixX::Zero(n, wants), of_v = of_q;
+    for (int i = 0; i < 3; ++i) {
+      p[i] -= pulled_back[i];
+      of_v += p[i];
+      maps_[i].carry_transposed(z[i]);
+      of_q += z[i];
+    }
+    const double change = std::max((of_q - of_q_).lpNorm<Eigen::Infinity>(), (of_v - of_v_).lpNorm<Eigen::Infinity>());
+    const double size = std::max(of_q.lpNorm<Eigen::Infinity>(), of_v.lpNorm<Eigen::Infinity>());
+    of_q_ = of_q, of_v_ = of_v;
+    // What ν lacks, at the middle stage.
+    VectorX force, row;
+    for (int i = 0; i < 3; ++i) {
+      maps_[i].change_transposed(xi[i]);
+      theta[i].resize(rows, wants);
+      for (Eigen::Index k = 0; k < wants; ++k) {
+        force = xi[i].col(k), row.setZero(rows);
+        equations.solve(force, row);
+        theta[i].col(k) = row;
+      }
+    }
+    // μ and s κ + ν in the eigenvectors.
+    Stages lacking = combine(p, h_ * method_.A_);
+    for (int i = 0; i < 3; ++i) lacking[i] += M[i];
+    lacking = combine(lacking, -method_.T_);
+    Stages of_rows = combine(G, -method_.T_);
+    const double s = method_.gamma_ / h_;
+    const std::complex<double> c = method_.alpha_ / h_, imaginary(0, 1);
+    for (Eigen::Index k = 0; k < wants; ++k) {
+      force = s * s * lacking[0].col(k), row = of_rows[0].col(k);
+      equations.solve(force, row);
+      lacking[0].col(k) = force, of_rows[0].col(k) = row;
+      ComplexVectorX both = c * c * (lacking[1].col(k) - imaginary * lacking[2].col(k)),
+                     both_rows = of_rows[1].col(k) - imaginary * of_rows[2].col(k);
+      equations.solve_complex(both, both_rows);
+      lacking[1].col(k) = both.real(), lacking[2].col(k) = -both.imag();
+      of_rows[1].col(k) = both_rows.real(), of_rows[2].col(k) = -both_rows.imag();
+    }
+    lacking = combine(lacking, method_.T_inverse_);
+    of_rows = combine(of_rows, method_.T_inverse_);
+    for (int i = 0; i < 3; ++i) {
+      mu_[i] += lacking[i];
+      nu_[i] += theta[i];
+      of_rows[i] -= theta[i];
+    }
+    of_rows = combine(of_rows, h_ * method_.A_);
+    for (int i = 0; i < 3; ++i) kappa_[i] += of_rows[i];
+    return {change, size};
+  }
+
+  const RadauStages method_;
+  double h_ = 0;
+  std::array<State, 3> stages_;
+  std::array<VectorX, 3> d_, b_;
+  std::array<ChartMaps, 3> maps_;
+  Stages mu_, kappa_, nu_;
+  MatrixX of_q_, of_v_;
+};
+
+std::unique_ptr<RepeatedStep> Radau::repeated_step(EquationsOfMotion& equations) const {
+  return std::make_unique<RepeatedRadau>(equations);
+}
+
+std::unique_ptr<StepAdjoint> Radau::step_adjoint() const { return std::make_unique<RadauAdjoint>(); }
+
+}  // namespace lithe
