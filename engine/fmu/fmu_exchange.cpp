@@ -48,7 +48,9 @@ bool FmuInstance::update() {
   const bool off = equations_->drift(look(), x_) > equations_->allowed_drift(tolerance_);
   if (off) {
     evaluated_ = false;
-    equations_->project(*snapshot_, state_);
+    State moved = state_;
+    equations_->project(*snapshot_, moved);
+    state_ = moved;
     x_ = equations_->states_of(state_);
   }
   sides_ = equations_->sides(look());

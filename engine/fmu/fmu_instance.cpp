@@ -44,7 +44,6 @@ FmuInstance::FmuInstance(const FmuModel& model, Form form)
                           .start = p.value,
                           .lower = p.lower,
                           .upper = p.upper,
-                          .held = p.between == Input::Between::held,
                           .place = static_cast<int>(variables_.size()) - 1});
   }
   for (std::size_t s = 0; s < sensors_.size(); ++s)

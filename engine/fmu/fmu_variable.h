@@ -12,7 +12,6 @@ struct FmuVariable {
   Role role = Role::time;
   double start = 0;  // of inputs and parameters, as their bounds
   double lower = -std::numeric_limits<double>::infinity(), upper = std::numeric_limits<double>::infinity();
-  bool held = false;   // between communication points
   double nominal = 1;  // size of a state
   int place = 0;       // among those of its role
 };

@@ -58,6 +58,16 @@ unsigned UnpackedFmu::reference(const std::string& variable) const {
   return at == std::string::npos ? 9999u : static_cast<unsigned>(std::stoul(description.substr(at + before.size(), 9)));
 }
 
+void expect_valid_description(const ScriptFolder& scratch, int version) {
+  const std::string schema = std::string(LITHE_TEST_DATA) + "/fmi/schema-" +
+                             (version == 3 ? "3.0.2/fmi3" : "2.0.5/fmi2") + "ModelDescription.xsd";
+  const Outcome valid =
+      scratch.shell("command -v xmllint >/dev/null || { echo no xmllint; exit 0; }; xmllint --noout --schema " +
+                    schema + " unpacked/modelDescription.xml");
+  EXPECT_EQ(valid.exit_code, 0) << valid.output;
+  std::printf("%s", valid.output.c_str());
+}
+
 FmuLibrary::FmuLibrary(const fs::path& path) : handle_(dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL)) {
   EXPECT_NE(handle_, nullptr) << dlerror();
 }

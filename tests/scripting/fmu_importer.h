@@ -22,6 +22,9 @@ struct UnpackedFmu {
   unsigned reference(const std::string& variable) const;
 };
 
+/// The unpacked description satisfies the standard's schema, where xmllint is installed.
+void expect_valid_description(const ScriptFolder& scratch, int version);
+
 /// The library's functions, by the standard's names and signatures (tests/data/fmi). It stays loaded for the rest of
 /// the process, as scenes have statics.
 class FmuLibrary {

@@ -18,6 +18,7 @@ StudyScene scene() {
         graph.add<CoordinateSpring>("spring", {pin.angle()}, {.stiffness = stiffness});
         graph.add<PidController>("servo", {pin.angle(), memory.coordinate()},
                                  {.target = target, .proportional = 5, .integral = 3, .derivative = 0.5});
+        graph.add<CoordinateStop>("stop", {pin.angle()}, {.lower = -2, .upper = 2, .stiffness = 100});  // not reached
         return {coordinate(pin.angle(), "angle"), position(rod.marker({0.3, 0, 0}), "tip"), joint_reaction(pin, "pin"),
                 total_energy("energy")};
       }};
