@@ -106,14 +106,18 @@ void FmuEquations::find_nominals() {
     if (row == column && row < mass.size()) mass.segment(row, block.rows()) = block.diagonal();
   });
   nominals_.setConstant(layout.q_count() + layout.v_count(), length_);
+  const Layout::BodySlice* first = nullptr;  // of the body's slices
   for (const Layout::BodySlice& b : layout.bodies()) {
-    if (!b.frame) continue;
-    const int v = layout.q_count() + b.v;
-    nominals_.segment<4>(b.q + 3).setOnes();
-    nominals_.segment<3>(v + 3).setOnes();
-    for (int i = 0; i < b.linear; ++i)
-      nominals_[b.q + 7 + i] = nominals_[v + 6 + i] =
-          kElasticShare * length_ * std::sqrt(mass[b.v] / mass[b.v + 6 + i]);
+    if (b.part == 0) first = &b;
+    if (!first->frame) continue;
+    const int at = b.frame ? 6 : 0;  // of the linear coordinates
+    if (b.frame) {
+      nominals_.segment<4>(b.q + 3).setOnes();
+      nominals_.segment<3>(layout.q_count() + b.v + 3).setOnes();
+    }
+    for (int i = at; i < at + b.linear; ++i)
+      nominals_[b.q + i + (b.frame ? 1 : 0)] = nominals_[layout.q_count() + b.v + i] =
+          kElasticShare * length_ * std::sqrt(mass[first->v] / mass[b.v + i]);
   }
 }
 
