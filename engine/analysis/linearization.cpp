@@ -11,6 +11,7 @@
 #include "engine/base/log.h"
 #include "engine/base/number_text.h"
 #include "engine/motion/projection.h"
+#include "engine/observe/stop_run.h"
 
 namespace lithe {
 namespace {
@@ -259,7 +260,7 @@ void animate(const System& system, const Linearization& about, const Mode& mode,
     State state = displaced(system, about, mode, amplitude, 2 * M_PI * share);
     state.time = share / frequency;
     snapshot.evaluate(state);
-    observer.observe(snapshot);
+    if (!stopped_by_observers([&] { observer.observe(snapshot); }).empty()) return;
   }
 }
 

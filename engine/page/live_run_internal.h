@@ -78,7 +78,8 @@ class LiveRun {
   long every_ = 1, thinned_ = 0, observed_ = 0;
   long changes_ = 0;  // of what status() tells
   std::string state_ = "running", problem_;
-  double speed_, steps_left_ = 0;
+  double speed_;
+  long steps_left_ = 0;
   bool stopping_ = false, ended_ = false;
   std::vector<Slider> sliders_;
   std::map<std::string, double> wishes_;                // values of inputs, to be set

@@ -32,8 +32,7 @@ struct FollowOptions {
   double speed = 0;   // simulated seconds a second, while somebody looks; 0: as fast as possible. The page changes it
   double wait = 0;    // s, at the first state, for a browser to open the page
   double ramp = 0.5;  // s of the run in which an input between samples `linear` or `smooth` gets to what the page asks
-  std::size_t kept =
-      std::size_t{256} << 20;  // bytes of states for the page: beyond them every second is left out there
+  std::size_t kept = 256'000'000;  // bytes of states for the page; beyond them every second one is left out there
 };
 
 /// A recorded simulation for viewing: as one page (write_page, engine/page/page.h), or from a file by

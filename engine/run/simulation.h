@@ -79,7 +79,7 @@ class Simulation {
   void on(Event event);
   /// What happened since the last start at a new state, by time; at one time in the order of the islands.
   const std::vector<EventRecord>& events() const;
-  /// The event that ended the last run before its time; empty: none did.
+  /// The event, or who else (StopRun), that ended the last run before its time; empty: none did.
   const std::string& stopped_by() const;
 
   /// Moves the state, one of system(), to time `end`, exactly, or to an event that stops the run. Observers of every

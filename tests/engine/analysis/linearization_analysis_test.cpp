@@ -11,6 +11,7 @@
 #include "engine/analysis/describe.h"
 #include "engine/analysis/equilibrium.h"
 #include "engine/observe/recorder.h"
+#include "engine/observe/stop_run.h"
 #include "joints/coordinate_drive.h"
 #include "joints/cylindrical_joint.h"
 #include "joints/fixed_joint.h"
@@ -316,6 +317,15 @@ TEST(linearization, a_state_displaced_along_a_mode_keeps_to_the_rows_and_its_pot
   Recorder recorder({height(rod.marker())});
   animate(system, small, small.modes[0], 0.1, 25, recorder);
   EXPECT_EQ(recorder.table().row_count(), 25);
+
+  struct EndsAtTheThird final : Observer {
+    int seen = 0;
+    void observe(Snapshot& /*now*/) override {
+      if (++seen == 3) throw StopRun{"an observer"};
+    }
+  } ends;
+  animate(system, small, small.modes[0], 0.1, 25, ends);
+  EXPECT_EQ(ends.seen, 4) << "it is told of that state again";
 }
 
 TEST(linearization, a_state_off_its_joints_is_refused) {
