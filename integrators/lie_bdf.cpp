@@ -287,6 +287,7 @@ bool LieBdf::keep(Archive& archive, EquationsOfMotion& equations, const State& s
   archive("order", order_);
   archive("steps_at_order", steps_at_order_);
   archive("raising", raising_);
+  archive("begun", begun_);
   archive("failed", failed_);
   archive("factor_weight", factor_weight_);
   archive("convergence_rate", convergence_rate_);

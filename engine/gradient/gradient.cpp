@@ -42,7 +42,7 @@ class RunGradient {
  public:
   RunGradient(const ParametricScene& scene, const std::vector<DesignParameter>& parameters, const Drawing& drawing,
               std::vector<Quantity> quantities, const GradientOptions& options)
-      : scene_(scene), drawing_(drawing), quantities_(std::move(quantities)) {
+      : scene_(scene), drawing_(drawing), events_(scene, parameters, drawing), quantities_(std::move(quantities)) {
     for (const Quantity& q : quantities_) column_of_.push_back(columns_.add(q.column, drawing));
     run(options.memory);
     const auto count = static_cast<int>(parameters.size());
@@ -149,6 +149,17 @@ class RunGradient {
     }
   }
 
+  /// An integral over an event changes with the event's time by what the column jumps: calls add(quantity, jump).
+  template <class Add>
+  void at_jump(const State& before, const State& after, const Add& add) {
+    for (std::size_t i = 0; i < quantities_.size(); ++i) {
+      const Quantity& q = quantities_[i];
+      if (q.kind != Quantity::Kind::integral || !(q.from < before.time && before.time < q.to)) continue;
+      SensorDerivative& sensor = sensors_[static_cast<std::size_t>(column_of_[i])];
+      add(static_cast<int>(i), sensor.value(before) - sensor.value(after));
+    }
+  }
+
   static TakenStep step(const std::vector<RecordedRun::Taken>& states, std::size_t i) {
     return {states[i - 1].state, states[i].state, states[i].record.get()};
   }
@@ -165,7 +176,16 @@ class RunGradient {
       const long first = run_->first(s);
       if (s == 0) at_step(0, states[0].state, values, derivatives, read);
       for (std::size_t i = 1; i < states.size(); ++i) {
-        if (repeated)
+        if (const int event = run_->event_before(first + static_cast<long>(i)); event >= 0) {
+          const EventDerivative::Jump jump = events_.at(event, states[i - 1].state, states[i].state);
+          MatrixX change(2 * x.turn.rows(), x.turn.cols());
+          change << x.turn, x.velocity;
+          const Eigen::RowVectorXd time = jump.time_by_state.transpose() * change + jump.time_by_parameters.transpose();
+          at_jump(states[i - 1].state, states[i].state,
+                  [&](int quantity, double weight) { derivatives.row(quantity) += weight * time; });
+          change = (jump.by_state * change + jump.by_parameters).eval();
+          x.turn = change.topRows(x.turn.rows()), x.velocity = change.bottomRows(x.turn.rows());
+        } else if (repeated)
           repeated->tangent(states[i - 1].state, states[i].state, x);
         else
           run_->derivative()->tangent(*equations_, step(states, i), x);
@@ -197,6 +217,19 @@ class RunGradient {
       const long first = run_->first(s);
       for (std::size_t i = states.size() - 1; i >= 1; --i) {
         at_step(first + static_cast<long>(i), states[i].state, values, derivatives, read);
+        if (const int event = run_->event_before(first + static_cast<long>(i)); event >= 0) {
+          const EventDerivative::Jump jump = events_.at(event, states[i - 1].state, states[i].state);
+          MatrixX wanted(2 * x.turn.rows(), count);
+          wanted << x.turn, x.velocity;
+          within += jump.by_parameters.transpose() * wanted;
+          wanted = (jump.by_state.transpose() * wanted).eval();
+          at_jump(states[i - 1].state, states[i].state, [&](int quantity, double weight) {
+            within.col(quantity) += weight * jump.time_by_parameters;
+            wanted.col(quantity) += weight * jump.time_by_state;
+          });
+          x.turn = wanted.topRows(velocities), x.velocity = wanted.bottomRows(velocities);
+          continue;
+        }
         adjoint->adjoint(*equations_, step(states, i), x, within);
       }
       if (s == 0) at_step(0, states[0].state, values, derivatives, read);
@@ -236,6 +269,7 @@ class RunGradient {
   };
   const ParametricScene& scene_;
   const Drawing& drawing_;
+  EventDerivative events_;
   std::vector<Quantity> quantities_;
   Columns columns_;
   std::vector<int> column_of_;  // of each quantity

@@ -57,10 +57,9 @@ void draw_only(const ParametricScene& scene, const std::vector<DesignParameter>&
 }
 
 Drawing::Drawing(const ParametricScene& scene, const std::vector<DesignParameter>& parameters)
-    : graph_({.gravity = scene.gravity}) {
+    : values_(as_table(parameters)), graph_({.gravity = scene.gravity}) {
   if (!scene.draw) throw SceneError("the scene has nothing to draw", "ParametricScene", "give a function draw");
-  const Table table = as_table(parameters);
-  sensors_ = scene.draw(graph_, SweepPoint(table, 0));
+  sensors_ = scene.draw(graph_, point());
   system_ = std::make_unique<const System>(assemble(graph_, {.forward_dynamics = scene.forward_dynamics}));
 }
 

@@ -7,10 +7,23 @@
 
 #include "engine/assembly/system.h"
 #include "engine/motion/make_integrator.h"
+#include "engine/observe/event.h"
 #include "engine/observe/sensors.h"
 #include "engine/study/sweep.h"
 
 namespace lithe {
+
+/// An event of a parametric scene: where a column of its sensors passes a level, the state changes and the method
+/// starts anew.
+struct ParametricEvent {
+  std::string name;
+  Located column;
+  double level = 0;
+  Event::Direction direction = Event::Direction::both;
+  /// Of the state at the event; it may depend on the parameters. Positions and velocities are moved onto the joints
+  /// afterwards. Smooth, of small changes of the state.
+  std::function<void(State&, const SweepPoint&)> change = {};
+};
 
 /// A scene as a function of named parameters: it is drawn afresh for every set of values, into a graph of its own.
 /// Whatever the drawing makes of `point["mass"]` is a parameter: inertias, places of markers, laws of forces and
@@ -24,6 +37,7 @@ struct ParametricScene {
   std::function<std::vector<Sensor>(SystemGraph&, const SweepPoint&)> draw;
   MakeIntegrator integrator;     // not needed for what is wanted at rest
   bool forward_dynamics = true;  // AssembleOptions: explicit methods have an adjoint where it is off
+  std::vector<ParametricEvent> events = {};
 };
 
 /// A named number and its value here. Derivatives compare drawings at value ± step and ± 2 step.
@@ -47,9 +61,12 @@ class Drawing {
     int sensor, column;
   };
   Place find(const Located& column) const;
+  /// The values that it is drawn with.
+  SweepPoint point() const { return SweepPoint(values_, 0); }
   const Sensor& sensor(int number) const { return sensors_[static_cast<std::size_t>(number)]; }
 
  private:
+  Table values_;
   SystemGraph graph_;
   std::vector<Sensor> sensors_;
   std::unique_ptr<const System> system_;

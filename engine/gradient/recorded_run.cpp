@@ -1,8 +1,10 @@
 #include "engine/gradient/recorded_run.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "engine/base/error.h"
+#include "engine/gradient/event_landing.h"
 #include "engine/observe/observer_schedules.h"
 #include "engine/study/study_run.h"
 
@@ -42,21 +44,31 @@ RecordedRun::RecordedRun(const ParametricScene& scene, const Drawing& drawing, s
   double aside = 0;  // s, spent on the tape and on looking
   integrator_->start(equations_, state);
   state_bytes_ = bytes_of(state);
-  const auto record = [&] {
+  const auto note = [&](double stop) {
     const double now = thread_seconds();
-    times_.push_back(state.time);
-    keep(state, steps());
+    record(state, stop);
     look(state);
     aside += thread_seconds() - now;
   };
-  record();
+  note(0);
+  std::optional<EventLanding> events;
+  if (!scene.events.empty()) events.emplace(scene, drawing, *integrator_, equations_, state);
+  double stop = scene.duration;
   while (scene.duration - state.time > time_round_off(scene.duration)) {
     before = state;
-    advance(*integrator_, equations_, state);
+    if (events) events->remember(state);
+    advance(*integrator_, equations_, state, stop);
+    if (events && events->cut(before, state, stop)) continue;
     if (const std::string why = derivative_ ? derivative_->refuse_step(before, state) : ""; !why.empty())
       refuse(scene, "the step to t = " + std::to_string(state.time) + " s cannot be differentiated: " + why,
-             "choose a step that divides the duration and that Newton can take");
-    record();
+             "choose a step that divides the duration and that Newton can take; events ask for another method");
+    note(stop);
+    if (!events || !events->met()) continue;
+    jump(events->number(), *integrator_, equations_, state);
+    events_[steps() + 1] = events->number();
+    stop = scene.duration;
+    note(stop);
+    events->go_on(state);
   }
   seconds_ = thread_seconds() - begun - aside;
   if (!all_) states_.clear();
@@ -72,9 +84,25 @@ RecordedRun::RecordedRun(const ParametricScene& scene, const Drawing& drawing, s
 
 RecordedRun::~RecordedRun() = default;
 
-void RecordedRun::advance(Integrator& integrator, Evaluator& equations, State& state) const {
+int RecordedRun::event_before(long state) const {
+  const auto found = events_.find(state);
+  return found == events_.end() ? -1 : found->second;
+}
+
+void RecordedRun::jump(int event, Integrator& integrator, Evaluator& equations, State& state) const {
+  apply_event(scene_.events[static_cast<std::size_t>(event)], drawing_, equations, state);
+  integrator.start(equations, state);
+}
+
+void RecordedRun::record(const State& state, double stop) {
+  times_.push_back(state.time);
+  stops_.push_back(stop);
+  keep(state, steps());
+}
+
+void RecordedRun::advance(Integrator& integrator, Evaluator& equations, State& state, double stop) const {
   const double before = state.time;
-  const StepResult result = integrator.step(equations, state, scene_.duration, Multipliers::later);
+  const StepResult result = integrator.step(equations, state, stop, Multipliers::later);
   if (!result.ok() || !(state.time > before) || !state.q.allFinite() || !state.v.allFinite())
     throw SimulationError("the step from t = " + std::to_string(before) +
                               " s failed: " + (result.ok() ? "it left values that are not finite" : result.why),
@@ -137,7 +165,10 @@ const std::vector<RecordedRun::Taken>& RecordedRun::stretch(int number) {
   add(state, *integrator);
   const long last = std::min(steps(), (number + 1) * stride_);
   for (long step = number * stride_; step < last; ++step) {
-    advance(*integrator, equations, state);
+    if (const int event = event_before(step + 1); event >= 0)
+      jump(event, *integrator, equations, state);
+    else
+      advance(*integrator, equations, state, stops_[static_cast<std::size_t>(step) + 1]);
     if (state.time != times_[static_cast<std::size_t>(step) + 1])
       throw SimulationError("the run from a checkpoint at t = " + std::to_string(mark.state.time) + " s left its steps",
                             "RecordedRun", "give more memory, so that all states are kept");

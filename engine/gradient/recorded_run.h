@@ -1,19 +1,21 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <vector>
 
 #include "engine/archive/archive.h"
 #include "engine/assembly/evaluator.h"
-#include "engine/gradient/parametric_scene.h"
+#include "engine/gradient/event_derivative.h"
 #include "engine/motion/step_derivative.h"
 
 namespace lithe {
 
 /// The states of one run between its steps, to be gone through forwards or backwards. As many as memory allows are
 /// kept; else checkpoints at equal numbers of steps, from which stretches are run again: with the same bits, since a
-/// checkpoint holds the integrator's history. The run itself is that of Simulation, step by step.
+/// checkpoint holds the integrator's history. The run itself is that of Simulation, step by step; a step that passes an
+/// event is taken again to end there.
 class RecordedRun {
  public:
   using Look = std::function<void(const State&)>;
@@ -22,7 +24,10 @@ class RecordedRun {
   RecordedRun(const ParametricScene& scene, const Drawing& drawing, std::size_t memory, const Look& look);
   ~RecordedRun();
 
+  /// Of the states; twice where an event changes the state.
   const std::vector<double>& times() const { return times_; }
+  /// The number of the event that led to this state from the one before; -1: a step did.
+  int event_before(long state) const;
   long steps() const { return static_cast<long>(times_.size()) - 1; }
   /// Null: forwards by repeated steps alone.
   StepDerivative* derivative() { return derivative_.get(); }
@@ -48,9 +53,11 @@ class RecordedRun {
     Archive history;
   };
   void keep(const State& state, long step);
+  void record(const State& state, double stop);
   void add(const State& state, const Integrator& integrator);
   void thin();
-  void advance(Integrator& integrator, Evaluator& equations, State& state) const;
+  void advance(Integrator& integrator, Evaluator& equations, State& state, double stop) const;
+  void jump(int event, Integrator& integrator, Evaluator& equations, State& state) const;
 
   const ParametricScene& scene_;
   const Drawing& drawing_;
@@ -65,6 +72,8 @@ class RecordedRun {
   std::vector<Taken> states_;  // of the run, or of the stretch that was run again last
   int present_ = -1;
   std::vector<double> times_;
+  std::vector<double> stops_;            // s: what each step was not to pass
+  std::map<long, int> events_;           // by the number of the state that they led to
   std::vector<Checkpoint> checkpoints_;  // of every stride_-th step
   std::vector<State> probes_;
 };

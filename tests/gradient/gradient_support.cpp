@@ -9,15 +9,17 @@ namespace {
 
 /// The quantities' values alone.
 VectorX values(const ParametricScene& scene, const std::vector<Quantity>& quantities,
-               std::vector<DesignParameter> parameters) {
+               const std::vector<DesignParameter>& parameters) {
   const log::Quiet quiet;  // of rows that repeat others, once a run
   // One parameter that nothing depends on: the run's values without a gradient worth its time.
   ParametricScene fixed = scene;
-  fixed.draw = [&](SystemGraph& graph, const SweepPoint&) {
-    Table table;
-    for (const DesignParameter& p : parameters) table.columns.push_back(p.name), table.values.push_back(p.value);
-    return scene.draw(graph, SweepPoint(table, 0));
-  };
+  Table table;
+  for (const DesignParameter& p : parameters) table.columns.push_back(p.name), table.values.push_back(p.value);
+  fixed.draw = [&](SystemGraph& graph, const SweepPoint&) { return scene.draw(graph, SweepPoint(table, 0)); };
+  for (ParametricEvent& event : fixed.events)
+    event.change = [&table, change = event.change](State& state, const SweepPoint&) {
+      change(state, SweepPoint(table, 0));
+    };
   return gradient(fixed, quantities, {{"nothing", 1}}, {.mode = GradientOptions::Mode::tangent}).values;
 }
 
@@ -65,6 +67,18 @@ void expect_gradient(const ParametricScene& scene, const std::vector<Quantity>& 
             ((found.derivatives.row(i) - expected.row(i)).transpose().cwiseProduct(scales)).lpNorm<Eigen::Infinity>() /
                 size);
     }
+  }
+}
+
+void expect_close(const Gradient& found, const Gradient& expected, const std::vector<DesignParameter>& parameters) {
+  VectorX scales(found.derivatives.cols());
+  for (std::size_t k = 0; k < parameters.size(); ++k) scales[static_cast<Eigen::Index>(k)] = parameters[k].value;
+  for (Eigen::Index i = 0; i < found.derivatives.rows(); ++i) {
+    const VectorX scaled = expected.derivatives.row(i).transpose().cwiseProduct(scales);
+    const VectorX off = found.derivatives.row(i).transpose().cwiseProduct(scales) - scaled;
+    const double error = off.lpNorm<Eigen::Infinity>() / scaled.lpNorm<Eigen::Infinity>();
+    EXPECT_LE(error, 1e-8) << found.quantities[static_cast<std::size_t>(i)];
+    if (std::getenv("LITHE_SHOW_ERRORS")) std::printf("%ld steps: off %.1e\n", found.steps, error);
   }
 }
 

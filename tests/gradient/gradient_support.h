@@ -22,6 +22,9 @@ inline MakeIntegrator exact_alpha(double step) {
 void expect_gradient(const ParametricScene& scene, const std::vector<Quantity>& quantities,
                      const std::vector<DesignParameter>& parameters, double tolerance = 1e-8, bool has_adjoint = true);
 
+/// Two gradients by the same parameters, likewise relative, to 1e-8.
+void expect_close(const Gradient& found, const Gradient& expected, const std::vector<DesignParameter>& parameters);
+
 /// What gradient() reads at the end of its run is, to the bit, what these columns of the scene's sensors read at the
 /// end of the run alone.
 void expect_bits_of_the_run(const ParametricScene& scene, const std::vector<DesignParameter>& parameters,

@@ -30,19 +30,6 @@ ParametricScene with(ParametricScene scene, MakeIntegrator integrator, bool forw
   return scene;
 }
 
-/// Relative to the largest derivative of each quantity in units of the parameters' values.
-void expect_close(const Gradient& found, const Gradient& expected, const std::vector<DesignParameter>& parameters) {
-  VectorX scales(found.derivatives.cols());
-  for (std::size_t k = 0; k < parameters.size(); ++k) scales[static_cast<Eigen::Index>(k)] = parameters[k].value;
-  for (Eigen::Index i = 0; i < found.derivatives.rows(); ++i) {
-    const VectorX scaled = expected.derivatives.row(i).transpose().cwiseProduct(scales);
-    const VectorX off = found.derivatives.row(i).transpose().cwiseProduct(scales) - scaled;
-    const double error = off.lpNorm<Eigen::Infinity>() / scaled.lpNorm<Eigen::Infinity>();
-    EXPECT_LE(error, 1e-8) << found.quantities[static_cast<std::size_t>(i)];
-    if (std::getenv("LITHE_SHOW_ERRORS")) std::printf("%ld steps: off %.1e\n", found.steps, error);
-  }
-}
-
 const std::vector<DesignParameter> kPendulumNumbers{{"mass", 1.3}, {"inertia", 0.08}, {"length", 0.4}, {"speed", 0.7}};
 const std::vector<Quantity> kSwing{value_at("tip_x", 0.6), value_at("v_x", 0.4), integral("tip_z")};
 const std::vector<DesignParameter> kLoopNumbers{{"mass", 0.4}, {"offset", 0.02}, {"stiffness", 250}, {"damping", 3}};

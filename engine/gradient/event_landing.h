@@ -1,0 +1,48 @@
+#pragma once
+
+#include <limits>
+#include <vector>
+
+#include "engine/archive/archive.h"
+#include "engine/gradient/parametric_scene.h"
+#include "engine/run/event_finder.h"
+
+namespace lithe {
+
+/// Ends steps of a run at the events of its scene. A step that passes one is taken again: first to where dense output
+/// finds it, then to where its function passes the level at the end of a step, by Newton's method.
+class EventLanding {
+ public:
+  /// The integrator has been started at `state`. All but that are borrowed.
+  EventLanding(const ParametricScene& scene, const Drawing& drawing, Integrator& integrator, Evaluator& equations,
+               const State& state);
+
+  /// Before each step.
+  void remember(State state);
+  /// After it: whether it passed an event; then state and integrator are as before, and the step is to end at `stop`.
+  bool cut(const State& before, State& state, double& stop);
+  /// Whether the step ends at an event, and at which.
+  bool met() const { return met_; }
+  int number() const { return number_; }
+  /// From the state behind the event, where the integrator has been started.
+  void go_on(const State& state);
+
+ private:
+  bool again(const State& before, State& state, double& stop, double time);
+  double by_newton(const State& state);
+  double value(const State& state);
+
+  const ParametricScene& scene_;
+  const Layout& layout_;
+  Integrator& integrator_;
+  Evaluator& equations_;
+  EventFinder finder_;
+  Snapshot now_;
+  std::vector<EventFunction> functions_;
+  Archive mark_;                 // the integrator before the step
+  int number_ = -1, tries_ = 0;  // of the event that steps are led to
+  double last_off_ = std::numeric_limits<double>::infinity();
+  bool met_ = false;
+};
+
+}  // namespace lithe
