@@ -25,9 +25,14 @@ void FmuWires::act(std::span<const MarkerView> markers, const VectorX& rates, in
                   force(rates[i] * Vector3::Unit(i % 3)));
   for (const Out& out : outputs) {
     const MeasuredCoordinate x = coordinates.measure(out.coordinate, markers, rows);
+    const double y = rates[states + out.place], own = out.by_value * x.value + out.by_rate * x.rate;
     const auto at = 2 * static_cast<std::size_t>(out.coordinate);
-    rows.add_load(markers[at], rates[states + out.place] * x.on_A);
-    rows.add_load(markers[at + 1], rates[states + out.place] * x.on_B);
+    Wrench* W = rows.open();
+    std::fill_n(W, markers.size(), Wrench{Vector3::Zero(), Vector3::Zero()});
+    W[at] = x.on_A, W[at + 1] = x.on_B;
+    rows.finish(-own, -out.by_value, -out.by_rate);
+    rows.add_load(markers[at], (y - own) * x.on_A);
+    rows.add_load(markers[at + 1], (y - own) * x.on_B);
   }
 }
 
@@ -59,7 +64,7 @@ class LinearFmuForce final : public ForceElement {
   }
 
   int marker_count() const override { return wires_.marker_count(); }
-  int row_count() const override { return 0; }
+  int row_count() const override { return static_cast<int>(wires_.outputs.size()); }
   void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const override {
     VectorX z = z_, u = u_;
     wires_.read(time, markers, rows, z, u);

@@ -23,6 +23,7 @@ struct FmuWires {
   struct Out {
     int place;  // in y
     int coordinate;
+    double by_value = 0, by_rate = 0;  // ∂y by its own coordinate, at the start
   };
   CoordinateSet coordinates;
   std::vector<In> inputs;
@@ -31,12 +32,13 @@ struct FmuWires {
 
   int marker_count() const { return 2 * coordinates.count() + points; }
   void read(double time, std::span<const MarkerView> markers, const AngleMemory& memory, VectorX& z, VectorX& u) const;
-  /// `rates`: ż, then y.
+  /// `rates`: ż, then y. What an output owes to its own coordinate at the start is a compliant row, which Newton's
+  /// matrix has for flexible bodies too; the rest of it a load.
   void act(std::span<const MarkerView> markers, const VectorX& rates, int states, ForceRows& rows) const;
 };
 
 /// Such an FMU as a force element: the derivatives of its states are forces on the points, its outputs forces and
-/// torques on coordinates.
+/// torques on coordinates, a row each.
 class FmuForce final : public ForceElement, public EventMemory {
  public:
   struct Parameters {
@@ -48,7 +50,7 @@ class FmuForce final : public ForceElement, public EventMemory {
   FmuEquations& equations() const { return *p_.equations; }
   const FmuWires& wires() const { return p_.wires; }
   int marker_count() const override { return p_.wires.marker_count(); }
-  int row_count() const override { return 0; }
+  int row_count() const override { return static_cast<int>(p_.wires.outputs.size()); }
   std::vector<MeasuredAngle> angles() const override { return p_.wires.coordinates.angles(); }
   void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const override;
   void set_as_drawn(bool drawn) const override;

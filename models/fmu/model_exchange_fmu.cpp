@@ -1,5 +1,6 @@
 #include "models/fmu/model_exchange_fmu.h"
 
+#include <cmath>
 #include <set>
 
 #include "engine/archive/archive.h"
@@ -98,12 +99,20 @@ ModelExchangeFmu::ModelExchangeFmu(SystemGraph& graph, Located name, const std::
     p.differentiable &= v->causality == "output";
   }
   // 3. The elements.
+  if (wires.outputs.size() > kMaxRows)
+    file->refuse("it has more than " + std::to_string(kMaxRows) + " outputs to coordinates", "use several FMUs");
   const int states = file->contents().state_count, room = 3 * (kMaxMarkers - 2 * wires.coordinates.count());
   if (room < std::max(states, 1))
     file->refuse(std::to_string(wires.coordinates.count()) + " coordinates and " + std::to_string(states) +
                      " states are more than there is room for",
                  "connect fewer coordinates, use several FMUs, or one for co-simulation (ImportedFmu)");
   auto equations = std::make_unique<FmuEquations>(std::move(file), std::move(p));
+  const MatrixX jacobian = equations->jacobian(/*time=*/0);
+  for (FmuWires::Out& out : wires.outputs)
+    for (const FmuWires::In& in : wires.inputs)
+      if (const double by = jacobian(states + out.place, states + in.place);
+          in.coordinate == out.coordinate && std::isfinite(by))
+        (in.rate ? out.by_rate : out.by_value) += by;
   auto& body = graph.add<FmuStates>(Located(name.text + " states", name.where), {.start = equations->initial_states()});
   wires.points = body.point_count();
   std::vector<Marker> markers = wires.coordinates.markers();
@@ -158,6 +167,8 @@ void ModelExchangeFmu::change(State& state) {
   const auto& slices = at_event_->system().layout().bodies();
   const auto slice = std::find_if(slices.begin(), slices.end(), [&](const auto& s) { return s.body == states_; });
   for (int i = 0; i < fmu.state_count(); ++i) state.v[slice->v + FmuStates::place(i)] = fmu.z[i];
+  // The integrals of the states mean nothing, and dense output of the short steps that follow has their round-off.
+  for (int i = 0; i < states_->point_count(); ++i) state.q.segment<3>(slice->q + 7 * i).setZero();
 }
 
 void ModelExchangeFmu::observe(Snapshot& now) {
