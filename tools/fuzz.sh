@@ -11,7 +11,7 @@ cd "$(dirname "$0")/.."
 seconds=${1:-60}
 shift || true
 all=(calculix matrix_market sid gmsh frd abaqus ansys harwell_boeing nastran op4 csv binary hdf5_table basis
-  urdf sdf mjcf adams)
+  urdf sdf mjcf adams fmu fmu_package)
 targets=("$@")
 [ ${#targets[@]} -gt 0 ] || targets=("${all[@]}")
 for target in "${targets[@]}"; do
@@ -29,7 +29,7 @@ hdf5=$(pkg-config --libs hdf5-serial 2>/dev/null || pkg-config --libs hdf5)
 sources=(engine/base/error.cpp engine/output/{partial_file,table,csv,binary,hdf5_file,hdf5_table}.cpp
   bodies/flexible/basis_file.cpp bodies/flexible/elements/{solid_element,shape_functions}.cpp
   models/{urdf,sdf,mjcf,xml_file,model_description,link_graph}.cpp
-  models/adams/{adams_statements,adams_function,read_adams}.cpp
+  models/adams/{adams_statements,adams_function,read_adams}.cpp models/fmu/{fmu_contents,fmu_package}.cpp
   engine/base/{checks,dense,dense_eigen,dense_inverse,math,rotations}.cpp engine/model/appearance.cpp
   tools/fuzz/{fuzz,targets,body_targets,table_targets,model_targets}.cpp)
 for source in bodies/flexible/readers/*.cpp; do
@@ -44,7 +44,7 @@ for source in "${sources[@]}"; do
   fi
   objects+=("$object")
 done
-"$clang" -fsanitize=fuzzer,address,undefined "${objects[@]}" $hdf5 -lpugixml -o "$out/fuzz"
+"$clang" -fsanitize=fuzzer,address,undefined "${objects[@]}" $hdf5 -lpugixml -lzip -o "$out/fuzz"
 
 # Files are written for each input: into memory.
 [ -d /dev/shm ] && export TMPDIR=${TMPDIR:-/dev/shm}

@@ -6,6 +6,7 @@
 
 #include "engine/archive/archive.h"
 #include "engine/base/error.h"
+#include "engine/model/event_memory.h"
 #include "engine/model/islands.h"
 
 namespace lithe {
@@ -66,12 +67,23 @@ void FollowedInputs::history(Archive& archive) {
   }
 }
 
+namespace {
+
+void set_memories_as_drawn(const SystemGraph& graph, bool drawn) {
+  for (const auto& entry : graph.forces())
+    if (const auto* memory = dynamic_cast<const EventMemory*>(entry.force)) memory->set_as_drawn(drawn);
+}
+
+}  // namespace
+
 InputsAsDrawn::InputsAsDrawn(const SystemGraph& graph) : graph_(graph) {
   for (const Input* input : graph_.inputs()) input->force({input->parameters().value, 0, 0});
+  set_memories_as_drawn(graph_, true);
 }
 
 InputsAsDrawn::~InputsAsDrawn() {
   for (const Input* input : graph_.inputs()) input->release();
+  set_memories_as_drawn(graph_, false);
 }
 
 }  // namespace lithe

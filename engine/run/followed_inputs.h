@@ -36,7 +36,7 @@ class FollowedInputs {
   std::vector<double> seen_;  // value, rate of each
 };
 
-/// While it lives, all inputs of a graph have the values they were drawn with.
+/// While it lives, all inputs of a graph have the values they were drawn with, and no element remembers events.
 class InputsAsDrawn {
  public:
   explicit InputsAsDrawn(const SystemGraph& graph);

@@ -39,25 +39,46 @@ void FmuMessages::check(const std::string& function, int status) {
                         status == 2 ? "take a shorter interval." : "look at its inputs and parameters.");
 }
 
-std::vector<unsigned char> FmuCalls::save() {
+void FmuMessages::ends_simulation() const {
+  throw SimulationError("the FMU asks to end the simulation.", fmu, "look at its inputs and parameters.");
+}
+
+FmuLibrary::FmuLibrary(std::unique_ptr<SharedLibrary> library, FmuMessages messages, const std::string& prefix,
+                       const std::string& state, const std::string& deserialize)
+    : library_(std::move(library)),
+      messages_(std::move(messages)),
+      free_instance_(library_->function<void(Unit)>(prefix + "FreeInstance")),
+      exit_initialization_{prefix + "ExitInitializationMode"},
+      get_state_{prefix + "Get" + state},
+      free_state_{prefix + "Free" + state},
+      set_state_{prefix + "Set" + state},
+      state_size_{prefix + "Serialized" + state + "Size"},
+      serialize_{prefix + "Serialize" + state},
+      deserialize_{prefix + deserialize + state} {}
+
+FmuLibrary::~FmuLibrary() {
+  if (unit_) free_instance_(unit_);
+}
+
+std::vector<unsigned char> FmuLibrary::save() {
   void* state = nullptr;
   std::size_t size = 0;
-  call<void**>(state_functions_.get, &state);
-  call<void*, std::size_t*>(state_functions_.size, state, &size);
+  call(get_state_, &state);
+  call(state_size_, state, &size);
   std::vector<unsigned char> bytes(size);
-  call<void*, unsigned char*, std::size_t>(state_functions_.serialize, state, bytes.data(), size);
-  call<void**>(state_functions_.free, &state);
+  call(serialize_, state, bytes.data(), size);
+  call(free_state_, &state);
   return bytes;
 }
 
-void FmuCalls::load(const std::vector<unsigned char>& bytes) {
+void FmuLibrary::load(const std::vector<unsigned char>& bytes) {
   void* state = nullptr;
-  call<const unsigned char*, std::size_t, void**>(state_functions_.deserialize, bytes.data(), bytes.size(), &state);
-  call<void*>(state_functions_.set, state);
-  call<void**>(state_functions_.free, &state);
+  call(deserialize_, bytes.data(), bytes.size(), &state);
+  call(set_state_, state);
+  call(free_state_, &state);
 }
 
-std::unique_ptr<FmuLibrary> make_fmu_library(const FmuContents& contents, const std::string& folder,
+std::unique_ptr<FmuLibrary> make_fmu_library(const FmuContents& contents, FmuKind kind, const std::string& folder,
                                              const std::string& path, const std::string& instance) {
   const bool two = contents.version == 2;
   const fs::path binaries = fs::path(folder) / "binaries";
@@ -74,8 +95,8 @@ std::unique_ptr<FmuLibrary> make_fmu_library(const FmuContents& contents, const 
   auto library = std::make_unique<SharedLibrary>(file.string(), path);
   const std::string resources = (fs::path(folder) / "resources").string();
   FmuMessages messages{path, instance, {}};
-  return two ? make_fmi2_library(contents, std::move(library), resources, std::move(messages))
-             : make_fmi3_library(contents, std::move(library), resources, std::move(messages));
+  return two ? make_fmi2_library(contents, kind, std::move(library), resources, std::move(messages))
+             : make_fmi3_library(contents, kind, std::move(library), resources, std::move(messages));
 }
 
 }  // namespace lithe

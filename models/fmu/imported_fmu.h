@@ -11,11 +11,10 @@
 
 namespace lithe {
 
+class FmuFile;
 class FmuLibrary;
-class FmuPackage;
 class Simulation;
-struct FmuContents;
-struct ImportedVariable;
+struct FmuNumber;
 
 /// A component of another tool, an FMU for co-simulation (FMI 2.0 or 3.0), that runs beside a scene: a controller, an
 /// actuator, a motion. Its inputs are sensors of the scene, its outputs go to Inputs of the scene, which motors, loads
@@ -48,11 +47,12 @@ class ImportedFmu final : public Observer {
   };
   /// Unpacks the FMU and makes an instance. Throws FileError for a file that is no FMU, is damaged, leads out of its
   /// folder, or has no binary for this platform; SceneError for variables that it does not have, of another causality
-  /// or that are no single numbers, inputs and outputs connected twice, and where no interval is known.
+  /// or that are no single numbers (of an array, name[i] is one: i from 1, row by row), inputs and outputs connected
+  /// twice, and where no interval is known.
   ImportedFmu(const std::string& path, Parameters parameters);
   ~ImportedFmu() override;
 
-  const std::string& name() const { return parameters_.name; }
+  const std::string& name() const;
   double interval() const { return parameters_.interval; }
   /// Adds it to the simulation's observers, at its interval.
   void join(Simulation& simulation);
@@ -72,19 +72,16 @@ class ImportedFmu final : public Observer {
   void history(Archive& archive) override;
 
  private:
-  const ImportedVariable& variable(const std::string& name, const std::string& role) const;
-  double value(const ImportedVariable& asked) const;
+  double value(const std::string& name, const FmuNumber& asked) const;
   void make_instance();
   void begin(Snapshot& snapshot);
   void read_sensors(Snapshot& snapshot);
   void hand_over(double time, bool first);
-  [[noreturn]] void refuse(const std::string& problem, const std::string& fix) const;
 
   Parameters parameters_;
-  const std::unique_ptr<FmuPackage> package_;
-  const std::unique_ptr<FmuContents> contents_;
+  const std::unique_ptr<FmuFile> file_;
   std::unique_ptr<FmuLibrary> library_;  // null before the first state, and after a failure
-  std::vector<const ImportedVariable*> inputs_, outputs_;
+  std::vector<FmuNumber> inputs_, outputs_;
   bool fresh_ = false;  // the instance has not been initialized
   bool begun_ = false;  // it is in a run
   double time_ = 0;     // of the last communication point, s

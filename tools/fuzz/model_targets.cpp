@@ -1,7 +1,11 @@
-// Models of other programs: what is accepted fits together, has finite numbers, and its functions can be evaluated.
+// Models of other programs and FMUs: what is accepted fits together, has finite numbers, and its functions can be
+// evaluated.
 #include <cmath>
 
+#include "engine/base/error.h"
 #include "models/adams/function_value_internal.h"
+#include "models/fmu/fmu_contents_internal.h"
+#include "models/fmu/fmu_package_internal.h"
 #include "models/read_model.h"
 #include "tools/fuzz/targets.h"
 
@@ -53,8 +57,42 @@ void adams(std::string_view input, const std::filesystem::path& folder) {
   for (const auto& motion : model.adams->motions) lithe::adams::Value<double, AnyTime>(motion.what.function, now)();
 }
 
+void check(const FmuContents& fmu) {
+  demand(fmu.version == 2 || fmu.version == 3, "the version is none");
+  demand(!fmu.identifier.empty() && fmu.identifier.find('/') == std::string::npos, "the identifier is no name");
+  demand(std::isfinite(fmu.default_step), "the step is not finite");
+  demand(fmu.states.size() == fmu.derivatives.size() && fmu.state_count >= 0 && fmu.indicator_count >= 0,
+         "states and derivatives are not pairs");
+  for (const ImportedVariable& v : fmu.variables) {
+    demand(v.size >= 0 && (v.array || v.size == 1), "a size is none");
+    demand(v.starts.size() <= 1 || v.starts.size() == static_cast<std::size_t>(v.size), "starts do not fit");
+    for (int i = 0; i < v.size; ++i) demand(std::isfinite(v.start(i)), "a start is not finite");
+  }
+}
+
+/// The description of an FMU, for each kind: refused if it is for both.
+void fmu(std::string_view input, const std::filesystem::path& folder) {
+  const std::string path = file_of(input, folder, "modelDescription.xml");
+  bool taken = false;
+  for (const FmuKind kind : {FmuKind::co_simulation, FmuKind::model_exchange}) try {
+      check(read_fmu_contents(path, kind));
+      taken = true;
+    } catch (const FileError&) {
+      if (kind == FmuKind::model_exchange && !taken) throw;
+    }
+}
+
+/// Its archive: files and folders alone.
+void fmu_package(std::string_view input, const std::filesystem::path& folder) {
+  const FmuPackage package(file_of(input, folder, "model.fmu"));
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(package.folder()))
+    demand(!entry.is_symlink() && (entry.is_regular_file() || entry.is_directory()), "a link was unpacked");
+}
+
 }  // namespace
 
-std::vector<Target> model_targets() { return {{"urdf", urdf}, {"sdf", sdf}, {"mjcf", mjcf}, {"adams", adams}}; }
+std::vector<Target> model_targets() {
+  return {{"urdf", urdf}, {"sdf", sdf}, {"mjcf", mjcf}, {"adams", adams}, {"fmu", fmu}, {"fmu_package", fmu_package}};
+}
 
 }  // namespace lithe::fuzz

@@ -23,7 +23,7 @@ struct Target {
 };
 std::vector<Target> body_targets();   // finite-element files
 std::vector<Target> table_targets();  // tables and reduced bodies
-std::vector<Target> model_targets();  // robots, data sets of Adams
+std::vector<Target> model_targets();  // robots, data sets of Adams, FMUs
 
 /// An input written to a file of that name; its path.
 std::string file_of(std::string_view input, const std::filesystem::path& folder, const std::string& name);

@@ -6,9 +6,6 @@
 
 #include <cmath>
 
-#include "bodies/flexible/elements/meshes.h"
-#include "bodies/flexible/flexible_body.h"
-#include "bodies/rigid_body.h"
 #include "engine/archive/archive.h"
 #include "engine/run/simulation.h"
 #include "integrators/generalized_alpha.h"
@@ -16,38 +13,26 @@
 #include "joints/forces/coordinate_motor.h"
 #include "joints/forces/coordinate_spring.h"
 #include "joints/revolute_joint.h"
+#include "tests/models/fmu/arm.h"
 #include "tests/models/fmu/servo_fmu.h"
 #include "tests/support/message_of.h"
 
 namespace lithe::test::imported_fmu_test {
 namespace {
 
-const Matrix3 kAlongY = rotation_about({1, 0, 0}, -M_PI / 2);
 constexpr double kGain = 12, kIntegralGain = 40, kTarget = 0.4, kInterval = 0.005;
 
 /// An arm of 0.4 m on a hinge under a torque: rigid, or with four modes.
 struct Arm {
   explicit Arm(bool flexible, Input::Between between = Input::Between::held)
       : torque(graph.add<Input>("torque", {.unit = "N m", .lower = -50, .upper = 50, .between = between})),
-        hinge(graph.add<RevoluteJoint>("hinge", {graph.ground().marker({}, kAlongY), root(flexible)})),
+        hinge(graph.add<RevoluteJoint>("hinge", {graph.ground().marker({}, kAlongY), arm_root(graph, flexible)})),
         angle(coordinate(hinge.angle(), "angle")) {
     graph.add<CoordinateMotor>("motor", {hinge.angle()}, {.effort = torque});
     graph.add<CoordinateSpring>("bearing", {hinge.angle()}, {.damping = 0.3});
     system = std::make_unique<System>(assemble(graph));
     simulation = std::make_unique<Simulation>(*system, integrator);
     state = system->initial_state();
-  }
-  Marker root(bool flexible) {
-    if (!flexible)
-      return graph.add<RigidBody>("arm", {.mass = 0.2, .inertia = {1e-5, 0.003, 0.003}, .position = {0.2, 0, 0}})
-          .marker({-0.2, 0, 0}, kAlongY);
-    const auto basis = make_basis(brick_mesh({.size = {0.4, 0.02, 0.02},
-                                              .divisions = {4, 1, 1},
-                                              .type = "C3D8I",
-                                              .material = {2e8, 0.3, 1200},
-                                              .name = "arm"}),
-                                  MeanAxisFrame{}, 4);
-    return graph.add<FlexibleBody>("arm", {.basis = basis, .position = {0, 0, -0.01}}).average({1, 2}, kAlongY);
   }
 
   ImportedFmu::Parameters wires() {
@@ -97,11 +82,6 @@ class NativeServo final : public Observer {
   bool begun_ = false;
 };
 
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
-  const std::size_t at = text.find(what);
-  EXPECT_NE(at, std::string::npos) << what;
-  return at == std::string::npos ? text : text.replace(at, what.size(), by);
-}
 class ImportedServo : public testing::TestWithParam<std::tuple<int, bool>> {
  protected:
   int version() const { return std::get<0>(GetParam()); }

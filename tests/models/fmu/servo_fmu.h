@@ -1,44 +1,17 @@
 #pragma once
 
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <string>
 
-#include "tests/models/scratch_folder.h"
+#include "tests/models/fmu/test_fmu.h"
 
 namespace lithe::test {
 
-/// The FMU of servo.cpp, packed as a test wants it.
-class ServoFmu {
+/// The FMU of servo.cpp.
+class ServoFmu : public TestFmu {
  public:
-  /// `version`: 2 or 3.
-  explicit ServoFmu(int version, const std::string& name = "servo") : version_(version), name_(name) {
-    const std::filesystem::path there =
-        std::filesystem::path(file(version_ == 2 ? "binaries/linux64" : "binaries/x86_64-linux"));
-    std::filesystem::create_directories(there);
-    std::filesystem::copy_file(LITHE_TEST_SERVO, there / "servo.so");
-    describe(description(version));
-  }
+  explicit ServoFmu(int version) : TestFmu(version, "servo", LITHE_TEST_SERVO, description(version)) {}
   static std::string description(int version);
-
-  /// Another modelDescription.xml.
-  void describe(const std::string& text) const { folder_.write("content/modelDescription.xml", text); }
-  std::string file(const std::string& inside) const { return (path() / "content" / inside).string(); }
-  std::filesystem::path path() const { return folder_.path(); }
-  /// The archive; its path.
-  std::string packed() const {
-    const std::string out = (path() / (name_ + ".fmu")).string();
-    std::filesystem::remove(out);
-    const std::string call = "cd '" + (path() / "content").string() + "' && python3 -m zipfile -c '" + out + "' *";
-    EXPECT_EQ(std::system(call.c_str()), 0);
-    return out;
-  }
-
- private:
-  const int version_;
-  const std::string name_;
-  ScratchFolder folder_;
+  std::string packed() const { return TestFmu::packed("servo"); }
 };
 
 inline std::string ServoFmu::description(int version) {

@@ -1,0 +1,118 @@
+#include "models/fmu/fmu_force_internal.h"
+
+#include "engine/assembly/batch_of.h"
+#include "models/fmu/fmu_states_internal.h"
+
+namespace lithe {
+
+void FmuWires::read(double time, std::span<const MarkerView> markers, const AngleMemory& memory, VectorX& z,
+                    VectorX& u) const {
+  const std::span<const MarkerView> at = markers.subspan(2 * static_cast<std::size_t>(coordinates.count()));
+  for (int i = 0; i < z.size(); ++i) z[i] = at[static_cast<std::size_t>(i / 3)].v[i % 3];
+  for (const In& in : inputs) {
+    if (in.coordinate < 0) {
+      u[in.place] = in.law(time).value;
+      continue;
+    }
+    const MeasuredCoordinate x = coordinates.measure(in.coordinate, markers, memory);
+    u[in.place] = in.rate ? x.rate : x.value;
+  }
+}
+
+void FmuWires::act(std::span<const MarkerView> markers, const VectorX& rates, int states, ForceRows& rows) const {
+  for (int i = 0; i < states; ++i)
+    rows.add_load(markers[static_cast<std::size_t>(2 * coordinates.count() + i / 3)],
+                  force(rates[i] * Vector3::Unit(i % 3)));
+  for (const Out& out : outputs) {
+    const MeasuredCoordinate x = coordinates.measure(out.coordinate, markers, rows);
+    const double y = rates[states + out.place], own = out.by_value * x.value + out.by_rate * x.rate;
+    const auto at = 2 * static_cast<std::size_t>(out.coordinate);
+    Wrench* W = rows.open();
+    std::fill_n(W, markers.size(), Wrench{Vector3::Zero(), Vector3::Zero()});
+    W[at] = x.on_A, W[at + 1] = x.on_B;
+    rows.finish(-own, -out.by_value, -out.by_rate);
+    rows.add_load(markers[at], (y - own) * x.on_A);
+    rows.add_load(markers[at + 1], (y - own) * x.on_B);
+  }
+}
+
+void FmuForce::evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const {
+  FmuEquations& fmu = equations();
+  const auto lock = fmu.lock();
+  p_.wires.read(time, markers, rows, fmu.z, fmu.u);
+  p_.wires.act(markers, fmu.rates(time), fmu.state_count(), rows);
+}
+
+void FmuForce::set_as_drawn(bool drawn) const {
+  const auto lock = equations().lock();
+  equations().set_as_drawn(drawn);
+}
+
+namespace {
+
+/// The force with the FMU's equations made linear at one state.
+class LinearFmuForce final : public ForceElement {
+ public:
+  LinearFmuForce(const FmuForce& force, double time, std::span<const MarkerView> markers, const AngleMemory& memory)
+      : wires_(force.wires()) {
+    FmuEquations& fmu = force.equations();
+    const auto lock = fmu.lock();
+    wires_.read(time, markers, memory, fmu.z, fmu.u);
+    z_ = fmu.z, u_ = fmu.u;
+    rates_ = fmu.rates(time);
+    jacobian_ = fmu.jacobian(time);
+  }
+
+  int marker_count() const override { return wires_.marker_count(); }
+  int row_count() const override { return static_cast<int>(wires_.outputs.size()); }
+  void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const override {
+    VectorX z = z_, u = u_;
+    wires_.read(time, markers, rows, z, u);
+    const auto n = z.size();
+    const VectorX rates =
+        rates_ + jacobian_.leftCols(n).lazyProduct(z - z_) + jacobian_.rightCols(u.size()).lazyProduct(u - u_);
+    wires_.act(markers, rates, static_cast<int>(n), rows);
+  }
+
+ private:
+  const FmuWires& wires_;
+  VectorX z_, u_, rates_;
+  MatrixX jacobian_;
+};
+
+class FmuForceBatch final : public ForceBatch {
+ public:
+  void add(const ForceElement& force, ConnectorRecord record, ReactionRecord reaction) override {
+    exact_.add(force, record, reaction);
+    forces_.push_back(static_cast<const FmuForce*>(&force));
+    records_.push_back(record);
+  }
+  void evaluate(Workspace& work, const BlockStructure& blocks) const override { exact_.evaluate(work, blocks); }
+  void add_tangent(Workspace& work, const BlockStructure& blocks, const TangentWeights& weights) const override {
+    for_each_named(forces_, work.time, [&](std::size_t i) {
+      ForceRows memory(records_[i].marker_count);
+      memory.recall(work.quarter_turns.data() + records_[i].first_angle);
+      connector::Views<FmuForce> views(work.markers.data(), records_[i]);
+      const LinearFmuForce linear(*forces_[i], work.time, views, memory);
+      ForceBatchOf<LinearFmuForce> alone;
+      alone.add(linear, records_[i], {});
+      alone.add_tangent(work, blocks, weights);
+    });
+  }
+  void react(Workspace&, const BlockStructure&, const double*) const override {}
+  void write_reaction_tangent(Workspace&, const BlockStructure&, const double*) const override {}
+
+ private:
+  ForceBatchOf<FmuForce> exact_;
+  std::vector<const FmuForce*> forces_;
+  std::vector<ConnectorRecord> records_;
+};
+
+}  // namespace
+
+template <>
+std::unique_ptr<ForceBatch> make_force_batch<FmuForce>() {
+  return std::make_unique<FmuForceBatch>();
+}
+
+}  // namespace lithe

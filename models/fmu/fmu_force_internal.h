@@ -1,0 +1,67 @@
+#pragma once
+
+#include <memory>
+
+#include "engine/assembly/batch.h"
+#include "engine/model/event_memory.h"
+#include "engine/model/force_element.h"
+#include "engine/model/joint_coordinate.h"
+#include "engine/model/motion_law.h"
+#include "models/fmu/fmu_equations_internal.h"
+
+namespace lithe {
+
+/// What the numbers of an FMU for model exchange are in a scene: inputs read coordinates and functions of time, outputs
+/// push coordinates. Markers: those of the coordinates, two each, then the points of the FmuStates.
+struct FmuWires {
+  struct In {
+    int place;       // in u
+    int coordinate;  // -1: the law
+    bool rate;       // of the coordinate
+    MotionLaw law;
+  };
+  struct Out {
+    int place;  // in y
+    int coordinate;
+    double by_value = 0, by_rate = 0;  // ∂y by its own coordinate, at the start
+  };
+  CoordinateSet coordinates;
+  std::vector<In> inputs;
+  std::vector<Out> outputs;
+  int points = 1;
+
+  int marker_count() const { return 2 * coordinates.count() + points; }
+  void read(double time, std::span<const MarkerView> markers, const AngleMemory& memory, VectorX& z, VectorX& u) const;
+  /// `rates`: ż, then y. What an output owes to its own coordinate at the start is a compliant row, which Newton's
+  /// matrix has for flexible bodies too; the rest of it a load.
+  void act(std::span<const MarkerView> markers, const VectorX& rates, int states, ForceRows& rows) const;
+};
+
+/// Such an FMU as a force element: the derivatives of its states are forces on the points, its outputs forces and
+/// torques on coordinates, a row each.
+class FmuForce final : public ForceElement, public EventMemory {
+ public:
+  struct Parameters {
+    std::unique_ptr<FmuEquations> equations;
+    FmuWires wires;
+  };
+  explicit FmuForce(Parameters parameters) : p_(std::move(parameters)) {}
+
+  FmuEquations& equations() const { return *p_.equations; }
+  const FmuWires& wires() const { return p_.wires; }
+  int marker_count() const override { return p_.wires.marker_count(); }
+  int row_count() const override { return static_cast<int>(p_.wires.outputs.size()); }
+  std::vector<MeasuredAngle> angles() const override { return p_.wires.coordinates.angles(); }
+  void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const override;
+  void set_as_drawn(bool drawn) const override;
+
+ private:
+  const Parameters p_;
+};
+
+/// Its tangent is that of the FMU's equations made linear, which costs the FMU one Jacobian and no differences over
+/// the motions of markers.
+template <>
+std::unique_ptr<ForceBatch> make_force_batch<FmuForce>();
+
+}  // namespace lithe
