@@ -34,7 +34,7 @@ struct Chain {
     }
     structure.velocity_count = n, structure.row_count = 2;
     const int block = structure.reserve(2 * n - 1), G = structure.reserve(2 * n);
-    structure.linears.push_back({0, n, -1, -1, -1, block, &pattern});
+    structure.linears.push_back({0, n, -1, 0, -1, -1, block, &pattern});
     structure.rows.push_back({0, 2, -1});
     structure.jacobians.push_back({0, -1, -1, 0, G, 0});
     values.assign(structure.value_count, 0);
