@@ -81,5 +81,5 @@ int main() {
   }
   std::printf("%ld steps; angles to %.1e rad, torques to %.1e N m\n", simulation.statistics().steps, worst_angle,
               worst_torque);
-  return worst_angle < 1e-4 && worst_torque < 1e-2 ? 0 : 1;
+  return worst_angle < 1e-6 && worst_torque < 1e-5 ? 0 : 1;
 }

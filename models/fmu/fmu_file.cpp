@@ -154,12 +154,13 @@ std::string FmuFile::title() const {
          (contents_.tool.empty() ? "" : ", made by " + contents_.tool);
 }
 
-std::string FmuFile::values_of(const ImportedVariable& v,
-                               const std::vector<std::pair<std::string, double>>& values) const {
+std::string FmuFile::values_of(const ImportedVariable& v, const std::vector<std::pair<std::string, double>>& values,
+                               bool connected) const {
   std::string out;
   for (const auto& [name, value] : values)
     if (find(name, Role::any).variable == &v) out += entry(name, v) + " = " + number_text(value);
-  if (out.empty() && (v.causality == "parameter" || v.causality == "input") && !v.array && !v.starts.empty())
+  if (out.empty() && !connected && (v.causality == "parameter" || v.causality == "input") && !v.array &&
+      !v.starts.empty())
     out = " = " + number_text(v.starts[0]) + ", its default";
   return out;
 }

@@ -37,9 +37,9 @@ class FmuFile {
   void history(Archive& archive, std::unique_ptr<FmuLibrary>& instance, bool begun) const;
   /// Parts of what describe() says: FMI version and tool;
   std::string title() const;
-  /// Of a variable: the values given to it at the start, or its default if it waits for one.
-  std::string values_of(const ImportedVariable& variable,
-                        const std::vector<std::pair<std::string, double>>& values) const;
+  /// Of a variable: the values given to it at the start, or its default if it waits for one and is not connected.
+  std::string values_of(const ImportedVariable& variable, const std::vector<std::pair<std::string, double>>& values,
+                        bool connected) const;
   /// " [i]" where `name` is that of an entry of the variable.
   static std::string entry(const std::string& name, const ImportedVariable& variable);
   static std::string line(const ImportedVariable& variable, const std::string& is);

@@ -151,7 +151,7 @@ std::string ImportedFmu::describe() const {
     for (std::size_t i = 0; i < outputs_.size(); ++i)
       if (const ToInput& wire = parameters_.outputs[i]; outputs_[i].variable == &v)
         is += FmuFile::entry(wire.variable, v) + " to input '" + wire.input->name() + "'";
-    is += file_->values_of(v, parameters_.values);
+    is += file_->values_of(v, parameters_.values, !is.empty());
     if (!is.empty() || v.causality == "input" || v.causality == "output")
       out += FmuFile::line(v, is.empty() ? ", not connected" : is);
   }

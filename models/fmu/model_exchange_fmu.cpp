@@ -207,7 +207,7 @@ std::string ModelExchangeFmu::describe() const {
       add(w.variable, std::string(w.reads == Reads::rate ? " from the rate of" : " from") + " a coordinate");
     for (const FromLaw& w : parameters_.laws) add(w.variable, " from a function of time");
     for (const ToCoordinate& w : parameters_.outputs) add(w.variable, " to a coordinate");
-    is += file.values_of(v, parameters_.values);
+    is += file.values_of(v, parameters_.values, !is.empty());
     if (!is.empty() || v.causality == "input" || v.causality == "output")
       out += FmuFile::line(v, is.empty() ? ", not connected" : is);
   }

@@ -1,6 +1,6 @@
 // A controller as an FMU, by FMI 2.0 and 3.0 in one library, written from the standards: torque = gain e +
 // integral_gain ∫e, e = target - angle; the integral by Euler's method, a step a call. `fault`: 1 is an error, 2 gives
-// NaN, 3 discards.
+// NaN, 3 discards. `gains` are an array that does nothing.
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -8,10 +8,21 @@
 
 namespace {
 
-enum Variable : unsigned { kAngle, kTarget, kGain, kIntegralGain, kTorque, kIntegral, kEnabled, kFault, kVariables };
+enum Variable : unsigned {
+  kAngle,
+  kTarget,
+  kGain,
+  kIntegralGain,
+  kTorque,
+  kIntegral,
+  kEnabled,
+  kFault,
+  kGains,
+  kVariables = kGains + 3
+};
 
 struct Servo {
-  double values[kVariables] = {0, 0, 1, 0, 0, 0, 1, 0};
+  double values[kVariables] = {0, 0, 1, 0, 0, 0, 1, 0, 1, 2, 3};
   double time = 0;
   bool stepping = false;
   void (*tell)(void* environment, int status, const char* message) = nullptr;
@@ -154,12 +165,21 @@ EXPORT int fmi3DoStep(void* unit, double time, double size, bool, bool* event, b
   *event = *end = *early = false, *last = time + size;
   return of(unit).step(time, size);
 }
-#define GET_AND_SET(TYPE, NUMBER)                                                                     \
-  EXPORT int fmi3Get##TYPE(void* u, const unsigned* r, std::size_t n, NUMBER* v, std::size_t) {       \
-    return get(u, r, n, v);                                                                           \
-  }                                                                                                   \
-  EXPORT int fmi3Set##TYPE(void* u, const unsigned* r, std::size_t n, const NUMBER* v, std::size_t) { \
-    return set(u, r, n, v);                                                                           \
+namespace {
+// The numbers of an array lie one after the other: here one variable is asked for at a time.
+template <class Number, class Access>
+int each(void* unit, const unsigned* first, Number* values, std::size_t size, Access access) {
+  for (unsigned k = 0; k < size; ++k)
+    if (const unsigned reference = *first + k; access(unit, &reference, 1, values + k) != 0) return 3;
+  return 0;
+}
+}  // namespace
+#define GET_AND_SET(TYPE, NUMBER)                                                                        \
+  EXPORT int fmi3Get##TYPE(void* u, const unsigned* r, std::size_t, NUMBER* v, std::size_t size) {       \
+    return each(u, r, v, size, get<NUMBER>);                                                             \
+  }                                                                                                      \
+  EXPORT int fmi3Set##TYPE(void* u, const unsigned* r, std::size_t, const NUMBER* v, std::size_t size) { \
+    return each(u, r, v, size, set<NUMBER>);                                                             \
   }
 GET_AND_SET(Float64, double)
 GET_AND_SET(Int32, std::int32_t)

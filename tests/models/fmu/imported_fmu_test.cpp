@@ -161,6 +161,22 @@ TEST(ImportedFmu, leaves_its_default_step_and_takes_truth_values) {
   }
 }
 
+TEST(ImportedFmu, takes_single_numbers_of_arrays) {
+  const ServoFmu file(3);
+  Arm arm(false);
+  ImportedFmu::Parameters wires = arm.wires();
+  wires.values.push_back({"gains[2]", 5});
+  ImportedFmu servo(file.packed(), wires);
+  EXPECT_EQ(servo.value("gains[3]"), 3);  // before a run: its start value
+  servo.join(*arm.simulation);
+  arm.run(0.01);
+  EXPECT_EQ(servo.value("gains[1]"), 1);
+  EXPECT_EQ(servo.value("gains[2]"), 5);
+  EXPECT_EQ(servo.sensor("gains[3]").columns()[0], "gains[3]");
+  expect_says(servo.describe(), {"parameter gains [2] = 5"});
+  expect_says(message_of<SceneError>([&] { servo.value("gains[4]"); }), {"'gains' has 3 numbers, no 'gains[4]'"});
+}
+
 TEST(ImportedFmu, an_output_to_a_smooth_input_arrives_one_interval_later_without_a_jump) {
   const ServoFmu file(3);
   Arm arm(false, Input::Between::smooth);
