@@ -50,16 +50,14 @@ void IslandRun::history(Archive& archive, State& state) {
   archive("state", state);
   if (loads) check_loaded(archive, state);
   // 2. The integrator's past; where it cannot tell, a new beginning here as there.
+  bool tells = false;
   archive.group("method", [&] {
     if (loads) {
       State begun = state;
       integrator_.start(equations_, begun);
     }
-    if (integrator_.history(archive, equations_, state)) return;
-    if (loads)
-      integrator_.start(equations_, state);
-    else
-      restart(state);
+    tells = integrator_.history(archive, equations_, state);
+    if (!tells && !loads) restart(state);
   });
   steps_ = integrator_.statistics().steps;
   archive("earlier", earlier_);
@@ -109,6 +107,11 @@ void IslandRun::history(Archive& archive, State& state) {
   });
   // 4. Those who are told.
   archive.group("observers", [&] { watches_.history(archive); });
+  if (!tells && loads) {  // only now: what holds may depend on what observers keep
+    integrator_.start(equations_, state);
+    steps_ = integrator_.statistics().steps;
+    last_ = state, evaluated_ = false;
+  }
   archive.group("checkpoints", [&] { checkpoints_.history(archive); });
 }
 

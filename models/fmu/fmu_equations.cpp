@@ -5,12 +5,16 @@
 #include "engine/archive/archive.h"
 #include "engine/base/error.h"
 #include "engine/base/number_text.h"
+#include "engine/observe/observer_schedules.h"
 
 namespace lithe {
 namespace {
 
 constexpr int kMostEvents = 1000;  // at one time
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+/// But for round-off of times: an FMU compares its own time with that of the event.
+bool is_due(double event, double time) { return event <= time + time_round_off(time); }
 
 std::span<double> span_of(VectorX& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
 
@@ -69,9 +73,10 @@ void FmuEquations::initialize(double time) {
 /// What an event, or the first, leaves; an FMU that wants another at once has it.
 bool FmuEquations::settle(FmuModel::Event event, double time) {
   bool changed = event.states_changed;
-  for (int more = 0; event.next && *event.next <= time; ++more) {
+  for (int more = 0; event.next && is_due(*event.next, time); ++more) {
     if (more == kMostEvents)
       throw SimulationError("the FMU names time events that have passed.", "", "look at its inputs and parameters.");
+    run_.model->set_time(std::max(time, *event.next));
     event = run_.model->handle_event();
     changed |= event.states_changed;
   }
@@ -159,11 +164,6 @@ const MatrixX& FmuEquations::jacobian(double time) {
   });
 }
 
-void FmuEquations::join() {
-  if (joined_) file_->refuse("it has joined a simulation before", "draw another scene with another one");
-  joined_ = true;
-}
-
 void FmuEquations::reset() {
   run_ = {};
   at_time_ = kNone;
@@ -181,6 +181,9 @@ void FmuEquations::see(double time) {
     if (run_.begun && time < run_.seen) reset();  // the run starts anew, before any event
     const bool first = !run_.begun;
     prepare(time);
+    if (!first && run_.next && !is_due(time, *run_.next))
+      throw SimulationError("a time event of the FMU has been passed by: " + time_text(*run_.next) + ".", "",
+                            "take shorter steps.");
     run_.begun = true;
     run_.seen = time;
     if (first || time == run_.since || !file_->contents().completes_steps) return;
@@ -193,7 +196,7 @@ void FmuEquations::see(double time) {
 void FmuEquations::handle_event(double time) {
   guarded(time, [&] {
     if (time == run_.since) return;
-    move_to(time);
+    move_to(run_.next && is_due(*run_.next, time) ? std::max(time, *run_.next) : time);
     if (file_->contents().completes_steps) run_.model->complete_step();
     if (settle(run_.model->handle_event(), time)) run_.model->get_states(span_of(z));
     for (int i = 0; i < z.size(); ++i) file_->checked("state " + std::to_string(i + 1), z[i]);

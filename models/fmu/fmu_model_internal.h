@@ -32,6 +32,7 @@ class FmuModel {
 
   /// The functions of a point return false where the unit discards it.
   bool set_inputs(std::span<const double> inputs);
+  void set_time(double time) { library_.call(set_time_, time); }
   bool move_to(double time, std::span<const double> states, std::span<const double> inputs);
   bool get_derivatives(std::span<double> out) { return library_.try_call(derivatives_, out.data(), out.size()); }
   bool get_outputs(std::span<double> out);

@@ -138,6 +138,7 @@ void ModelExchangeFmu::read(Snapshot& now) const {
 
 void ModelExchangeFmu::join(Simulation& simulation) {
   FmuEquations& fmu = force_->equations();
+  if (at_event_) fmu.file().refuse("it has joined a simulation before", "draw another scene with another one");
   const auto watch = [&](const std::string& what, auto function) {
     simulation.on({.name = name() + ": " + what,
                    .function =
@@ -149,13 +150,13 @@ void ModelExchangeFmu::join(Simulation& simulation) {
                    .action = Event::Action::restart,
                    .change = [this](State& state) { change(state); }});
   };
-  fmu.join();
   for (int i = 0; i < fmu.file().contents().indicator_count; ++i)
     watch("state event " + std::to_string(i + 1),
           [i](FmuEquations& of, double time) { return of.indicators(time)[i]; });
   watch("time event", [](FmuEquations& of, double time) { return of.until_time_event(time); });
   simulation.observe(*this, every_step());
   at_event_.emplace(simulation.system());
+  fmu.join();
 }
 
 void ModelExchangeFmu::change(State& state) {
