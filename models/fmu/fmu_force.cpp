@@ -37,7 +37,7 @@ void FmuWires::act(std::span<const MarkerView> markers, const VectorX& rates, in
 }
 
 void FmuForce::evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const {
-  FmuEquations& fmu = equations();
+  ExchangeEquations& fmu = equations();
   const auto lock = fmu.lock();
   p_.wires.read(time, markers, rows, fmu.z, fmu.u);
   p_.wires.act(markers, fmu.rates(time), fmu.state_count(), rows);
@@ -55,7 +55,7 @@ class LinearFmuForce final : public ForceElement {
  public:
   LinearFmuForce(const FmuForce& force, double time, std::span<const MarkerView> markers, const AngleMemory& memory)
       : wires_(force.wires()) {
-    FmuEquations& fmu = force.equations();
+    ExchangeEquations& fmu = force.equations();
     const auto lock = fmu.lock();
     wires_.read(time, markers, memory, fmu.z, fmu.u);
     z_ = fmu.z, u_ = fmu.u;

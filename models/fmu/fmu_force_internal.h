@@ -7,7 +7,7 @@
 #include "engine/model/force_element.h"
 #include "engine/model/joint_coordinate.h"
 #include "engine/model/motion_law.h"
-#include "models/fmu/fmu_equations_internal.h"
+#include "models/fmu/exchange_equations_internal.h"
 
 namespace lithe {
 
@@ -42,12 +42,12 @@ struct FmuWires {
 class FmuForce final : public ForceElement, public EventMemory {
  public:
   struct Parameters {
-    std::unique_ptr<FmuEquations> equations;
+    std::unique_ptr<ExchangeEquations> equations;
     FmuWires wires;
   };
   explicit FmuForce(Parameters parameters) : p_(std::move(parameters)) {}
 
-  FmuEquations& equations() const { return *p_.equations; }
+  ExchangeEquations& equations() const { return *p_.equations; }
   const FmuWires& wires() const { return p_.wires; }
   int marker_count() const override { return p_.wires.marker_count(); }
   int row_count() const override { return static_cast<int>(p_.wires.outputs.size()); }

@@ -87,9 +87,9 @@ ModelExchangeFmu::ModelExchangeFmu(SystemGraph& graph, Located name, const std::
     wires.outputs.push_back({outputs.place(wire.variable), coordinate_place(wire.coordinate)});
   wires.coordinates = CoordinateSet(coordinates);
   // 2. Their values at the start.
-  FmuEquations::Parameters p{.values = parameters_.values,
-                             .connected = {inputs.references(), outputs.references()},
-                             .inputs = inputs.starts()};
+  ExchangeEquations::Parameters p{.values = parameters_.values,
+                                  .connected = {inputs.references(), outputs.references()},
+                                  .inputs = inputs.starts()};
   for (const auto& [variable, value] : parameters_.values)
     if (const FmuNumber number = file->find_parameter(variable, value); number.variable->causality == "input")
       if (std::find(inputs.variables.begin(), inputs.variables.end(), number.variable) != inputs.variables.end())
@@ -106,7 +106,7 @@ ModelExchangeFmu::ModelExchangeFmu(SystemGraph& graph, Located name, const std::
     file->refuse(std::to_string(wires.coordinates.count()) + " coordinates and " + std::to_string(states) +
                      " states are more than there is room for",
                  "connect fewer coordinates, use several FMUs, or one for co-simulation (ImportedFmu)");
-  auto equations = std::make_unique<FmuEquations>(std::move(file), std::move(p));
+  auto equations = std::make_unique<ExchangeEquations>(std::move(file), std::move(p));
   const MatrixX jacobian = equations->jacobian(/*time=*/0);
   for (FmuWires::Out& out : wires.outputs)
     for (const FmuWires::In& in : wires.inputs)
@@ -137,7 +137,7 @@ void ModelExchangeFmu::read(Snapshot& now) const {
 }
 
 void ModelExchangeFmu::join(Simulation& simulation) {
-  FmuEquations& fmu = force_->equations();
+  ExchangeEquations& fmu = force_->equations();
   if (at_event_) fmu.file().refuse("it has joined a simulation before", "draw another scene with another one");
   const auto watch = [&](const std::string& what, auto function) {
     simulation.on({.name = name() + ": " + what,
@@ -152,15 +152,15 @@ void ModelExchangeFmu::join(Simulation& simulation) {
   };
   for (int i = 0; i < fmu.file().contents().indicator_count; ++i)
     watch("state event " + std::to_string(i + 1),
-          [i](FmuEquations& of, double time) { return of.indicators(time)[i]; });
-  watch("time event", [](FmuEquations& of, double time) { return of.until_time_event(time); });
+          [i](ExchangeEquations& of, double time) { return of.indicators(time)[i]; });
+  watch("time event", [](ExchangeEquations& of, double time) { return of.until_time_event(time); });
   simulation.observe(*this, every_step());
   at_event_.emplace(simulation.system());
   fmu.join();
 }
 
 void ModelExchangeFmu::change(State& state) {
-  FmuEquations& fmu = force_->equations();
+  ExchangeEquations& fmu = force_->equations();
   at_event_->evaluate(state);  // its forces take the lock
   const auto lock = fmu.lock();
   read(*at_event_);
@@ -173,7 +173,7 @@ void ModelExchangeFmu::change(State& state) {
 }
 
 void ModelExchangeFmu::observe(Snapshot& now) {
-  FmuEquations& fmu = force_->equations();
+  ExchangeEquations& fmu = force_->equations();
   const auto lock = fmu.lock();
   read(now);
   fmu.see(now.time());
@@ -185,7 +185,7 @@ Sensor ModelExchangeFmu::sensor(const std::string& variable, Located as) const {
   const std::string column = as.text;
   return Sensor(std::move(as), {column},
                 [this, variable, asked](Snapshot& now, std::span<double> out) {
-                  FmuEquations& fmu = force_->equations();
+                  ExchangeEquations& fmu = force_->equations();
                   const auto lock = fmu.lock();
                   read(now);
                   out[0] = fmu.value(now.time(), variable, asked);
@@ -216,7 +216,7 @@ std::string ModelExchangeFmu::describe() const {
 }
 
 void ModelExchangeFmu::history(Archive& archive) {
-  FmuEquations& fmu = force_->equations();
+  ExchangeEquations& fmu = force_->equations();
   const auto lock = fmu.lock();
   archive.group("fmu", [&] { fmu.history(archive); });
 }

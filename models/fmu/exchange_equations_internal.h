@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "engine/base/math.h"
+#include "models/fmu/exchange_model_internal.h"
 #include "models/fmu/fmu_file_internal.h"
-#include "models/fmu/fmu_model_internal.h"
 
 namespace lithe {
 
@@ -16,18 +16,18 @@ namespace lithe {
 /// Until a run begins the instance follows the first state: it is initialized there, with the inputs of that state.
 /// From then on its discrete state is that since the last event, and what lies before is refused. All but the constant
 /// functions are called under lock().
-class FmuEquations {
+class ExchangeEquations {
  public:
   struct Parameters {
     std::vector<std::pair<std::string, double>> values{};  // of parameters and inputs, at the start
-    FmuModel::Connected connected{};
+    ExchangeModel::Connected connected{};
     VectorX inputs{};            // u at the start
     int output_count = 0;        // numbers of y
     bool differentiable = true;  // directional derivatives of all of (f, g) may be asked for
   };
   /// Makes an instance and initializes it at t = 0. Throws as FmuFile::make_instance(), and SimulationError where the
   /// FMU refuses its values.
-  FmuEquations(std::unique_ptr<const FmuFile> file, Parameters parameters);
+  ExchangeEquations(std::unique_ptr<const FmuFile> file, Parameters parameters);
 
   const FmuFile& file() const { return *file_; }
   int state_count() const { return file_->contents().state_count; }
@@ -62,7 +62,7 @@ class FmuEquations {
   template <class Work>
   decltype(auto) guarded(double time, Work&& work);
   void initialize(double time);
-  bool settle(FmuModel::Event event, double time);
+  bool settle(ExchangeModel::Event event, double time);
   void prepare(double time);
   bool move_to(double time);
   const VectorX& rates_at(double time);
@@ -74,8 +74,8 @@ class FmuEquations {
   bool joined_ = false;
   /// An instance and where its run is.
   struct Run {
-    std::unique_ptr<FmuLibrary> library;  // null: to be made, or after a failure
-    std::unique_ptr<FmuModel> model;      // of the library
+    std::unique_ptr<FmuLibrary> library;   // null: to be made, or after a failure
+    std::unique_ptr<ExchangeModel> model;  // of the library
     bool begun = false;
     double since = 0;  // of the discrete state, s: the initialization or the last event
     double seen = 0;   // the last state of the run, s

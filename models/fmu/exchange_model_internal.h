@@ -11,13 +11,13 @@ namespace lithe {
 /// The equations of an instance for model exchange, by either version of the standard:
 ///   ż = f(t, z, u),  y = g(t, z, u),  events where indicators change sign and at times that it names.
 /// Errors as of FmuLibrary.
-class FmuModel {
+class ExchangeModel {
  public:
   /// Variables of type Float64 that are set and read at each point, arrays as a whole.
   struct Connected {
     std::vector<unsigned> inputs, outputs;  // value references
   };
-  FmuModel(FmuLibrary& library, const FmuContents& contents, Connected connected);
+  ExchangeModel(FmuLibrary& library, const FmuContents& contents, Connected connected);
 
   struct Event {
     bool states_changed = false;

@@ -1,4 +1,4 @@
-#include "models/fmu/fmu_model_internal.h"
+#include "models/fmu/exchange_model_internal.h"
 
 #include "engine/base/error.h"
 
@@ -14,7 +14,7 @@ std::vector<unsigned> joined(std::vector<unsigned> a, const std::vector<unsigned
 
 }  // namespace
 
-FmuModel::FmuModel(FmuLibrary& library, const FmuContents& contents, Connected connected)
+ExchangeModel::ExchangeModel(FmuLibrary& library, const FmuContents& contents, Connected connected)
     : library_(library),
       two_(contents.version == 2),
       connected_(std::move(connected)),
@@ -30,7 +30,7 @@ FmuModel::FmuModel(FmuLibrary& library, const FmuContents& contents, Connected c
   indicators_.name = prefix + "GetEventIndicators";
 }
 
-FmuModel::Event FmuModel::begin() {
+ExchangeModel::Event ExchangeModel::begin() {
   Event out;
   for (int update = 0;; ++update) {
     if (update == kMostUpdates)
@@ -54,12 +54,12 @@ FmuModel::Event FmuModel::begin() {
   return out;
 }
 
-FmuModel::Event FmuModel::handle_event() {
+ExchangeModel::Event ExchangeModel::handle_event() {
   library_.call(enter_event_mode_);
   return begin();
 }
 
-bool FmuModel::complete_step() {
+bool ExchangeModel::complete_step() {
   bool event = false, terminate = false;
   if (two_) {
     int event2 = 0, terminate2 = 0;
@@ -72,26 +72,26 @@ bool FmuModel::complete_step() {
   return event;
 }
 
-bool FmuModel::move_to(double time, std::span<const double> states, std::span<const double> inputs) {
+bool ExchangeModel::move_to(double time, std::span<const double> states, std::span<const double> inputs) {
   if (!library_.try_call(set_time_, time)) return false;
   if (!states.empty() && !library_.try_call(set_states_, states.data(), states.size())) return false;
   return set_inputs(inputs);
 }
 
-bool FmuModel::set_inputs(std::span<const double> inputs) {
+bool ExchangeModel::set_inputs(std::span<const double> inputs) {
   const std::vector<unsigned>& to = connected_.inputs;
   if (to.empty()) return true;
   return two_ ? library_.try_call(set2_, to.data(), to.size(), inputs.data())
               : library_.try_call(set3_, to.data(), to.size(), inputs.data(), inputs.size());
 }
 
-bool FmuModel::get_outputs(std::span<double> out) {
+bool ExchangeModel::get_outputs(std::span<double> out) {
   const std::vector<unsigned>& from = connected_.outputs;
   return two_ ? library_.try_call(get2_, from.data(), from.size(), out.data())
               : library_.try_call(get3_, from.data(), from.size(), out.data(), out.size());
 }
 
-void FmuModel::differentiate(std::span<const double> seed, std::span<double> out) {
+void ExchangeModel::differentiate(std::span<const double> seed, std::span<double> out) {
   if (two_)
     library_.call(differentiate2_, unknowns_.data(), unknowns_.size(), knowns_.data(), knowns_.size(), seed.data(),
                   out.data());

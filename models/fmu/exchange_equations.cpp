@@ -1,4 +1,4 @@
-#include "models/fmu/fmu_equations_internal.h"
+#include "models/fmu/exchange_equations_internal.h"
 
 #include <cmath>
 
@@ -22,7 +22,7 @@ std::span<double> span_of(VectorX& x) { return {x.data(), static_cast<std::size_
 
 /// What the FMU fails at names the FMU and the time; then it is not called again.
 template <class Work>
-decltype(auto) FmuEquations::guarded(double time, Work&& work) {
+decltype(auto) ExchangeEquations::guarded(double time, Work&& work) {
   const auto refuse = [&](const std::string& problem, const std::string& fix) {
     throw SimulationError(problem, "FMU '" + file_->name() + "', " + time_text(time), fix);
   };
@@ -44,7 +44,7 @@ decltype(auto) FmuEquations::guarded(double time, Work&& work) {
   }
 }
 
-FmuEquations::FmuEquations(std::unique_ptr<const FmuFile> file, Parameters parameters)
+ExchangeEquations::ExchangeEquations(std::unique_ptr<const FmuFile> file, Parameters parameters)
     : file_(std::move(file)), p_(std::move(parameters)) {
   const int n = state_count(), rates = n + p_.output_count, known = n + input_count();
   z = initial_states_ = VectorX::Zero(n);
@@ -56,11 +56,11 @@ FmuEquations::FmuEquations(std::unique_ptr<const FmuFile> file, Parameters param
   z = initial_states_;
 }
 
-void FmuEquations::initialize(double time) {
+void ExchangeEquations::initialize(double time) {
   run_.model.reset();
   run_.library.reset();  // some binaries allow one instance at a time
   run_.library = file_->make_instance();
-  run_.model = std::make_unique<FmuModel>(*run_.library, file_->contents(), p_.connected);
+  run_.model = std::make_unique<ExchangeModel>(*run_.library, file_->contents(), p_.connected);
   for (const auto& [name, value] : p_.values) run_.library->set(file_->find_parameter(name, value), value);
   run_.library->enter_initialization(time);
   if (!run_.model->set_inputs(span_of(u)))
@@ -71,7 +71,7 @@ void FmuEquations::initialize(double time) {
 }
 
 /// What an event, or the first, leaves; an FMU that wants another at once has it.
-bool FmuEquations::settle(FmuModel::Event event, double time) {
+bool ExchangeEquations::settle(ExchangeModel::Event event, double time) {
   bool changed = event.states_changed;
   for (int more = 0; event.next && is_due(*event.next, time); ++more) {
     if (more == kMostEvents)
@@ -87,13 +87,13 @@ bool FmuEquations::settle(FmuModel::Event event, double time) {
 }
 
 /// Makes the instance fit for being evaluated at this time.
-void FmuEquations::prepare(double time) {
+void ExchangeEquations::prepare(double time) {
   if (!run_.library || (!run_.begun && (time < run_.since || (time == run_.since && u != run_.first_u))))
     initialize(time);
 }
 
 /// Brings the FMU to (t, z, u), unless it stands there; false: it discards them.
-bool FmuEquations::move_to(double time) {
+bool ExchangeEquations::move_to(double time) {
   if (time == at_time_ && z == at_z_ && u == at_u_) return accepted_;
   at_time_ = kNone, has_rates_ = has_indicators_ = false;
   accepted_ = run_.model->move_to(time, span_of(z), span_of(u));
@@ -101,7 +101,7 @@ bool FmuEquations::move_to(double time) {
   return accepted_;
 }
 
-const VectorX& FmuEquations::rates_at(double time) {
+const VectorX& ExchangeEquations::rates_at(double time) {
   const bool accepted = move_to(time);
   if (has_rates_) return rates_;
   const auto n = static_cast<std::size_t>(state_count());
@@ -113,14 +113,14 @@ const VectorX& FmuEquations::rates_at(double time) {
   return rates_;
 }
 
-const VectorX& FmuEquations::rates(double time) {
+const VectorX& ExchangeEquations::rates(double time) {
   return guarded(time, [&]() -> const VectorX& {
     prepare(time);
     return rates_at(time);
   });
 }
 
-const VectorX& FmuEquations::indicators(double time) {
+const VectorX& ExchangeEquations::indicators(double time) {
   return guarded(time, [&]() -> const VectorX& {
     prepare(time);
     const bool accepted = move_to(time);
@@ -131,7 +131,7 @@ const VectorX& FmuEquations::indicators(double time) {
   });
 }
 
-double FmuEquations::value(double time, const std::string& name, const FmuNumber& number) {
+double ExchangeEquations::value(double time, const std::string& name, const FmuNumber& number) {
   return guarded(time, [&] {
     prepare(time);
     move_to(time);
@@ -139,7 +139,7 @@ double FmuEquations::value(double time, const std::string& name, const FmuNumber
   });
 }
 
-const MatrixX& FmuEquations::jacobian(double time) {
+const MatrixX& ExchangeEquations::jacobian(double time) {
   return guarded(time, [&]() -> const MatrixX& {
     prepare(time);
     const int n = state_count();
@@ -164,18 +164,18 @@ const MatrixX& FmuEquations::jacobian(double time) {
   });
 }
 
-void FmuEquations::reset() {
+void ExchangeEquations::reset() {
   run_ = {};
   at_time_ = kNone;
 }
 
-void FmuEquations::set_as_drawn(bool drawn) {
+void ExchangeEquations::set_as_drawn(bool drawn) {
   if (drawn) kept_ = std::move(run_);
   run_ = drawn ? Run{} : std::move(*kept_);
   at_time_ = kNone;
 }
 
-void FmuEquations::see(double time) {
+void ExchangeEquations::see(double time) {
   if (run_.begun && time == run_.seen) return;
   guarded(time, [&] {
     if (run_.begun && time < run_.seen) reset();  // the run starts anew, before any event
@@ -193,7 +193,7 @@ void FmuEquations::see(double time) {
   });
 }
 
-void FmuEquations::handle_event(double time) {
+void ExchangeEquations::handle_event(double time) {
   guarded(time, [&] {
     if (time == run_.since) return;
     move_to(run_.next && is_due(*run_.next, time) ? std::max(time, *run_.next) : time);
@@ -203,12 +203,12 @@ void FmuEquations::handle_event(double time) {
   });
 }
 
-double FmuEquations::until_time_event(double time) const {
+double ExchangeEquations::until_time_event(double time) const {
   // Zero at the last event too, and positive after it: the next may come at any time.
   return run_.next ? (time - run_.since) * (*run_.next - time) / (*run_.next - run_.since) : 1;
 }
 
-void FmuEquations::history(Archive& archive) {
+void ExchangeEquations::history(Archive& archive) {
   bool has_next = run_.next.has_value();
   double next = run_.next.value_or(0);
   archive("begun", run_.begun);
@@ -222,7 +222,7 @@ void FmuEquations::history(Archive& archive) {
   run_.next = has_next ? std::optional(next) : std::nullopt;
   at_time_ = kNone;
   if (run_.begun)
-    run_.model = std::make_unique<FmuModel>(*run_.library, file_->contents(), p_.connected);
+    run_.model = std::make_unique<ExchangeModel>(*run_.library, file_->contents(), p_.connected);
   else
     run_.library.reset();  // initialized with the first state
 }
