@@ -1,5 +1,6 @@
 #include <complex>
 
+#include "bodies/rigid_body.h"
 #include "integrators/explicit_runge_kutta.h"
 #include "integrators/lie_bdf.h"
 #include "integrators/radau.h"
@@ -141,7 +142,7 @@ const std::vector<DesignParameter> kReboundNumbers{{"mass", 0.4}, {"offset", 0.0
 
 TEST(EventGradients, OfARedundantLoopThatRebounds) {
   const std::vector<Quantity> quantities{value_at("coupler_z", 0.3), value_at("angle", 0.3)};
-  for (const MakeIntegrator& method : {fine_runge_kutta, fine_radau})
+  for (const MakeIntegrator method : {fine_runge_kutta, fine_radau})
     expect_gradient(rebounding_loop(method), quantities, kReboundNumbers);
   // Differences of runs would have what BDF's steps change by.
   const Gradient expected = gradient(rebounding_loop(fine_runge_kutta), quantities, kReboundNumbers);
@@ -157,7 +158,7 @@ TEST(EventGradients, OfADrivenRodThatLosesItsVibration) {
   scene.events = {{.name = "damped", .column = "tip_z", .level = -0.3, .change = [](State& state, const SweepPoint&) {
                      state.v *= 0.3;
                    }}};
-  for (const MakeIntegrator& method : {fine_runge_kutta, fine_radau}) {
+  for (const MakeIntegrator method : {fine_runge_kutta, fine_radau}) {
     scene.integrator = method;
     expect_gradient(scene, {value_at("tip_z", 0.2)},
                     {{"thickness", 0.01}, {"E", 7e10}, {"density", 2700}, {"turn", 0.6}});
@@ -186,7 +187,7 @@ TEST(EventGradients, TheRunIsThatOfSimulation) {
 }
 
 TEST(EventGradients, RunStretchesAgainWhereMemoryIsShort) {
-  for (const MakeIntegrator& method : {fine_radau, fine_bdf}) {
+  for (const MakeIntegrator method : {fine_radau, fine_bdf}) {
     const ParametricScene scene = rebounding_loop(method);
     const Gradient all =
         gradient(scene, {value_at("angle", 0.3)}, kReboundNumbers, {.mode = GradientOptions::Mode::adjoint});
