@@ -265,6 +265,7 @@ void RadauStages::accept(const State& start, double h) {
 
 void RadauStages::begin_again(const Layout& layout, double h) {
   correction_.setZero();
+  allowance_ = 1;  // a rate that Newton had before says nothing of the first iteration from here
   advance_kinematics(layout, h);
 }
 

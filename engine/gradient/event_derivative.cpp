@@ -3,7 +3,7 @@
 #include "engine/base/error.h"
 #include "engine/base/log.h"
 #include "engine/gradient/differences.h"
-#include "engine/gradient/moved_drawing.h"
+#include "engine/gradient/parameter_derivative.h"
 #include "engine/gradient/sensor_derivative.h"
 #include "engine/motion/projection.h"
 
@@ -27,6 +27,26 @@ void apply_event(const ParametricEvent& event, const Drawing& drawing, Evaluator
   if (!projector.position(time, state.q, kTolerance, kMostProjections).converged) refuse("is far off the joints");
   equations.track(state.quarter_turns);
   projector.velocity(time, state.q, state.v);
+}
+
+EventDerivative::EventDerivative(const ParametricScene& scene, const std::vector<DesignParameter>& parameters,
+                                 const Drawing& drawing)
+    : scene_(scene), parameters_(parameters), drawing_(drawing), equations_(drawing.system()) {}
+
+EventDerivative::~EventDerivative() = default;
+
+/// The drawings in which a parameter is moved, with their weights in its derivative.
+template <class Look>
+void EventDerivative::visit(int k, const Look& look) {
+  const log::Quiet quiet;
+  const bool few = static_cast<int>(parameters_.size()) <= kFewParameters;
+  if (few) few_.resize(kOffsets.size() * parameters_.size());
+  for (std::size_t i = 0; i < kOffsets.size(); ++i) {
+    std::unique_ptr<MovedDrawing> drawn;
+    std::unique_ptr<MovedDrawing>& kept = few ? few_[kOffsets.size() * static_cast<std::size_t>(k) + i] : drawn;
+    if (!kept) kept = std::make_unique<MovedDrawing>(scene_, moved_parameter(parameters_, k, kOffsets[i].steps));
+    look(*kept, kOffsets[i].weight / parameters_[static_cast<std::size_t>(k)].step);
+  }
 }
 
 /// q̇ and v̇.
@@ -92,14 +112,11 @@ EventDerivative::Jump EventDerivative::at(int number, const State& before, const
       by_time += weight * reach(drawing_, equations_, moved(step, none, none));
     }
   }
-  const log::Quiet quiet;
   for (int k = 0; k < count; ++k)
-    for (const Offset& offset : kOffsets) {
-      MovedDrawing drawn(scene_, moved_parameter(parameters_, k, offset.steps));
-      const double weight = offset.weight / parameters_[static_cast<std::size_t>(k)].step;
+    visit(k, [&](MovedDrawing& drawn, double weight) {
       jump.time_by_parameters[k] += weight * drawn.value(place, before);
       if (event.change) jump.by_parameters.col(k) += weight * reach(drawn.drawing, drawn.equations, before);
-    }
+    });
   // 3. What the other time does.
   jump.time_by_parameters /= -slope;
   jump.time_by_state = -of_state / slope;

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "engine/gradient/parametric_scene.h"
+#include "engine/gradient/moved_drawing.h"
 
 namespace lithe {
 
@@ -16,8 +16,9 @@ void apply_event(const ParametricEvent& event, const Drawing& drawing, Evaluator
 /// Changes are those of Variation: turns, then velocities.
 class EventDerivative {
  public:
-  EventDerivative(const ParametricScene& scene, const std::vector<DesignParameter>& parameters, const Drawing& drawing)
-      : scene_(scene), parameters_(parameters), drawing_(drawing), equations_(drawing.system()) {}
+  /// All are borrowed.
+  EventDerivative(const ParametricScene& scene, const std::vector<DesignParameter>& parameters, const Drawing& drawing);
+  ~EventDerivative();
 
   struct Jump {
     MatrixX by_state, by_parameters;            // of the state behind the event
@@ -28,11 +29,14 @@ class EventDerivative {
 
  private:
   VectorX rate(const State& state);
+  template <class Look>
+  void visit(int k, const Look& look);
 
   const ParametricScene& scene_;
   const std::vector<DesignParameter>& parameters_;
   const Drawing& drawing_;
   Evaluator equations_;
+  std::vector<std::unique_ptr<MovedDrawing>> few_;  // of few parameters, four each; else drawn at each event
 };
 
 }  // namespace lithe

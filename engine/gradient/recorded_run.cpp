@@ -34,7 +34,7 @@ RecordedRun::RecordedRun(const ParametricScene& scene, const Drawing& drawing, s
   if (method_) derivative_ = method_->step_derivative();
   if (!derivative_ && !(method_ && method_->repeated_step(equations_)))
     refuse(scene, "the steps of " + integrator_->name() + " with these settings cannot be differentiated yet",
-           "take GeneralizedAlpha{{.step = ...}} (index 3, one fixed step), ExplicitRungeKutta or Radau");
+           "take GeneralizedAlpha{{.step = ...}} (index 3, one fixed step), ExplicitRungeKutta, Radau or LieBdf");
   if (!drawing.system().contacts().empty())
     refuse(scene, "its contacts cannot be differentiated yet",
            "leave them out, or take differences of runs with sweep()");
