@@ -14,7 +14,7 @@ using namespace lithe;
 
 namespace {
 
-const std::string kRobot = LITHE_EXAMPLE_DATA "/../../tests/data/robots/iiwa.urdf";
+const std::string kRobot = LITHE_EXAMPLE_DATA "/iiwa.urdf";            // KUKA iiwa 14, of rbd-benchmarks (MIT)
 constexpr double kTargets[] = {0.5, 0.8, -0.4, -1.2, 0.3, 0.9, -0.6};  // rad
 constexpr double kSizes[] = {3000, 3000, 1500, 1500, 300, 300, 30};    // of the gains, N m/rad
 std::string joint(int i) { return "lbr_iiwa_joint_" + std::to_string(i + 1); }
