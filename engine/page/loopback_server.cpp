@@ -82,9 +82,9 @@ struct LoopbackServer::Connection {
   Clock::time_point moved = Clock::now();  // when bytes left last; before: when it came
 
   bool is_sent() const { return sent == out.size(); }
-  /// Answered in full, or left.
   /// Its last piece has gone: the next may be there.
   bool is_due() const { return more && is_sent() && !out.empty(); }
+  /// Answered in full, or left.
   bool is_over() const { return left || (answered && is_sent() && !more); }
   void refill() {
     if (!more || !is_sent()) return;

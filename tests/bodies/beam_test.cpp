@@ -16,6 +16,7 @@
 #include "joints/revolute_joint.h"
 #include "tests/support/body_checks.h"
 #include "tests/support/joint_checks.h"
+#include "tests/support/message_of.h"
 #include "tests/support/methods.h"
 #include "tests/support/motion.h"
 
@@ -72,21 +73,11 @@ TEST(BeamSection, MovesAndTurns) {
   EXPECT_NEAR(t.stiffness(4, 4), s.stiffness(5, 5), 1e-9 * s.stiffness(5, 5));
 }
 
-template <class Make>
-std::string refused(Make&& make) {
-  try {
-    make();
-  } catch (const SceneError& error) {
-    return error.what();
-  }
-  return "accepted";
-}
-
 TEST(BeamSection, RefusesWhatIsNone) {
   const auto message = [](auto&& spoil) {
     BeamSection s = BeamSection::rectangle(0.06, 0.04, kSteel);
     spoil(s);
-    return refused([&] { s.check("section 3"); });
+    return message_of<SceneError>([&] { s.check("section 3"); });
   };
   EXPECT_NE(message([](auto& s) { s.stiffness(4, 4) = -1; }).find("section 3 in bending about 2"), std::string::npos);
   EXPECT_NE(message([](auto& s) { s.stiffness(0, 1) = s.stiffness(1, 0) = 2e9; }).find("positive definite"),
@@ -96,7 +87,7 @@ TEST(BeamSection, RefusesWhatIsNone) {
   EXPECT_NE(message([](auto& s) { s.mass(1, 1) *= 2; }).find("not that of a section"), std::string::npos);
   EXPECT_NE(message([](auto& s) { s.mass(4, 4) = -1; }).find("rotary inertia"), std::string::npos);
   EXPECT_NE(message([](auto& s) { s.damping[2] = -1; }).find("shear along 3"), std::string::npos);
-  EXPECT_NE(refused([] { BeamSection::tube(2, 1, kSteel); }).find("inner radius"), std::string::npos);
+  EXPECT_NE(message_of<SceneError>([] { BeamSection::tube(2, 1, kSteel); }).find("inner radius"), std::string::npos);
 }
 
 Vector6 read(Snapshot& now, const Sensor& sensor) {
@@ -230,9 +221,9 @@ TEST(Beam, HasMarkersAnywhere) {
     EXPECT_LT((now.marker(beam.marker(arc)).v - Vector3(0, 2 * arc, 1)).norm(), 1e-14);
   }
   EXPECT_NEAR(beam.length(), 2, 1e-14);
-  EXPECT_NE(refused([&] { beam.marker(2.1); }).find("no section at 2.1"), std::string::npos);
-  EXPECT_NE(refused([&] { beam.axes(-1); }).find("no node -1"), std::string::npos);
-  EXPECT_NE(refused([&] { beam.strain(beam.element_count()); }).find("element_at"), std::string::npos);
+  EXPECT_NE(message_of<SceneError>([&] { beam.marker(2.1); }).find("no section at 2.1"), std::string::npos);
+  EXPECT_NE(message_of<SceneError>([&] { beam.axes(-1); }).find("no node -1"), std::string::npos);
+  EXPECT_NE(message_of<SceneError>([&] { beam.strain(beam.element_count()); }).find("element_at"), std::string::npos);
 }
 
 /// Pages show it as thick as its section is, and where it is.
@@ -264,7 +255,7 @@ TEST(Beam, IsDrawnAsThickAsItsSections) {
 TEST(Beam, RefusesWhatCannotBeDrawn) {
   const BeamSection section = BeamSection::circle(0.1, kSteel);
   const auto message = [&](Beam::Parameters p) {
-    return refused([&] {
+    return message_of<SceneError>([&] {
       SystemGraph graph;
       graph.add<Beam>("beam", p);
       assemble(graph);

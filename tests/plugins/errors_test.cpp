@@ -8,23 +8,12 @@
 #include "integrators/generalized_alpha.h"
 #include "plugins/massless_rod/massless_rod.cpp"
 #include "tests/plugins/plugins.h"
+#include "tests/support/message_of.h"
 #include "tests/support/methods.h"
 
 namespace lithe::test::errors_test {
 namespace {
 
-/// What `f` threw, as printed; "" if nothing.
-template <class Expected, class F>
-std::string message(F&& f) {
-  try {
-    f();
-  } catch (const Expected& error) {
-    return error.what();
-  } catch (const std::exception& error) {
-    ADD_FAILURE() << "another kind of error: " << error.what();
-  }
-  return "";
-}
 testing::AssertionResult holds(const std::string& text, const std::string& part) {
   if (text.find(part) != std::string::npos) return testing::AssertionSuccess();
   return testing::AssertionFailure() << "'" << part << "' is not in:\n" << text;
@@ -57,7 +46,7 @@ class LoadingErrors : public testing::TestWithParam<Refused> {};
 
 TEST_P(LoadingErrors, name_the_file_and_the_fix_and_leave_the_host_well) {
   Registry registry;
-  const std::string text = message<FileError>([&] { registry.load_plugin(library(GetParam().library)); });
+  const std::string text = message_of<FileError>([&] { registry.load_plugin(library(GetParam().library)); });
   EXPECT_TRUE(holds(text, "/" + GetParam().library + ".so\n  fix:  "));
   for (const std::string& part : GetParam().said) EXPECT_TRUE(holds(text, part));
   expect_working(registry);
@@ -80,9 +69,9 @@ TEST(LoadingErrors, a_text_file_is_no_library_and_a_folder_is_no_file) {
   Registry registry;
   const auto path = std::filesystem::path(LITHE_BINARY_DIR) / "tests" / "no_library.so";
   std::ofstream(path) << "This is a text.\n";
-  EXPECT_TRUE(holds(message<FileError>([&] { registry.load_plugin(path); }), "cannot be loaded"));
+  EXPECT_TRUE(holds(message_of<FileError>([&] { registry.load_plugin(path); }), "cannot be loaded"));
   EXPECT_TRUE(
-      holds(message<FileError>([&] { registry.load_plugin(path.parent_path()); }), "the plug-in is not a file"));
+      holds(message_of<FileError>([&] { registry.load_plugin(path.parent_path()); }), "the plug-in is not a file"));
   std::filesystem::remove(path);
   expect_working(registry);
 }
@@ -90,18 +79,18 @@ TEST(LoadingErrors, a_text_file_is_no_library_and_a_folder_is_no_file) {
 TEST(LoadingErrors, a_library_is_registered_whole_or_not_at_all) {
   Registry registry;
   EXPECT_THROW(registry.load_plugin(library("small_table")), FileError);  // has a good_ball too
-  EXPECT_TRUE(holds(message<SceneError>([&] { registry.joint("good_ball"); }), "load its plug-in first"));
+  EXPECT_TRUE(holds(message_of<SceneError>([&] { registry.joint("good_ball"); }), "load its plug-in first"));
 }
 
 TEST(LoadingErrors, a_name_in_use_tells_by_whom) {
   Registry registry;
   registry.load_plugin(shipped("massless_rod"));
-  EXPECT_TRUE(holds(message<FileError>([&] { registry.load_plugin(shipped("massless_rod")); }),
+  EXPECT_TRUE(holds(message_of<FileError>([&] { registry.load_plugin(shipped("massless_rod")); }),
                     "a joint type 'massless_rod' is registered already, from " + shipped("massless_rod").string()));
-  EXPECT_TRUE(holds(message<SceneError>([&] { registry.add<MasslessRod>("massless_rod"); }), "errors_test.cpp:"));
+  EXPECT_TRUE(holds(message_of<SceneError>([&] { registry.add<MasslessRod>("massless_rod"); }), "errors_test.cpp:"));
   Registry compiled;
   compiled.add<MasslessRod>("massless_rod");
-  EXPECT_TRUE(holds(message<FileError>([&] { compiled.load_plugin(shipped("massless_rod")); }), "compiled in"));
+  EXPECT_TRUE(holds(message_of<FileError>([&] { compiled.load_plugin(shipped("massless_rod")); }), "compiled in"));
   expect_working(registry);
 }
 
@@ -109,12 +98,12 @@ TEST(NameErrors, of_types_name_the_line_and_the_known_ones) {
   Registry registry;
   registry.load_plugin(shipped("massless_rod"));
   registry.load_plugin(shipped("cam_follower"));
-  const std::string text = message<SceneError>([&] { registry.joint("massles_rod"); });
+  const std::string text = message_of<SceneError>([&] { registry.joint("massles_rod"); });
   EXPECT_TRUE(holds(text, "error: no joint type 'massles_rod' is registered"));
   EXPECT_TRUE(holds(text, "at:   errors_test.cpp:"));
   EXPECT_TRUE(holds(text, "fix:  did you mean 'massless_rod'? known are cam_follower, massless_rod"));
-  EXPECT_TRUE(holds(message<SceneError>([&] { registry.force("massless_rod"); }), "no force type 'massless_rod'"));
-  EXPECT_TRUE(holds(message<SceneError>([&] { registry.integrator("rk4"); }), "no integrator type 'rk4'"));
+  EXPECT_TRUE(holds(message_of<SceneError>([&] { registry.force("massless_rod"); }), "no force type 'massless_rod'"));
+  EXPECT_TRUE(holds(message_of<SceneError>([&] { registry.integrator("rk4"); }), "no integrator type 'rk4'"));
   expect_working(registry);
 }
 
@@ -128,7 +117,7 @@ TEST(ParameterErrors, name_the_element_the_line_and_what_there_is) {
   auto& bob = graph.add<RigidBody>("bob", {.position = {1, 0, 0}});
   const std::vector<Marker> ends{graph.ground().marker(), bob.marker()};
   const auto add = [&](const ParameterList& parameters, const std::vector<Marker>& markers) {
-    return message<SceneError>([&] { graph.add(registry.joint("massless_rod"), "string", markers, parameters); });
+    return message_of<SceneError>([&] { graph.add(registry.joint("massless_rod"), "string", markers, parameters); });
   };
   const std::string text = add({{"lenght", 0.5}}, ends);
   EXPECT_TRUE(holds(text, "error: 'string': joint type 'massless_rod' of massless_rod.so has no parameter 'lenght'"));
@@ -140,12 +129,15 @@ TEST(ParameterErrors, name_the_element_the_line_and_what_there_is) {
   EXPECT_TRUE(holds(add({{"length", -1}}, ends), "refuses: length is -1"));
   EXPECT_TRUE(holds(add({}, {ends[0]}), "needs 2 markers and got 1"));
   EXPECT_TRUE(holds(add({}, {ends[0], ends[1], ends[1]}), "needs 2 markers and got 3"));
-  EXPECT_TRUE(holds(message<SceneError>([&] {
+  EXPECT_TRUE(holds(message_of<SceneError>([&] {
                       graph.add(registry.body("rattle_box"), "box", {{"inertia", {1, 2}}});
                     }),
                     "is given 2 numbers\n  at:   errors_test.cpp"));
-  EXPECT_TRUE(holds(message<SceneError>([&] { registry.integrator("heun", {{"substeps", 1.5}}); }), "substeps is 1.5"));
-  EXPECT_TRUE(holds(message<SceneError>([&] { registry.integrator("heun", {{"step", 0}}); }), "errors_test.cpp:"));
+  EXPECT_TRUE(holds(message_of<SceneError>([&] {
+                      registry.integrator("heun", {{"substeps", 1.5}});
+                    }),
+                    "substeps is 1.5"));
+  EXPECT_TRUE(holds(message_of<SceneError>([&] { registry.integrator("heun", {{"step", 0}}); }), "errors_test.cpp:"));
   graph.add(registry.joint("massless_rod"), "string", ends);  // the name is still free
   expect_working(registry);
 }
@@ -164,7 +156,7 @@ struct Throwing : testing::Test {
     const System system = assemble(graph);
     State state = system.initial_state();
     Simulation simulation(system, integrator);
-    const std::string text = message<SimulationError>([&] { simulation.run(state, 1); });
+    const std::string text = message_of<SimulationError>([&] { simulation.run(state, 1); });
     reached = state.time;
     EXPECT_TRUE(state.q.allFinite());
     return text;
@@ -173,15 +165,15 @@ struct Throwing : testing::Test {
 
 TEST_F(Throwing, in_create_is_an_error_of_the_scene) {
   EXPECT_TRUE(holds(
-      message<SceneError>([&] {
+      message_of<SceneError>([&] {
         graph.add(registry.joint("throwing_joint"), "bad", {graph.ground().marker(), bob.marker()}, {{"create", true}});
       }),
       "'bad': joint type 'throwing_joint' of throwing.so refuses: it does not want to be made"));
-  EXPECT_TRUE(holds(message<SceneError>([&] {
+  EXPECT_TRUE(holds(message_of<SceneError>([&] {
                       graph.add(registry.body("throwing_body"), "bad", {{"create", true}});
                     }),
                     "it does not want to be made"));
-  EXPECT_TRUE(holds(message<SceneError>([&] {
+  EXPECT_TRUE(holds(message_of<SceneError>([&] {
                       registry.integrator("throwing_integrator", {{"create", true}});
                     }),
                     "it does not want to be made"));
@@ -238,7 +230,7 @@ TEST_F(Throwing, in_an_integrator_or_failing_there_ends_the_run) {
 TEST_F(Throwing, at_assembly_is_an_error_that_names_the_element) {
   graph.add(registry.joint("throwing_joint"), "ball", {graph.ground().marker({1, 0, 0}), bob.marker()},
             {{"evaluate", 0}});
-  EXPECT_TRUE(holds(message<SimulationError>([&] { assemble(graph); }), "'ball': joint type 'throwing_joint'"));
+  EXPECT_TRUE(holds(message_of<SimulationError>([&] { assemble(graph); }), "'ball': joint type 'throwing_joint'"));
 }
 
 TEST_F(Throwing, a_force_without_value_makes_integrators_take_smaller_steps) {
