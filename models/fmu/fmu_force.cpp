@@ -1,7 +1,7 @@
 #include "models/fmu/fmu_force_internal.h"
 
+#include "bodies/first_order_states.h"
 #include "engine/assembly/batch_of.h"
-#include "models/fmu/fmu_states_internal.h"
 
 namespace lithe {
 

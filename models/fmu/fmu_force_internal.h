@@ -12,7 +12,7 @@
 namespace lithe {
 
 /// What the numbers of an FMU for model exchange are in a scene: inputs read coordinates and functions of time, outputs
-/// push coordinates. Markers: those of the coordinates, two each, then the points of the FmuStates.
+/// push coordinates. Markers: those of the coordinates, two each, then the points of the FirstOrderStates.
 struct FmuWires {
   struct In {
     int place;       // in u

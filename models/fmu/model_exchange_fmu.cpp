@@ -3,11 +3,11 @@
 #include <cmath>
 #include <set>
 
+#include "bodies/first_order_states.h"
 #include "engine/archive/archive.h"
 #include "engine/model/marker_motions.h"
 #include "engine/run/simulation.h"
 #include "models/fmu/fmu_force_internal.h"
-#include "models/fmu/fmu_states_internal.h"
 
 namespace lithe {
 namespace {
@@ -113,7 +113,8 @@ ModelExchangeFmu::ModelExchangeFmu(SystemGraph& graph, Located name, const std::
       if (const double by = jacobian(states + out.place, states + in.place);
           in.coordinate == out.coordinate && std::isfinite(by))
         (in.rate ? out.by_rate : out.by_value) += by;
-  auto& body = graph.add<FmuStates>(Located(name.text + " states", name.where), {.start = equations->initial_states()});
+  auto& body =
+      graph.add<FirstOrderStates>(Located(name.text + " states", name.where), {.start = equations->initial_states()});
   wires.points = body.point_count();
   std::vector<Marker> markers = wires.coordinates.markers();
   for (int i = 0; i < wires.points; ++i) markers.push_back(body.point(i));
@@ -167,7 +168,7 @@ void ModelExchangeFmu::change(State& state) {
   fmu.handle_event(state.time);
   const auto& slices = at_event_->system().layout().bodies();
   const auto slice = std::find_if(slices.begin(), slices.end(), [&](const auto& s) { return s.body == states_; });
-  for (int i = 0; i < fmu.state_count(); ++i) state.v[slice->v + FmuStates::place(i)] = fmu.z[i];
+  for (int i = 0; i < fmu.state_count(); ++i) state.v[slice->v + FirstOrderStates::place(i)] = fmu.z[i];
   // The integrals of the states mean nothing, and dense output of the short steps that follow has their round-off.
   for (int i = 0; i < states_->point_count(); ++i) state.q.segment<3>(slice->q + 7 * i).setZero();
 }

@@ -14,7 +14,7 @@
 namespace lithe {
 
 class FmuForce;
-class FmuStates;
+class FirstOrderStates;
 class Simulation;
 struct FmuNumber;
 
@@ -91,7 +91,7 @@ class ModelExchangeFmu final : public Observer {
 
   const Parameters parameters_;
   FmuForce* force_ = nullptr;  // the graph's
-  const FmuStates* states_ = nullptr;
+  const FirstOrderStates* states_ = nullptr;
   std::optional<Snapshot> at_event_;  // of the simulation joined
 };
 

@@ -1,26 +1,28 @@
+#include "bodies/first_order_states.h"
 #include "engine/assembly/batch_of.h"
-#include "models/fmu/fmu_states_internal.h"
 
 namespace lithe {
 
-FmuStates::FmuStates(Parameters parameters) : start_(std::move(parameters.start)) { set_marker_count(point_count()); }
+FirstOrderStates::FirstOrderStates(Parameters parameters) : start_(std::move(parameters.start)) {
+  set_marker_count(point_count());
+}
 
-void FmuStates::initial_state(VectorRef q, VectorRef v) const {
+void FirstOrderStates::initial_state(VectorRef q, VectorRef v) const {
   q.setZero(), v.setZero();
   for (int i = 0; i < point_count(); ++i) q[7 * i + 3] = 1;  // axes as the world's, for good
   for (int i = 0; i < start_.size(); ++i) v[place(i)] = start_[i];
 }
 
-void FmuStates::add_residual(const BodyState&, const double* v_dot, const Vector3&, double* r) const {
+void FirstOrderStates::add_residual(const BodyState&, const double* v_dot, const Vector3&, double* r) const {
   for (int i = 0; i < 6 * point_count(); ++i) r[i] += v_dot[i];
 }
 
-void FmuStates::add_tangent(const BodyState&, const double*, const Vector3&, const TangentWeights& weights,
-                            BodyTangent& S) const {
+void FirstOrderStates::add_tangent(const BodyState&, const double*, const Vector3&, const TangentWeights& weights,
+                                   BodyTangent& S) const {
   for (int i = 0; i < point_count(); ++i) S.frame_block(i).diagonal().array() += weights.acceleration;
 }
 
-void FmuStates::marker_kinematics(const BodyState& state, int marker, Level level, MarkerKinematics& k) const {
+void FirstOrderStates::marker_kinematics(const BodyState& state, int marker, Level level, MarkerKinematics& k) const {
   k.A = &state.cache->A;
   k.elastic = nullptr;
   k.deflected = nullptr;
@@ -37,6 +39,6 @@ void FmuStates::marker_kinematics(const BodyState& state, int marker, Level leve
   k.bias_w.setZero();
 }
 
-template std::unique_ptr<BodyBatch> make_body_batch<FmuStates>();
+template std::unique_ptr<BodyBatch> make_body_batch<FirstOrderStates>();
 
 }  // namespace lithe

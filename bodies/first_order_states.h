@@ -1,23 +1,28 @@
 #pragma once
 
+#include <algorithm>
+
 #include "engine/assembly/batch.h"
 #include "engine/model/placeless_body.h"
 
 namespace lithe {
 
-/// The continuous states z of an FMU for model exchange as a body: three of them are the velocity of a point of unit
-/// mass without weight, so that a force on it is their derivative. Points, not linear coordinates, since Newton's
-/// matrix has a full block for each and for each two: no FMU's ∂ż/∂z is symmetric. Marker i is the point of the
-/// states 3i to 3i + 2; points without states rest.
-class FmuStates final : public PlacelessBody {
+/// First-order states z of elements (filters, pressures, bristles, imported models) as a body: three of them are the
+/// velocity of a point of unit mass without weight, so that a force on it is their derivative and every integrator
+/// carries them. Points, not linear coordinates, since Newton's matrix has a full block for each and for each two:
+/// ∂ż/∂z need not be symmetric. Marker i is the point of the states 3i to 3i + 2; points without states rest.
+///   auto& states = graph.add<FirstOrderStates>("pressures", {.start = z0});
+/// An element given `states.point(i)` as its marker m reads z from markers[m].v and sets ż by
+/// rows.add_load(markers[m], {ż, 0}).
+class FirstOrderStates final : public PlacelessBody {
  public:
   struct Parameters {
     VectorX start{};  // z
   };
   struct Cache : BodyCache {
-    explicit Cache(const FmuStates&) {}
+    explicit Cache(const FirstOrderStates&) {}
   };
-  explicit FmuStates(Parameters parameters);
+  explicit FirstOrderStates(Parameters parameters);
 
   /// One at least.
   int point_count() const { return std::max(1, (static_cast<int>(start_.size()) + 2) / 3); }
@@ -40,6 +45,6 @@ class FmuStates final : public PlacelessBody {
   const VectorX start_;
 };
 
-extern template std::unique_ptr<BodyBatch> make_body_batch<FmuStates>();
+extern template std::unique_ptr<BodyBatch> make_body_batch<FirstOrderStates>();
 
 }  // namespace lithe
