@@ -117,10 +117,8 @@ LITHE_FMU_EXPORT fmi2Status fmi2Reset(fmi2Component component) {
 }
 LITHE_FMU_EXPORT fmi2Status fmi2DoStep(fmi2Component component, fmi2Real current, fmi2Real size, fmi2Boolean) {
   return lithe::fmu::v2::with(component, [&](lithe::fmu::Component& c) {
-    const lithe::fmu::Outcome outcome =
-        c.guarded("DoStep", lithe::fmu::kStep, [&] { c.instance->step(current, size); });
-    if (outcome != lithe::fmu::Outcome::ok && c.mode == lithe::fmu::kStep) c.mode = lithe::fmu::kFailed;
-    return outcome;
+    bool early = false;
+    return c.step(current, size, early);
   });
 }
 
@@ -193,13 +191,11 @@ LITHE_FMU_EXPORT fmi2Status fmi2GetBooleanStatus(fmi2Component component, fmi2St
 // ---- model exchange ----
 
 LITHE_FMU_EXPORT fmi2Status fmi2EnterEventMode(fmi2Component component) {
-  return lithe::fmu::v2::with(component, [](lithe::fmu::Component& c) {
-    return c.enter(lithe::fmu::kEvent, lithe::fmu::kContinuous, "EnterEventMode");
-  });
+  return lithe::fmu::v2::with(component, [](lithe::fmu::Component& c) { return c.enter_event(); });
 }
 LITHE_FMU_EXPORT fmi2Status fmi2EnterContinuousTimeMode(fmi2Component component) {
   return lithe::fmu::v2::with(component, [](lithe::fmu::Component& c) {
-    return c.enter(lithe::fmu::kContinuous, lithe::fmu::kEvent, "EnterContinuousTimeMode");
+    return c.leave_event("EnterContinuousTimeMode", lithe::fmu::kContinuous);
   });
 }
 LITHE_FMU_EXPORT fmi2Status fmi2NewDiscreteStates(fmi2Component component, fmi2EventInfo* event) {

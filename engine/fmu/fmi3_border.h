@@ -64,7 +64,8 @@ inline fmi3Instance refuse_instance(fmi3LogMessageCallback callback, fmi3Instanc
 }
 
 inline fmi3Instance instantiate(FmuInstance::Form form, fmi3String token, fmi3Boolean logging,
-                                fmi3InstanceEnvironment environment, fmi3LogMessageCallback log) noexcept {
+                                fmi3InstanceEnvironment environment, fmi3LogMessageCallback log, bool events = false,
+                                const FmuInstance::Intermediate& intermediate = {}) noexcept {
   try {
     static const FmuModel model = lithe_fmu_model();
     if (!token || model.token != token)
@@ -72,7 +73,7 @@ inline fmi3Instance instantiate(FmuInstance::Form form, fmi3String token, fmi3Bo
     const auto tell = [=](Outcome outcome, const char* category, const std::string& message) {
       v3::tell(log, environment, outcome, category, message);
     };
-    return new Component(model, form, tell, logging);
+    return new Component(model, form, tell, logging, events, intermediate);
   } catch (const std::exception& error) {
     return refuse_instance(log, environment, error.what());
   } catch (...) {
@@ -92,15 +93,22 @@ LITHE_FMU_EXPORT fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boole
 }
 
 LITHE_FMU_EXPORT fmi3Instance fmi3InstantiateCoSimulation(fmi3String, fmi3String token, fmi3String, fmi3Boolean,
-                                                          fmi3Boolean logging, fmi3Boolean event_mode, fmi3Boolean,
-                                                          const fmi3ValueReference*, size_t intermediate,
+                                                          fmi3Boolean logging, fmi3Boolean event_mode,
+                                                          fmi3Boolean early_return, const fmi3ValueReference*, size_t,
                                                           fmi3InstanceEnvironment environment,
-                                                          fmi3LogMessageCallback log, fmi3IntermediateUpdateCallback) {
+                                                          fmi3LogMessageCallback log,
+                                                          fmi3IntermediateUpdateCallback update) {
   using namespace lithe;
-  if (event_mode || intermediate > 0)
-    return fmu::v3::refuse_instance(log, environment,
-                                    "co-simulation has no event mode and no intermediate update here");
-  return fmu::v3::instantiate(FmuInstance::Form::co_simulation, token, logging, environment, log);
+  FmuInstance::Intermediate intermediate;
+  if (update)
+    intermediate = [=](double time) {
+      fmi3Boolean ends = false;
+      fmi3Float64 end = time;  // later ones are met here too: the next step of the integrator may pass them
+      update(environment, time, false, true, true, early_return, &ends, &end);
+      return ends && early_return;
+    };
+  return fmu::v3::instantiate(FmuInstance::Form::co_simulation, token, logging, environment, log, event_mode,
+                              intermediate);
 }
 LITHE_FMU_EXPORT fmi3Instance fmi3InstantiateModelExchange(fmi3String, fmi3String token, fmi3String, fmi3Boolean,
                                                            fmi3Boolean logging, fmi3InstanceEnvironment environment,
@@ -143,10 +151,9 @@ LITHE_FMU_EXPORT fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 curren
   return lithe::fmu::v3::with(instance, [&](lithe::fmu::Component& c) {
     if (event) *event = false;
     if (terminate) *terminate = false;
-    if (early) *early = false;
-    const lithe::fmu::Outcome outcome =
-        c.guarded("DoStep", lithe::fmu::kStep, [&] { c.instance->step(current, size); });
-    if (outcome != lithe::fmu::Outcome::ok && c.mode == lithe::fmu::kStep) c.mode = lithe::fmu::kFailed;
+    bool ended = false;
+    const lithe::fmu::Outcome outcome = c.step(current, size, ended);
+    if (early) *early = ended;
     if (last) *last = c.instance->time();
     return outcome;
   });
@@ -225,16 +232,18 @@ LITHE_FMU_EXPORT fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const
   return lithe::fmu::v3::with(instance, [&](lithe::fmu::Component& c) { return c.deserialize(bytes, size, state); });
 }
 
-// ---- model exchange ----
+// ---- events ----
 
+LITHE_FMU_EXPORT fmi3Status fmi3EnterStepMode(fmi3Instance instance) {
+  return lithe::fmu::v3::with(
+      instance, [](lithe::fmu::Component& c) { return c.leave_event("EnterStepMode", lithe::fmu::kStep); });
+}
 LITHE_FMU_EXPORT fmi3Status fmi3EnterEventMode(fmi3Instance instance) {
-  return lithe::fmu::v3::with(instance, [](lithe::fmu::Component& c) {
-    return c.enter(lithe::fmu::kEvent, lithe::fmu::kContinuous, "EnterEventMode");
-  });
+  return lithe::fmu::v3::with(instance, [](lithe::fmu::Component& c) { return c.enter_event(); });
 }
 LITHE_FMU_EXPORT fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance instance) {
   return lithe::fmu::v3::with(instance, [](lithe::fmu::Component& c) {
-    return c.enter(lithe::fmu::kContinuous, lithe::fmu::kEvent, "EnterContinuousTimeMode");
+    return c.leave_event("EnterContinuousTimeMode", lithe::fmu::kContinuous);
   });
 }
 LITHE_FMU_EXPORT fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean* again, fmi3Boolean* terminate,
@@ -245,6 +254,9 @@ LITHE_FMU_EXPORT fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3
     return c.update(*states_changed);
   });
 }
+
+// ---- model exchange ----
+
 LITHE_FMU_EXPORT fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance, fmi3Boolean, fmi3Boolean* event,
                                                         fmi3Boolean* terminate) {
   return lithe::fmu::v3::with(instance, [&](lithe::fmu::Component& c) {
@@ -310,7 +322,6 @@ LITHE_REFUSE(SetIntervalFraction, const fmi3ValueReference*, size_t, const fmi3U
 LITHE_REFUSE(SetShiftDecimal, const fmi3ValueReference*, size_t, const fmi3Float64*)
 LITHE_REFUSE(SetShiftFraction, const fmi3ValueReference*, size_t, const fmi3UInt64*, const fmi3UInt64*)
 LITHE_REFUSE(EvaluateDiscreteStates)
-LITHE_REFUSE(EnterStepMode)
 LITHE_REFUSE(GetOutputDerivatives, const fmi3ValueReference*, size_t, const fmi3Int32*, fmi3Float64*, size_t)
 LITHE_REFUSE(ActivateModelPartition, fmi3ValueReference, fmi3Float64)
 #undef LITHE_REFUSE

@@ -29,6 +29,7 @@ enum Mode : int {
   kExchange = kEvent | kContinuous,
   kInitialized = kInitialization | kStep | kExchange,
   kAnywhere = 127,
+  kIntermediate = 128,  // within a communication step, which has a state to read alone
 };
 
 enum class Outcome { ok = 0, warning = 1, discard = 2, error = 3, fatal = 4 };  // the numbers of both standards
@@ -42,18 +43,29 @@ class Component {
   /// What the importer is told: how it went, a category, a text.
   using Tell = std::function<void(Outcome outcome, const char* category, const std::string& message)>;
 
-  Component(const FmuModel& model, FmuInstance::Form form, Tell tell, bool tells_all)
-      : logging(tells_all), tell_(std::move(tell)), instance(guarded_make(model, form)) {}
+  Component(const FmuModel& model, FmuInstance::Form form, Tell tell, bool tells_all, bool has_events = false,
+            FmuInstance::Intermediate intermediate = {})
+      : logging(tells_all), tell_(std::move(tell)), events_(has_events), intermediate_(std::move(intermediate)) {
+    const log::Redirect redirect(sink());
+    FmuInstance::Intermediate told;
+    if (intermediate_) told = [this](double time) { return tell_intermediate(time); };
+    instance = std::make_unique<FmuInstance>(model, form, told);
+  }
 
   Mode mode = kInstantiated;
   bool logging;  // also what is no error
 
  private:
   Tell tell_;
-  std::unique_ptr<FmuInstance> guarded_make(const FmuModel& model, FmuInstance::Form form) {
-    const log::Redirect redirect(sink());
-    return std::make_unique<FmuInstance>(model, form);
+  const bool events_;  // co-simulation with event mode
+  const FmuInstance::Intermediate intermediate_;
+  bool tell_intermediate(double time) {
+    mode = kIntermediate;
+    const bool ends = intermediate_(time);
+    mode = kStep;
+    return ends;
   }
+  bool exchange() const { return instance->form() == FmuInstance::Form::model_exchange; }
   std::function<void(log::Level, const std::string&)> sink() {
     return [this](log::Level level, const std::string& message) {
       if (level == log::Level::warn)
@@ -64,7 +76,7 @@ class Component {
   }
 
  public:
-  std::unique_ptr<FmuInstance> instance;  // after what its making needs
+  std::unique_ptr<FmuInstance> instance;
 
   void tell(Outcome outcome, const char* category, const std::string& message) const {
     try {
@@ -103,7 +115,7 @@ class Component {
   // ---- what both standards ask for ----
 
   Outcome get(const char* function, const std::uint32_t* references, std::size_t count, double* values) {
-    return guarded(function, kInitialized | kTerminated, [&] {
+    return guarded(function, kInitialized | kTerminated | kIntermediate, [&] {
       for (std::size_t i = 0; i < count; ++i) values[i] = instance->get(references[i]);
     });
   }
@@ -113,7 +125,7 @@ class Component {
         if (mode == kContinuous && instance->variable(references[i]).role == FmuVariable::Role::parameter)
           throw SceneError("'" + instance->variable(references[i]).name + "' is a parameter, constant between events",
                            function, "set it in event mode");
-        instance->set(references[i], values[i]);
+        instance->set(references[i], values[i], mode == kEvent);
       }
     });
   }
@@ -124,8 +136,13 @@ class Component {
     });
   }
   Outcome exit_initialization() {
-    return guarded("ExitInitializationMode", kInitialization,
-                   [&] { mode = instance->form() == FmuInstance::Form::model_exchange ? kEvent : kStep; });
+    return guarded("ExitInitializationMode", kInitialization, [&] { mode = exchange() || events_ ? kEvent : kStep; });
+  }
+  /// To the end; early: to where the importer ended it in an intermediate update.
+  Outcome step(double current, double size, bool& early) {
+    const Outcome outcome = guarded("DoStep", kStep, [&] { early = instance->step(current, size); });
+    if (outcome != Outcome::ok && mode == kStep) mode = kFailed;
+    return outcome;
   }
   Outcome terminate() {
     return guarded("Terminate", kStep | kExchange | kFailed, [&] { mode = kTerminated; });
@@ -180,11 +197,21 @@ class Component {
     });
   }
 
+  Outcome enter_event() {
+    return guarded("EnterEventMode", exchange() ? kContinuous : events_ ? kStep : 0, [&] { mode = kEvent; });
+  }
+  /// In co-simulation nothing: what the scene does at an event, it has done within the step.
+  Outcome update(bool& states_changed) {
+    states_changed = false;
+    return guarded("UpdateDiscreteStates", kEvent, [&] { states_changed = exchange() && instance->update(); });
+  }
+  /// Continuous-time mode, or step mode.
+  Outcome leave_event(const char* function, Mode next) {
+    return guarded(function, exchange() == (next == kContinuous) ? kEvent : 0, [&] { mode = next; });
+  }
+
   // ---- model exchange ----
 
-  Outcome enter(Mode next, Mode present, const char* function) {
-    return guarded(function, present, [&] { mode = next; });
-  }
   Outcome set_time(int allowed, double time) {
     return guarded("SetTime", allowed, [&] { instance->set_time(time); });
   }
@@ -197,10 +224,6 @@ class Component {
   Outcome completed_step(bool& event) {
     event = false;
     return guarded("CompletedIntegratorStep", kContinuous, [&] { event = instance->complete_step(); });
-  }
-  Outcome update(bool& states_changed) {
-    states_changed = false;
-    return guarded("UpdateDiscreteStates", kEvent, [&] { states_changed = instance->update(); });
   }
   Outcome states(double* x, std::size_t count) {
     return look("GetContinuousStates", count, [&] { copy(instance->states(), x); });
@@ -235,7 +258,7 @@ class Component {
   static constexpr int kLooks = kInitialization | kExchange | kTerminated;
   /// Of an instance for model exchange.
   const FmuEquations& equations() const {
-    if (instance->form() != FmuInstance::Form::model_exchange)
+    if (!exchange())
       throw SceneError("this instance is for co-simulation", "model exchange", "instantiate for model exchange");
     return instance->equations();
   }

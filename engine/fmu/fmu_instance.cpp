@@ -11,6 +11,7 @@
 #include "engine/base/fnv1a.h"
 #include "engine/base/number_text.h"
 #include "engine/base/version.h"
+#include "engine/observe/stop_run.h"
 
 namespace lithe {
 namespace {
@@ -25,7 +26,27 @@ std::string_view view(const unsigned char* bytes, std::size_t size) {
 
 }  // namespace
 
-FmuInstance::FmuInstance(const FmuModel& model, Form form)
+class FmuInstance::Steps final : public Observer {
+ public:
+  Steps(FmuInstance& instance, Intermediate tell) : instance_(instance), tell_(std::move(tell)) {}
+  void observe(Snapshot& snapshot) override {
+    const double time = snapshot.state().time;
+    if (time == instance_.told_) return;
+    instance_.told_ = time;
+    instance_.seen_ = &snapshot;
+    instance_.rates_.resize(0);
+    if (instance_.equations_) instance_.x_ = instance_.equations_->states_of(snapshot.state());
+    const bool ends = tell_(time);
+    instance_.seen_ = nullptr;
+    if (ends) throw StopRun{"the importer"};
+  }
+
+ private:
+  FmuInstance& instance_;
+  const Intermediate tell_;
+};
+
+FmuInstance::FmuInstance(const FmuModel& model, Form form, Intermediate intermediate)
     : model_(model), form_(form), graph_({.gravity = model.scene.gravity}) {
   sensors_ = model.scene.draw(graph_);
   system_ = std::make_unique<const System>(assemble(graph_));
@@ -51,7 +72,8 @@ FmuInstance::FmuInstance(const FmuModel& model, Form form)
       variables_.push_back({.name = sensors_[s].columns()[c],
                             .unit = sensors_[s].unit(c),
                             .role = FmuVariable::Role::output,
-                            .place = static_cast<int>(outputs_.size())});
+                            .place = static_cast<int>(outputs_.size()),
+                            .sensor = sensors_[s].columns().size() > 1 ? sensors_[s].name() : ""});
       outputs_.emplace_back(static_cast<int>(s), static_cast<int>(c));
     }
   if (equations_) variables_.insert(variables_.end(), equations_->variables().begin(), equations_->variables().end());
@@ -60,10 +82,13 @@ FmuInstance::FmuInstance(const FmuModel& model, Form form)
     if (!names.insert(v.name).second)
       throw SceneError("two variables of the FMU would have the name '" + v.name + "'", model.scene.name,
                        "name inputs and sensors differently, and none of them 'time'");
+  if (intermediate) steps_ = std::make_unique<Steps>(*this, std::move(intermediate));
   reset();
 }
 
 FmuInstance::~FmuInstance() = default;
+
+double FmuInstance::time() const { return seen_ ? seen_->state().time : state_.time; }
 
 void FmuInstance::reset() {
   simulation_.reset();
@@ -72,6 +97,7 @@ void FmuInstance::reset() {
   if (form_ == Form::co_simulation) {
     integrator_ = model_.integrator();
     simulation_ = std::make_unique<Simulation>(*system_, *integrator_);
+    if (steps_) simulation_->observe(*steps_, every_step());
   }
   started_ = inputs_set_ = evaluated_ = false;
   start_ = state_.time;
@@ -113,6 +139,7 @@ const FmuVariable& FmuInstance::variable(unsigned reference) const {
 }
 
 Snapshot& FmuInstance::look() {
+  if (seen_) return *seen_;
   if (evaluated_) return *snapshot_;
   rates_.resize(0);
   if (form_ == Form::model_exchange) {
@@ -132,7 +159,7 @@ double FmuInstance::get(unsigned reference) {
   double value = 0;
   switch (asked.role) {
     case FmuVariable::Role::time:
-      return state_.time;
+      return time();
     case FmuVariable::Role::input:
     case FmuVariable::Role::parameter:
       return given_[place];
@@ -149,19 +176,19 @@ double FmuInstance::get(unsigned reference) {
       value = sensors_[static_cast<std::size_t>(sensor)].value(look(), column);
   }
   if (!std::isfinite(value))
-    throw SimulationError("'" + asked.name + "' is not finite", time_text(state_.time),
+    throw SimulationError("'" + asked.name + "' is not finite", time_text(time()),
                           "look for what makes it so: a division by zero, a locked mechanism");
   return value;
 }
 
-void FmuInstance::set(unsigned reference, double value) {
+void FmuInstance::set(unsigned reference, double value, bool at_event) {
   const FmuVariable& asked = variable(reference);
   if (asked.role != FmuVariable::Role::input && asked.role != FmuVariable::Role::parameter)
     throw SceneError(
         "'" + asked.name + "' (value reference " + std::to_string(reference) + ") is no input or parameter",
         model_.scene.name, "set inputs and parameters alone");
   Input& input = *graph_.inputs()[static_cast<std::size_t>(asked.place)];
-  const bool now = !started_ || input.between() == Input::Between::held;
+  const bool now = at_event || !started_ || input.between() == Input::Between::held;
   if (now)
     input.reset(state_.time, value);
   else  // checked as if it were set
@@ -171,7 +198,7 @@ void FmuInstance::set(unsigned reference, double value) {
   evaluated_ = false;
 }
 
-void FmuInstance::step(double current, double size) {
+bool FmuInstance::step(double current, double size) {
   if (!(size > 0) || !std::isfinite(size))
     throw SceneError("a communication step of " + std::to_string(size) + " s", model_.scene.name,
                      "give a positive step");
@@ -179,6 +206,7 @@ void FmuInstance::step(double current, double size) {
     throw SceneError(
         "the communication point " + time_text(current) + " is not the one reached, " + time_text(state_.time),
         model_.scene.name, "step from where the last step has ended, or restore a state");
+  told_ = state_.time;
   const double end = current + size;
   for (std::size_t i = 0; i < given_.size(); ++i) {
     Input& input = *graph_.inputs()[i];
@@ -190,6 +218,7 @@ void FmuInstance::step(double current, double size) {
   evaluated_ = inputs_set_ = false;
   started_ = true;
   simulation_->run(state_, end);
+  return !simulation_->stopped_by().empty();
 }
 
 std::vector<unsigned char> FmuInstance::save(int mode) {
@@ -271,6 +300,7 @@ std::string fmu_facts(const FmuModel& model) {
                                   {"start", v.start},
                                   {"nominal", v.nominal},
                                   {"place", v.place},
+                                  {"sensor", v.sensor},
                                   {"lower", bound(v.lower)},
                                   {"upper", bound(v.upper)}});
   return facts.dump();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -35,9 +36,11 @@ struct FmuModel {
 class FmuInstance {
  public:
   enum class Form { co_simulation, model_exchange };
+  /// Told after each step of the integrator within a communication step; returns whether to end that one here.
+  using Intermediate = std::function<bool(double time)>;
   /// Draws the scene and assembles it. Throws SceneError as these do, where a name would be used twice, and for model
   /// exchange of a scene that has no such form.
-  explicit FmuInstance(const FmuModel& model, Form form = Form::co_simulation);
+  explicit FmuInstance(const FmuModel& model, Form form = Form::co_simulation, Intermediate intermediate = {});
   ~FmuInstance();
 
   Form form() const { return form_; }
@@ -46,7 +49,8 @@ class FmuInstance {
   const FmuVariable& variable(unsigned reference) const;
   /// Why there is no model exchange; empty: there is.
   const std::string& refusal() const { return refusal_; }
-  double time() const { return state_.time; }
+  /// In Intermediate that of the step told of, which get() answers for.
+  double time() const;
 
   /// As after construction.
   void reset();
@@ -55,12 +59,14 @@ class FmuInstance {
   void begin(double start, double tolerance = 0);
   /// Throws SceneError for a reference that does not exist; SimulationError for a value that is not finite.
   double get(unsigned reference);
-  /// Throws SceneError for what is no input or parameter, and for a value that it must not have.
-  void set(unsigned reference, double value);
+  /// At an event, linear and smooth inputs jump. Throws SceneError for what is no input or parameter, and for a value
+  /// that it must not have.
+  void set(unsigned reference, double value, bool at_event = false);
 
-  /// From the communication point `current` by `size`. Throws SceneError for a size that is not positive and another
-  /// point than the one reached, SimulationError where the run fails; the state is then the last good one.
-  void step(double current, double size);
+  /// From the communication point `current` by `size`, or to where Intermediate ends it. Throws SceneError for a size
+  /// that is not positive and another point than the one reached, SimulationError where the run fails; the state is
+  /// then the last good one. Returns whether it has ended early.
+  bool step(double current, double size);
 
   // ---- model exchange ----
   const FmuEquations& equations() const { return *equations_; }
@@ -96,6 +102,8 @@ class FmuInstance {
   static void check_saved(const unsigned char* bytes, std::size_t size);
 
  private:
+  /// Every step of the simulation, as Intermediate wants it.
+  class Steps;
   void apply_inputs(double time);
   Snapshot& look();
   void history(Archive& archive);
@@ -110,6 +118,8 @@ class FmuInstance {
   std::unique_ptr<Integrator> integrator_;         // null, as the simulation: model exchange
   std::unique_ptr<Simulation> simulation_;
   std::unique_ptr<Snapshot> snapshot_;
+  std::unique_ptr<Steps> steps_;  // null: nobody asks
+  Snapshot* seen_ = nullptr;      // while Intermediate is told
   std::vector<FmuVariable> variables_;
   std::vector<std::pair<int, int>> outputs_;  // sensor, column
 
@@ -118,6 +128,7 @@ class FmuInstance {
   bool inputs_set_ = false;  // since the last step
   bool evaluated_ = false;   // the snapshot is of the state
   double start_ = 0, tolerance_ = 0;
+  double told_ = 0;  // the last time that Intermediate need not be told: of the communication point, of a step
   std::vector<double> given_;  // of each input, by the importer
   VectorX x_;                  // states as given: quaternions of any norm
   VectorX rates_;              // of the snapshot; empty: not asked for

@@ -14,6 +14,7 @@ struct FmuVariable {
   double lower = -std::numeric_limits<double>::infinity(), upper = std::numeric_limits<double>::infinity();
   double nominal = 1;  // size of a state
   int place = 0;       // among those of its role
+  std::string sensor;  // that it is one column of several of
 };
 
 }  // namespace lithe

@@ -29,10 +29,11 @@ void log2(void* environment, const char*, int, const char*, const char* format, 
 
 }  // namespace
 
-UnpackedFmu::UnpackedFmu(const ScriptFolder& scratch, const std::string& scene, int version) {
-  const Outcome made =
-      scratch.shell("lithe fmu " + std::string(LITHE_SOURCE_DIR) + "/" + scene + " --step 1e-3 --fmi " +
-                    std::to_string(version) + " -o model.fmu && " + "python3 -m zipfile -e model.fmu unpacked");
+UnpackedFmu::UnpackedFmu(const ScriptFolder& scratch, const std::string& scene, int version,
+                         const std::string& options) {
+  const Outcome made = scratch.shell("lithe fmu " + std::string(LITHE_SOURCE_DIR) + "/" + scene +
+                                     " --step 1e-3 --fmi " + std::to_string(version) + " " + options +
+                                     " -o model.fmu && " + "python3 -m zipfile -e model.fmu unpacked");
   EXPECT_EQ(made.exit_code, 0) << made.output;
   folder = scratch.path() / "unpacked";
   std::ifstream file(folder / "modelDescription.xml");
@@ -59,11 +60,14 @@ unsigned UnpackedFmu::reference(const std::string& variable) const {
 }
 
 void expect_valid_description(const ScriptFolder& scratch, int version) {
-  const std::string schema = std::string(LITHE_TEST_DATA) + "/fmi/schema-" +
-                             (version == 3 ? "3.0.2/fmi3" : "2.0.5/fmi2") + "ModelDescription.xsd";
+  const std::string schema =
+      std::string(LITHE_TEST_DATA) + "/fmi/schema-" + (version == 3 ? "3.0.2/fmi3" : "2.0.5/fmi2");
   const Outcome valid =
       scratch.shell("command -v xmllint >/dev/null || { echo no xmllint; exit 0; }; xmllint --noout --schema " +
-                    schema + " unpacked/modelDescription.xml");
+                    schema + "ModelDescription.xsd unpacked/modelDescription.xml" +
+                    (version == 3 ? " && xmllint --noout --schema " + schema +
+                                        "TerminalsAndIcons.xsd unpacked/terminalsAndIcons/terminalsAndIcons.xml"
+                                  : ""));
   EXPECT_EQ(valid.exit_code, 0) << valid.output;
   std::printf("%s", valid.output.c_str());
 }
@@ -94,6 +98,20 @@ ImportedInstance::ImportedInstance(const FmuLibrary& library, const std::string&
     component_ = library_.call<void*>("fmi3InstantiateModelExchange", "one", token.c_str(), none, false, logging,
                                       (void*)&log, &log3);
 }
+ImportedInstance::ImportedInstance(const FmuLibrary& library, const std::string& token, IntermediateUpdate update)
+    : update_of(std::move(update)), library_(library), three_(true), callbacks_{} {
+  // The environment is the instance here, for both callbacks.
+  const auto told = +[](void* environment, int, const char*, const char* message) {
+    static_cast<ImportedInstance*>(environment)->log.text += std::string(message) + "\n";
+  };
+  const auto updated = +[](void* environment, double time, bool, bool, bool, bool may_end, bool* ends, double* end) {
+    *ends = static_cast<ImportedInstance*>(environment)->update_of(time, may_end);
+    *end = time;
+  };
+  component_ =
+      library_.call<void*>("fmi3InstantiateCoSimulation", "one", token.c_str(), (const char*)nullptr, false, false,
+                           true, true, (const unsigned*)nullptr, std::size_t{0}, (void*)this, told, updated);
+}
 ImportedInstance::~ImportedInstance() { library_.call<void>(full("FreeInstance"), component_); }
 
 int ImportedInstance::start(double time) {
@@ -120,6 +138,12 @@ int ImportedInstance::step(double time, double size) {
   double last = 0;
   return three_ ? library_.call<int>("fmi3DoStep", component_, time, size, true, flags, flags + 1, flags + 2, &last)
                 : library_.call<int>("fmi2DoStep", component_, time, size, 1);
+}
+
+int ImportedInstance::step(double time, double size, bool& early, double& last) {
+  bool event = true, terminate = true;
+  return library_.call<int>("fmi3DoStep", component_, time, size, true, &event, &terminate, &early, &last) |
+         int{event || terminate};
 }
 
 int ImportedInstance::save(void** state) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -14,7 +15,7 @@ struct UnpackedFmu {
   std::filesystem::path folder, library;
   std::string description;
 
-  UnpackedFmu(const ScriptFolder& scratch, const std::string& scene, int version);
+  UnpackedFmu(const ScriptFolder& scratch, const std::string& scene, int version, const std::string& options = "");
   /// Of the first element with that name, or of the root.
   std::string attribute(const std::string& name) const;
   std::string token() const;
@@ -24,6 +25,9 @@ struct UnpackedFmu {
 
 /// The unpacked description satisfies the standard's schema, where xmllint is installed.
 void expect_valid_description(const ScriptFolder& scratch, int version);
+
+/// Receives intermediate updates of an instance; returns whether to end the communication step.
+using IntermediateUpdate = std::function<bool(double time, bool may_end)>;
 
 /// The library's functions, by the standard's names and signatures (tests/data/fmi). It stays loaded for the rest of
 /// the process, as scenes have statics.
@@ -60,6 +64,8 @@ class ImportedInstance {
   enum class Form { model_exchange, co_simulation };
   ImportedInstance(const FmuLibrary& library, const std::string& token, int version, bool logging = false,
                    Form form = Form::co_simulation);
+  /// For co-simulation by FMI 3.0 with all that it offers: event mode, intermediate updates, early return.
+  ImportedInstance(const FmuLibrary& library, const std::string& token, IntermediateUpdate update);
   ~ImportedInstance();
   ImportedInstance(const ImportedInstance&) = delete;
 
@@ -68,6 +74,8 @@ class ImportedInstance {
   int set(unsigned reference, double value);
   int get(const std::vector<unsigned>& references, std::vector<double>& values);
   int step(double time, double size);
+  /// FMI 3.0: `last` is where the step has ended, `early` whether an update ended it.
+  int step(double time, double size, bool& early, double& last);
   /// A function without arguments, without its prefix.
   int call(const std::string& name) { return library_.call<int>(full(name), component_); }
 
@@ -92,6 +100,7 @@ class ImportedInstance {
                              const std::vector<double>& seed, std::vector<double>& sensitivity);
 
   FmuLog log;
+  IntermediateUpdate update_of;  // what the importer does in an intermediate update
 
  private:
   std::string full(const std::string& name) const { return (three_ ? "fmi3" : "fmi2") + name; }

@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
 
 #include "engine/base/error.h"
 #include "engine/base/number_text.h"
@@ -27,7 +29,7 @@ struct FmuOptions {
   std::string scene, out, facts_of;
   int version = 3;
   double tolerance = 1e-6, step = 0;
-  bool verbose = false;
+  bool verbose = false, with_libraries = false;
 };
 
 /// What is compiled around a scene. A main() of its own is left aside.
@@ -69,21 +71,52 @@ std::string identifier_of(const fs::path& path) {
   return name.empty() || std::isdigit(static_cast<unsigned char>(name[0])) ? "fmu_" + name : name;
 }
 
-/// Compiles the scene to a library beside which Lithe's own lies.
+/// All of Lithe, beneath any FMU.
+fs::path library_of_fmus(const Installation& installation) {
+  return installation.library.parent_path() / "liblithe_fmu.so";
+}
+
+/// The shared libraries that it needs, but those of glibc, which every Linux has and which must be the importer's.
+std::vector<fs::path> libraries_beneath(const fs::path& library) {
+  static const std::set<std::string> kGlibc = {"libc.so.6",  "libm.so.6",      "libdl.so.2",          "libpthread.so.0",
+                                               "librt.so.1", "libresolv.so.2", "ld-linux-x86-64.so.2"};
+  const Finished listed = run_captured({find_program("ldd"), library.string()});
+  if (listed.exit_code != 0)
+    throw FileError("ldd cannot tell what it needs: " + listed.output, library.filename().string(),
+                    "see that ldd (package libc-bin) is there");
+  std::vector<fs::path> needed;
+  std::istringstream lines(listed.output);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string name, arrow, path;
+    if (!(words >> name >> arrow >> path) || arrow != "=>" || kGlibc.contains(name)) continue;
+    if (!path.starts_with("/"))
+      throw FileError("needs " + name + ", which is not found", library.filename().string(), "install it");
+    needed.push_back(fs::path(path).parent_path() / name);
+  }
+  return needed;
+}
+
+/// Compiles the scene to a library beside which Lithe's own lies, and what this needs. Named here, these are found
+/// there by libraries with search paths of their own too.
 void compile(const Installation& installation, const SceneFile& scene, const FmuOptions& options,
-             const std::string& key, const std::string& source, const fs::path& library) {
+             const std::string& key, const std::string& source, const fs::path& library,
+             const std::vector<fs::path>& beneath) {
   const fs::path main = library.parent_path() / "main.cpp";
   std::ofstream(main) << source;
   // Hidden by the linker, not by -fvisibility: Clang refuses a precompiled header made without that flag.
   const fs::path exported = library.parent_path() / "exported.map";
   std::ofstream(exported) << "{ global: fmi*; lithe_fmu_facts; local: *; };\n";
-  const fs::path lithe = installation.library.parent_path() / "liblithe_fmu.so";
+  const fs::path lithe = library_of_fmus(installation);
   std::vector<std::string> command = compile_command(installation);
   append_include_folders(command, installation);
   append_precompiled(command, key);
   command.insert(command.end(),
                  {"-shared", main.string(), "-o", library.string(), lithe.string(),
-                  "-Wl,--version-script=" + exported.string(), "-Wl,-Bsymbolic", "-Wl,-z,defs", "-Wl,-rpath,$ORIGIN"});
+                  "-Wl,--version-script=" + exported.string(), "-Wl,-Bsymbolic", "-Wl,-z,defs", "-Wl,-rpath,$ORIGIN",
+                  "-Wl,--disable-new-dtags"});  // an old tag holds for the libraries of libraries too
+  if (!beneath.empty()) command.push_back("-Wl,--no-as-needed");
+  for (const fs::path& needed : beneath) command.push_back(needed.string());
   command.insert(command.end(), installation.link_flags.begin(), installation.link_flags.end());
   const Finished compiled = run_captured(command);
   if (options.verbose) std::fprintf(stderr, "%s", compiled.output.c_str());
@@ -158,17 +191,26 @@ int make_fmu(const FmuOptions& options) {
 
   const TemporaryFolder scratch("lithe_fmu");
   const fs::path library = scratch.path() / (identifier + ".so");
+  std::vector<fs::path> beneath;
+  if (options.with_libraries) beneath = libraries_beneath(library_of_fmus(installation));
   try {
-    compile(installation, scene, options, key, source_around(scene.path, options, "lithe-" + token.text()), library);
+    compile(installation, scene, options, key, source_around(scene.path, options, "lithe-" + token.text()), library,
+            beneath);
   } catch (const CompileFailure& failure) {
     std::fprintf(stderr, "%s", failure.what());
     return 2;
   }
   const std::string facts = facts_of(installation, library);
   const std::string folder = options.version == 3 ? "binaries/x86_64-linux/" : "binaries/linux64/";
-  write_zip(out,
-            {{folder + identifier + ".so", library}, {folder + "liblithe_fmu.so", scratch.path() / "liblithe_fmu.so"}},
-            fmu_description(facts, identifier, options.version));
+  std::vector<std::pair<std::string, fs::path>> files = {
+      {folder + identifier + ".so", library}, {folder + "liblithe_fmu.so", scratch.path() / "liblithe_fmu.so"}};
+  for (const fs::path& needed : beneath) files.emplace_back(folder + needed.filename().string(), needed);
+  if (const std::string terminals = fmu_terminals(facts); options.version == 3 && !terminals.empty()) {
+    const fs::path file = scratch.path() / "terminalsAndIcons.xml";
+    std::ofstream(file) << terminals;
+    files.emplace_back("terminalsAndIcons/terminalsAndIcons.xml", file);
+  }
+  write_zip(out, files, fmu_description(facts, identifier, options.version));
   std::printf("FMU: %s\n", out.string().c_str());
   if (const std::string why = nlohmann::json::parse(facts).at("no model exchange"); !why.empty())
     std::printf("  for co-simulation alone: %s\n", why.c_str());
@@ -193,6 +235,8 @@ void add_fmu(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command->add_option("--step", options->step, "s: a fixed step instead, by GeneralizedAlpha")
       ->check(CLI::PositiveNumber);
+  command->add_flag("--with-libraries", options->with_libraries,
+                    "Pack the shared libraries that it needs too: it then runs where glibc alone is");
   command->add_flag("--verbose", options->verbose, "Show all messages of the compiler");
   command->add_option("--facts-of", options->facts_of)->group("");  // our own call
   command->callback([options, &exit_code] { exit_code = make_fmu(*options); });

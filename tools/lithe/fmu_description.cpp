@@ -166,7 +166,11 @@ std::string fmu_description(const std::string& facts_text, const std::string& id
     if (three) exchange.append_attribute("providesAdjointDerivatives") = "true";
     if (three) exchange.append_attribute("needsCompletedIntegratorStep") = "true";  // 2.0: as long as nothing is said
   }
-  add_form(root, "CoSimulation", identifier, three).append_attribute("canHandleVariableCommunicationStepSize") = "true";
+  pugi::xml_node steps = add_form(root, "CoSimulation", identifier, three);
+  steps.append_attribute("canHandleVariableCommunicationStepSize") = "true";
+  if (three)
+    for (const char* offered : {"providesIntermediateUpdate", "canReturnEarlyAfterIntermediateUpdate", "hasEventMode"})
+      steps.append_attribute(offered) = "true";
 
   add_units(root, variables);
   pugi::xml_node categories = root.append_child("LogCategories");
@@ -196,6 +200,8 @@ std::string fmu_description(const std::string& facts_text, const std::string& id
     node.append_attribute("variability") = role == kParameter ? "tunable" : "continuous";
     if (role == kParameter) node.append_attribute("initial") = "exact";
     if (role >= kOutput) node.append_attribute("initial") = "calculated";
+    if (three && (role == kOutput || role == kState || role == kDerivative))
+      node.append_attribute("intermediateUpdate") = "true";
     pugi::xml_node type = three ? node : node.append_child("Real");
     add_type_attributes(type, v);
     if (role == kInput || role == kParameter)
@@ -212,6 +218,30 @@ std::string fmu_description(const std::string& facts_text, const std::string& id
 
   add_structure(root, places, three);
   return text_of(document);
+}
+
+std::string fmu_terminals(const std::string& facts_text) {
+  pugi::xml_document document;
+  pugi::xml_node root = document.append_child("fmiTerminalsAndIcons");
+  root.append_attribute("fmiVersion") = "3.0";
+  pugi::xml_node terminal, list;
+  const json facts = json::parse(facts_text);
+  for (const json& v : facts.at("variables")) {
+    const std::string sensor = v.at("sensor"), name = v.at("name");
+    if (sensor.empty()) continue;
+    if (!list) list = root.append_child("Terminals");
+    if (sensor != terminal.attribute("name").value()) {
+      terminal = list.append_child("Terminal");
+      terminal.append_attribute("name") = sensor.c_str();
+      terminal.append_attribute("matchingRule") = "plug";
+    }
+    pugi::xml_node member = terminal.append_child("TerminalMemberVariable");
+    member.append_attribute("variableName") = name.c_str();
+    member.append_attribute("memberName") =
+        (name.starts_with(sensor + "_") ? name.substr(sensor.size() + 1) : name).c_str();
+    member.append_attribute("variableKind") = "signal";
+  }
+  return list ? text_of(document) : "";
 }
 
 }  // namespace lithe::command
