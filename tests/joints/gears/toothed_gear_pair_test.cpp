@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "joints/gears/bevel_gear_pair.h"
+#include "joints/gears/toothed_rack.h"
 #include "tests/support/joint_checks.h"
 #include "tests/support/pairs.h"
 
@@ -34,9 +36,46 @@ TEST(ToothedGearPair, PushesByWhatItsPotentialLosesOnAllBodies) {
         SCOPED_TRACE(pair.name + " " + std::to_string(helix) + (ring ? " ring" : ""));
         SystemGraph graph{{.gravity = Vector3::Zero()}};
         const std::vector<Marker> markers = pair.draw(graph, {0.6 * apart, 0.8 * apart, 0});
-        check_force(graph, graph.add<ToothedGearPair>("teeth", markers, parameters), {.tolerance = 1e-6, .difference = 2e-5});
+        check_force(graph, graph.add<ToothedGearPair>("teeth", markers, parameters),
+                    {.tolerance = 1e-6, .difference = 2e-5});
       }
     }
+}
+
+TEST(ToothedRack, PushesByWhatItsPotentialLosesOnAllBodies) {
+  for (const double helix : {0.0, 0.3}) {
+    const auto [gears, teeth] = large(helix, false);
+    ToothedRack::Parameters parameters{gears, teeth};
+    parameters.gears.teeth_B = 0;
+    const double height = 0.5 * gears.teeth_A / std::cos(helix);
+    for (const Pair& pair : pairs()) {
+      SCOPED_TRACE(pair.name + " " + std::to_string(helix));
+      SystemGraph graph{{.gravity = Vector3::Zero()}};
+      std::vector<Marker> markers = pair.draw(graph, {3, height, 0});  // B over A: B is the gear
+      std::swap(markers[0], markers[1]);
+      check_force(graph, graph.add<ToothedRack>("teeth", markers, parameters), {.tolerance = 1e-6, .difference = 2e-5});
+    }
+  }
+}
+
+TEST(BevelGearPair, PushesByWhatItsPotentialLosesOnAllBodies) {
+  const Matrix3 across = rotation_about({1, 0, 0}, 0.4 * std::numbers::pi);
+  for (const bool at_apex : {true, false}) {
+    SystemGraph graph{{.gravity = Vector3::Zero()}};
+    auto& a = graph.add<RigidBody>("a", {.mass = 1, .inertia = {1, 1, 1}});
+    auto& b = graph.add<RigidBody>("b", {.mass = 1, .inertia = {1, 1, 1}, .orientation = across});
+    check_force(graph,
+                graph.add<BevelGearPair>(
+                    "teeth", {a.marker({0, 0, at_apex ? 0.0 : 10.0}), b.marker({0, 0, at_apex ? 0.0 : 7.0})},
+                    {.module = 1,
+                     .teeth_A = 20,
+                     .teeth_B = 32,
+                     .shaft_angle = 0.4 * std::numbers::pi,
+                     .face_width = 4,
+                     .backlash = 0.02,
+                     .teeth = large(0, false).teeth}),
+                {.tolerance = 1e-6, .difference = 2e-5});
+  }
 }
 
 }  // namespace
