@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "engine/base/checks.h"
+#include "joints/gears/limited_damping.h"
 
 namespace lithe {
 namespace {
@@ -78,21 +79,17 @@ void ToothMesh::add(Flank flank, const MarkerView& A, const MarkerView& B, Force
   flank.approach -= through(flank.phase, error_(flank.phase.value));
   const Spread u(flank.approach.value, flank.tilt.value, half_face_);
 
-  const double elastic = k.value * u.by_1, speed = rate(flank.approach, A, B);
-  double damping = 0, more = 1, viscous = 0;
-  if (elastic > 0) {
-    const double x = damping_ * speed / elastic, limited = std::tanh(x), slope = 1 - limited * limited;
-    viscous = elastic * limited, damping = damping_ * slope, more = 1 + limited - x * slope;
-  }
+  const double elastic = k.value * u.by_1;
+  const LimitedDamping damped(damping_, rate(flank.approach, A, B), elastic);
   // V = k(ψ) U(δ, γ): its three forces, and its second derivatives as stiffness. A row without tension along the sum of
   // two coordinates carries what couples them, taken off their own rows.
   const std::array<const Coordinate*, 3> x = {&flank.approach, &flank.tilt, &flank.phase};
-  const double force[] = {elastic + viscous, k.value * u.by_2, k.slope * u.value};
+  const double force[] = {elastic + damped.force, k.value * u.by_2, k.slope * u.value};
   const double coupled[] = {k.value * u.by_12, k.slope * u.by_1, k.slope * u.by_2};  // 0 with 1, 0 with 2, 1 with 2
-  const double own[] = {k.value * u.by_11 * more - coupled[0] - coupled[1], k.value * u.by_22 - coupled[0] - coupled[2],
-                        k.curvature * u.value - coupled[1] - coupled[2]};
+  const double own[] = {k.value * u.by_11 * damped.by_elastic - coupled[0] - coupled[1],
+                        k.value * u.by_22 - coupled[0] - coupled[2], k.curvature * u.value - coupled[1] - coupled[2]};
   for (std::size_t i = 0; i < 3; ++i)
-    rows.add({on_A(*x[i]), on_B(*x[i])}, force[i], own[i], i == 0 ? damping : 0, i == 0 ? k.value * u.value : 0);
+    rows.add({on_A(*x[i]), on_B(*x[i])}, force[i], own[i], i == 0 ? damped.damping : 0, i == 0 ? k.value * u.value : 0);
   constexpr std::pair<std::size_t, std::size_t> kPairs[] = {{0, 1}, {0, 2}, {1, 2}};
   for (std::size_t i = 0; i < 3; ++i) {
     const auto& [one, other] = kPairs[i];

@@ -23,7 +23,7 @@ struct ToothContact {
 
 /// Teeth in contact along both lines of action, for either way of driving. On a flank, with its approach δ, its lead
 /// mismatch γ and its phase ψ, and the contact spread evenly along the face b,
-///   V = k(ψ)/b ∫ ½ max(0, δ - γ y)² dy, y from -b/2 to b/2;   F = ∂V/∂δ + D,   D = F_e tanh(c δ̇/F_e), F_e = ∂V/∂δ
+///   V = k(ψ)/b ∫ ½ max(0, δ - γ y)² dy, y from -b/2 to b/2;   F = ∂V/∂δ + D,   D: LimitedDamping
 /// so that an even contact has F = k δ + c δ̇, limited to what never pulls, and where centres are tilted the load moves
 /// to one end of the face. Forces are those of the potential: ½ k'(ψ) δ² too acts on the gears.
 /// Friction μ(v) F on the sliding of every pair of teeth in contact, among which the force is shared evenly.
