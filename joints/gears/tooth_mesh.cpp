@@ -23,13 +23,19 @@ double rate(const Coordinate& x, const MarkerView& A, const MarkerView& B) {
   return a.force.dot(A.v) + a.torque.dot(A.w) + b.force.dot(B.v) + b.torque.dot(B.w);
 }
 
+/// Flanks apart by round-off already count in the stiffness: without it a balance would have nothing to start from.
+constexpr double kTouch = 1e-12;  // m
+
 /// U = (1/b) ∫ ½ max(0, δ - γ y)² dy, with its derivatives by δ and γ.
 struct Spread {
   double value = 0, by_1 = 0, by_2 = 0, by_11 = 0, by_12 = 0, by_22 = 0;
 
   Spread(double approach, double tilt, double half_face) {
     const double h = std::abs(tilt) * half_face, w = approach + h, side = std::copysign(half_face, tilt);
-    if (w <= 0) return;
+    if (w <= 0) {
+      if (w > -kTouch) by_11 = 1;
+      return;
+    }
     if (approach >= h) {
       value = 0.5 * (approach * approach + h * h / 3);
       by_1 = approach, by_11 = 1;
