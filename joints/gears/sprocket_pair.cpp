@@ -31,6 +31,9 @@ SprocketPair::SprocketPair(Parameters parameters)
   require::positive(parameters.axial_stiffness, "axial_stiffness");
   require::not_negative(parameters.damping, "damping");
   require::not_negative(parameters.pretension, "pretension");
+  require::not_negative(parameters.slack, "slack");
+  if (parameters.pretension > 0 && parameters.slack > 0)
+    throw SceneError("has pretension and slack", "", "give one of the two");
 }
 
 /// Along the common tangent of both polygons: the joint nearest to its normal is the one on it.
@@ -108,7 +111,7 @@ void SprocketPair::initialize(std::span<const MarkerView> m) {
     // EA (straight - L₀)/L₀ is the pretension.
     const double rest = s.straight / (1 + parameters_.pretension / parameters_.axial_stiffness);
     if (i == 0) stiffness_ = parameters_.axial_stiffness / rest;
-    material_[i] = s.length - parameters_.pretension / stiffness_;
+    material_[i] = s.length - parameters_.pretension / stiffness_ + parameters_.slack;
   }
 }
 

@@ -24,6 +24,7 @@ class SprocketPair final : public Force</*markers=*/2, /*rows=*/2>, public Drawa
     double axial_stiffness = 0;    // EA, N
     double damping = 0;            // c of a span, N s/m
     double pretension = 0;         // as drawn, N
+    double slack = 0;              // of either span as drawn, m; where there is no pretension
     bool polygon = true;           // false: a toothed belt
   };
   /// Throws SceneError for fewer than five teeth, a pitch or stiffness that is not positive, and what is negative or
