@@ -44,7 +44,7 @@ GearDesign virtual_gears(const BevelGearPair::Parameters& p, double cone_A) {
 
 /// Angle of the other axis about this one.
 template <class P>
-auto bearing(const P& from, const P& other) {
+auto bearing_of_axis(const P& from, const P& other) {
   using std::atan2;
   return atan2(other.z().dot(from.y()), other.z().dot(from.x()));
 }
@@ -69,7 +69,7 @@ void BevelGearPair::evaluate(double, std::span<const MarkerView> markers, ForceR
   const Vector3S line = z_A * std::sin(cone_angle_B()) + z_B * std::sin(cone_A_);
   const Vector3S m = t.cross(line) / sqrt(line.squaredNorm());
 
-  const S moved_A = (bearing_A_ - bearing(A, B)) * r_A, moved_B = (bearing(B, A) - bearing_B_) * r_B;
+  const S moved_A = (bearing_A_ - bearing_of_axis(A, B)) * r_A, moved_B = (bearing_of_axis(B, A) - bearing_B_) * r_B;
   S lead = (moved_A - moved_B - t.dot(e)) * cosine;
   lead.value -= geometry_.base_pitch * std::round(lead.value / geometry_.base_pitch);
   const S play = (m.dot(e) + (atan2(size, z_A.dot(z_B)) - p.shaft_angle) * R) * sine + 0.5 * p.backlash;
@@ -100,7 +100,7 @@ void BevelGearPair::initialize(std::span<const MarkerView> m) {
   const double gap = (d + apex_B_ * z_B - apex_A_ * z_A).norm();
   if (!(gap < 0.1 * parameters_.module))
     throw SceneError("the axes pass each other by " + std::to_string(gap) + " m", "", "let them meet in one point");
-  bearing_A_ = bearing(m[0], m[1]), bearing_B_ = bearing(m[1], m[0]);
+  bearing_A_ = bearing_of_axis(m[0], m[1]), bearing_B_ = bearing_of_axis(m[1], m[0]);
 }
 
 template std::unique_ptr<ForceBatch> make_force_batch<BevelGearPair>();

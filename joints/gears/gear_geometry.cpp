@@ -10,7 +10,7 @@ namespace {
 
 std::string millimetres(double length) { return std::to_string(1e3 * length) + " mm"; }
 
-void check_bounds(const GearDesign& d) {
+void check_gear_bounds(const GearDesign& d) {
   require::positive(d.module, "module");
   require::positive(d.face_width, "face_width");
   require::positive(d.addendum, "addendum");
@@ -54,7 +54,7 @@ double inverse_involute(double y) {
   return angle;
 }
 
-InvoluteGear cut(const GearDesign& d, double teeth, double shift, double shortening, double m_t, double alpha_t) {
+InvoluteGear cut_gear(const GearDesign& d, double teeth, double shift, double shortening, double m_t, double alpha_t) {
   InvoluteGear g;
   g.teeth = teeth, g.shift = shift;
   g.pitch_radius = 0.5 * m_t * teeth;
@@ -70,15 +70,17 @@ InvoluteGear cut(const GearDesign& d, double teeth, double shift, double shorten
 double involute(double angle) { return std::tan(angle) - angle; }
 
 GearGeometry::GearGeometry(const GearDesign& design) : design_(design) {
-  check_bounds(design);
+  check_gear_bounds(design);
   const double beta = design.helix_angle;
   transverse_module = design.module / std::cos(beta);
   transverse_pressure_angle = std::atan(std::tan(design.pressure_angle) / std::cos(beta));
   base_helix_angle = std::atan(std::tan(beta) * std::cos(transverse_pressure_angle));
   base_pitch = std::numbers::pi * transverse_module * std::cos(transverse_pressure_angle);
   overlap_ratio = design.face_width * std::abs(std::tan(base_helix_angle)) / base_pitch;
-  A = cut(design, design.teeth_A, design.shift_A, design.shortening_A, transverse_module, transverse_pressure_angle);
-  B = cut(design, design.teeth_B, design.shift_B, design.shortening_B, transverse_module, transverse_pressure_angle);
+  A = cut_gear(design, design.teeth_A, design.shift_A, design.shortening_A, transverse_module,
+               transverse_pressure_angle);
+  B = cut_gear(design, design.teeth_B, design.shift_B, design.shortening_B, transverse_module,
+               transverse_pressure_angle);
   check_teeth();
   place_centres();
 

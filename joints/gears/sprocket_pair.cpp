@@ -10,24 +10,26 @@
 namespace lithe {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+constexpr double kTurn = 2 * std::numbers::pi;
 constexpr int kArcPoints = 12;
 
-double radius(const SprocketPair::Parameters& p, int teeth) {
+double sprocket_radius(const SprocketPair::Parameters& p, int teeth) {
   if (teeth < 5) throw SceneError("a sprocket of " + std::to_string(teeth) + " teeth", "", "give five teeth or more");
   require::positive(p.pitch, "pitch");
-  return p.polygon ? 0.5 * p.pitch / std::sin(kPi / teeth) : 0.5 * p.pitch * teeth / kPi;
+  return p.polygon ? 0.5 * p.pitch / std::sin(0.5 * kTurn / teeth) : p.pitch * teeth / kTurn;
 }
 
 /// The direction at `angle` in the xy plane of a marker.
-Vector3 direction(const MarkerView& m, double angle) { return std::cos(angle) * m.x() + std::sin(angle) * m.y(); }
+Vector3 in_plane_direction(const MarkerView& m, double angle) {
+  return std::cos(angle) * m.x() + std::sin(angle) * m.y();
+}
 
 }  // namespace
 
 SprocketPair::SprocketPair(Parameters parameters)
     : parameters_(parameters),
-      radius_A_(radius(parameters, parameters.teeth_A)),
-      radius_B_(radius(parameters, parameters.teeth_B)) {
+      radius_A_(sprocket_radius(parameters, parameters.teeth_A)),
+      radius_B_(sprocket_radius(parameters, parameters.teeth_B)) {
   require::positive(parameters.axial_stiffness, "axial_stiffness");
   require::not_negative(parameters.damping, "damping");
   require::not_negative(parameters.pretension, "pretension");
@@ -40,16 +42,16 @@ SprocketPair::SprocketPair(Parameters parameters)
 SprocketPair::Span SprocketPair::chain_span(int side, double bearing_A, double bearing_B,
                                             std::span<const MarkerView> markers) const {
   const auto &A = markers[0], &B = markers[1];
-  const double tooth_A = 2 * kPi / parameters_.teeth_A, tooth_B = 2 * kPi / parameters_.teeth_B;
+  const double tooth_A = kTurn / parameters_.teeth_A, tooth_B = kTurn / parameters_.teeth_B;
   double lean = std::acos((radius_A_ - radius_B_) / (B.p - A.p).norm());  // of the circles, to begin with
   double joint_A = 0, joint_B = 0;
   for (int round = 0;; ++round) {
-    const double normal_A = bearing_A + side * lean, normal_B = bearing_B + side * (lean - kPi);
+    const double normal_A = bearing_A + side * lean, normal_B = bearing_B + side * (lean - 0.5 * kTurn);
     const double next_A = std::round(normal_A / tooth_A), next_B = std::round(normal_B / tooth_B);
     const bool same = round > 0 && next_A == joint_A && next_B == joint_B;
     joint_A = next_A, joint_B = next_B;
-    const Vector3 from_A = radius_A_ * direction(A, joint_A * tooth_A),
-                  from_B = radius_B_ * direction(B, joint_B * tooth_B);
+    const Vector3 from_A = radius_A_ * in_plane_direction(A, joint_A * tooth_A),
+                  from_B = radius_B_ * in_plane_direction(B, joint_B * tooth_B);
     const Vector3 line = B.p + from_B - A.p - from_A;
     if (same || round == 4) {  // where two joints lie on the line, either is right
       const double straight = line.norm();
@@ -62,7 +64,7 @@ SprocketPair::Span SprocketPair::chain_span(int side, double bearing_A, double b
               {n, from_B.cross(n)}};
     }
     const double along = bearing_A - std::atan2(line.dot(A.y()), line.dot(A.x()));
-    lean = 0.5 * kPi - side * std::remainder(along, 2 * kPi);
+    lean = 0.25 * kTurn - side * std::remainder(along, kTurn);
   }
 }
 
@@ -78,7 +80,7 @@ SprocketPair::Span SprocketPair::span(int side, std::span<const MarkerView> mark
   // A belt: its change is that of the line of centres and of the arcs, for the tangent turns without work.
   const MeasuredCoordinate apart = measure(JointCoordinate::Kind::distance, 2, A, B);
   const double lean = std::acos((radius_A_ - radius_B_) / apart.value), sine = std::sin(lean);
-  const double normal_A = at_A.value + side * lean, normal_B = at_B.value + side * (lean - kPi);
+  const double normal_A = at_A.value + side * lean, normal_B = at_B.value + side * (lean - 0.5 * kTurn);
   const double straight = apart.value * sine, r_A = side * radius_A_, r_B = side * radius_B_;
   return {normal_A,
           normal_B,
@@ -125,9 +127,11 @@ void SprocketPair::drawn_line(std::span<const MarkerView> markers, const AngleMe
   points.resize(3, 2 * kArcPoints + 1);
   for (int i = 0; i < kArcPoints; ++i) {
     const double x = static_cast<double>(i) / (kArcPoints - 1);
-    points.col(i) = A.p + radius_A_ * direction(A, right.normal_A + (left.normal_A - 2 * kPi - right.normal_A) * x);
+    points.col(i) =
+        A.p + radius_A_ * in_plane_direction(A, right.normal_A + (left.normal_A - kTurn - right.normal_A) * x);
     points.col(kArcPoints + i) =
-        B.p + radius_B_ * direction(B, left.normal_B + 2 * kPi * x + (right.normal_B - 2 * kPi - left.normal_B) * x);
+        B.p +
+        radius_B_ * in_plane_direction(B, left.normal_B + (right.normal_B - kTurn - left.normal_B) * x);
   }
   points.col(2 * kArcPoints) = points.col(0);
 }

@@ -10,9 +10,9 @@ namespace lithe {
 namespace {
 
 using S = ToothMesh::Coordinate;
-using Pose = PoseOf<S>;
-
-S bearing(const Pose& from, const Eigen::Matrix<S, 3, 1>& to) { return atan2(to.dot(from.y()), to.dot(from.x())); }
+S bearing_of_point(const PoseOf<S>& from, const Eigen::Matrix<S, 3, 1>& to) {
+  return atan2(to.dot(from.y()), to.dot(from.x()));
+}
 
 }  // namespace
 
@@ -29,7 +29,7 @@ void ToothedGearPair::evaluate(double, std::span<const MarkerView> markers, Forc
   const auto& [A, B] = by_residual::moved<2, 12>(markers);
   const Eigen::Matrix<S, 3, 1> d = B.p - A.p;
   const S axial_A = d.dot(A.z()), axial_B = d.dot(B.z()), apart = sqrt(d.squaredNorm() - axial_A * axial_B);
-  S phi_A = bearing(A, d), phi_B = bearing(B, -d);
+  S phi_A = bearing_of_point(A, d), phi_B = bearing_of_point(B, -d);
   phi_A.value = rows.wound(0, phi_A.value) - bearing_A_, phi_B.value = rows.wound(1, phi_B.value) - bearing_B_;
   // The pitch point divides the line of centres as the base circles do.
   const double r_b = g.A.base_radius + g.B.base_radius, division = g.A.base_radius / r_b;

@@ -24,10 +24,10 @@ GearDesign on_rack(GearDesign design) {
 
 /// Of the gear at the rack: x, h, u and φ, for markers or for poses with derivatives.
 template <class Number, class P>
-struct Place {
+struct RackPlace {
   Number along, height, axial, angle;
 
-  Place(const P& A, const P& B, double radius) {
+  RackPlace(const P& A, const P& B, double radius) {
     using std::atan2;
     const auto d = (A.p - B.p).eval();
     along = d.dot(B.x()), height = d.dot(B.y());
@@ -46,7 +46,7 @@ void ToothedRack::evaluate(double, std::span<const MarkerView> markers, ForceRow
   const auto& [A, B] = by_residual::moved<2, 12>(markers);
   const double r = g.A.pitch_radius, cosine = std::cos(g.working_pressure_angle),
                sine = std::sin(g.working_pressure_angle);
-  Place<S, PoseOf<S>> at(A, B, r);
+  RackPlace<S, PoseOf<S>> at(A, B, r);
   at.angle.value = rows.wound(0, at.angle.value);
   const S turned = (at.angle - angle_) * r, moved = at.along - place_;
   const S lead = (moved - turned) * cosine + (at.axial - axial_) * std::tan(g.base_helix_angle);
@@ -67,7 +67,7 @@ void ToothedRack::evaluate(double, std::span<const MarkerView> markers, ForceRow
 
 void ToothedRack::initialize(std::span<const MarkerView> m) {
   initial::same_direction(m[0].z(), m[1].z(), "z");
-  const Place<double, MarkerView> at(m[0], m[1], geometry_.A.pitch_radius);
+  const RackPlace<double, MarkerView> at(m[0], m[1], geometry_.A.pitch_radius);
   const double module = parameters_.gears.module;
   if (!(std::abs(at.height - geometry_.centre_distance) < 0.1 * module) ||
       geometry_.half_play(at.height) < -1e-6 * module)
