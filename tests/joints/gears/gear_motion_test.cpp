@@ -14,6 +14,7 @@
 #include "joints/gears/toothed_rack.h"
 #include "joints/prismatic_joint.h"
 #include "tests/joints/mechanisms.h"
+#include "tests/support/message_of.h"
 
 /// Toothed gears in motion, against closed forms.
 namespace lithe::test::gear_motion_test {
@@ -52,6 +53,15 @@ double value(const System& system, const State& state, const Sensor& sensor, int
   return sensor.value(now, column);
 }
 
+/// The drawing with the first body turned about z.
+State turned(const System& system, double angle) {
+  State state = system.initial_state();
+  VectorX turn = VectorX::Zero(system.layout().v_count());
+  turn[5] = angle;
+  system.layout().retract(system.initial_state().q, turn, state.q);
+  return state;
+}
+
 /// A under torque T, B held: the transmission error is δ = F/k(ψ) with F = T/r_b, but for what the change of stiffness
 /// takes, ½ k' δ²/p_b, at all phases, with three curves of stiffness; external and ring gears, either way of driving.
 TEST(ToothedGearPair, HasTheTransmissionErrorOfForceOverStiffness) {
@@ -72,11 +82,7 @@ TEST(ToothedGearPair, HasTheTransmissionErrorOfForceOverStiffness) {
           graph.add<PointForce>("torque", {A.body->marker()}, {.torque = {0, 0, way * F * r_b}});
           const System system = assemble(graph);
           // Started in contact: within the backlash nothing holds the gear.
-          State start = system.initial_state();
-          VectorX turn = VectorX::Zero(system.layout().v_count());
-          turn[5] = way * 28e-6 / r_b;
-          system.layout().retract(system.initial_state().q, turn, start.q);
-          const Equilibrium found = find_equilibrium(system, start);
+          const Equilibrium found = find_equilibrium(system, turned(system, way * 28e-6 / r_b));
           const double error = way * r_b * value(system, found.state, coordinate(A.angle(), "angle")) - 20e-6;
           // The phase moves with half the advance of A; B holds still.
           const double advance = 0.5 * way * (error + 20e-6) / g.base_pitch;
@@ -176,6 +182,73 @@ TEST(ToothedGearPair, PushesAlongItsHelix) {
     EXPECT_NEAR(on_B(2), -F * std::tan(helix), 1e-6 * F);
     EXPECT_NEAR(on_B(5), F * g.B.pitch_radius * -1 + 0, 1e-6 * F * g.B.pitch_radius);
   }
+}
+
+/// B is held on a tilted axis: teeth touch along the face where δ - γ y > 0. Where the whole face does, F = k δ with
+/// its resultant γ k b²/12F off the middle; where a length l = δ/γ + b/2 of it does, F = k γ l²/2b, its resultant at a
+/// third of it. An axis held further away opens the backlash by 2 sin α a metre.
+TEST(ToothedGearPair, CarriesAtTheEndOfItsFaceOnATiltedAxis) {
+  const double k = 4e8, b = 20e-3, F = 3000;
+  ToothedGearPair::Parameters parameters{.gears = small(), .teeth = {.model = ToothStiffness::table, .stiffness = {k}}};
+  parameters.gears.backlash = 60e-6;  // without it the other flank would touch at the other end
+  const GearGeometry g(parameters.gears);
+  for (const Vector3& turn : {Vector3(-1e-4, 0, 0), Vector3(0, 2e-4, 0), Vector3(-2e-3, 0, 0), Vector3(2e-3, 0, 0)}) {
+    SystemGraph graph{{.gravity = {0, 0, 0}}};
+    const Shaft A = draw_shaft(graph, "A", 1e-3);
+    const Matrix3 tilted = rotation_exp(turn);
+    auto& mesh = graph.add<ToothedGearPair>(
+        "mesh", {A.body->marker(), graph.ground().marker({g.centre_distance, 0, 0}, tilted)}, parameters);
+    graph.add<PointForce>("torque", {A.body->marker()}, {.torque = {0, 0, F * g.A.base_radius}});
+    const System system = assemble(graph);
+    const State rest = find_equilibrium(system, turned(system, 32e-6 / g.A.base_radius)).state;
+    const Vector3 n(std::sin(kPressure), std::cos(kPressure), 0);
+    const double tilt = n.dot(tilted.col(2)), h = 0.5 * b * std::abs(tilt), whole = F / k;
+    const double length = std::sqrt(2 * b * F / (k * std::abs(tilt)));
+    const double approach = whole > h ? whole : std::abs(tilt) * (length - 0.5 * b);
+    const double middle = whole > h ? -tilt * k * b * b / (12 * F) : std::copysign(1, tilt) * (length / 3 - 0.5 * b);
+    EXPECT_NEAR(g.A.base_radius * value(system, rest, coordinate(A.angle(), "")), 30e-6 + approach, 2e-3 * whole);
+    const Sensor load = applied_force(mesh, 1);
+    const Vector3 moment(value(system, rest, load, 3), value(system, rest, load, 4), value(system, rest, load, 5));
+    EXPECT_NEAR(Vector3::UnitZ().cross(n).dot(moment) / F, middle, 0.01 * b);
+  }
+  EXPECT_NEAR(2 * g.half_play(g.centre_distance + 1e-6) - g.backlash, 2e-6 * std::sin(kPressure), 1e-10);
+}
+
+/// Pages draw gears by closed surfaces that look outwards: their volume is about that of a disc or ring.
+TEST(ToothedGearPair, IsDrawnByClosedSurfaces) {
+  for (const bool ring : {false, true}) {
+    GearScene scene({.gears = small(0.2, ring)}, 1e-3, 1e-3, 0, 0);
+    const System system = assemble(scene.graph);
+    for (int marker : {0, 1}) {
+      const DrawnShape shape = scene.mesh->drawn_shapes(marker)[0];
+      double volume = 0;
+      for (const auto& [a, b, c] : shape.triangles) {
+        const auto at = [&](int i) { return shape.points[static_cast<std::size_t>(i)]; };
+        volume += at(a).dot(at(b).cross(at(c))) / 6;
+      }
+      const InvoluteGear& gear = marker == 0 ? scene.mesh->geometry().A : scene.mesh->geometry().B;
+      const double inner = gear.teeth < 0 ? gear.pitch_radius : 0.4 * gear.root_radius;
+      const double outer = gear.teeth < 0 ? -gear.root_radius + 6e-3 : gear.pitch_radius;
+      const double disc = kPi * 20e-3 * (outer * outer - inner * inner);
+      EXPECT_NEAR(volume, disc, 0.08 * disc);
+    }
+  }
+}
+
+TEST(ToothedGearPair, RefusesCentresAtWhichItDoesNotMesh) {
+  const auto at = [](double x, const Matrix3& axes) {
+    return message_of<SceneError>([&] {
+      SystemGraph graph;
+      const Shaft A = draw_shaft(graph, "A", 1e-3);
+      graph.add<ToothedGearPair>("mesh", {A.body->marker(), graph.ground().marker({x, 0, 0}, axes)},
+                                 {.gears = small()});
+      assemble(graph);
+    });
+  };
+  EXPECT_EQ(at(76.5e-3, Matrix3::Identity()), "");
+  expect_says(at(76.3e-3, Matrix3::Identity()), {"mesh", "0.0763", "must not overlap"});
+  expect_says(at(80e-3, Matrix3::Identity()), {"0.08", "mesh at 0.0765"});
+  expect_says(at(76.5e-3, rotation_about({1, 0, 0}, kPi)), {"z"});
 }
 
 /// The rigid limit: the motion of a GearPair of the working radii, and its bearing forces but for the pressure angle.
