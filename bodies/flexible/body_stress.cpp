@@ -34,8 +34,8 @@ VectorX BodyStress::coordinates(Snapshot& snapshot) const {
   return all;
 }
 
-Matrix6X BodyStress::stress(Snapshot& snapshot) const {
-  return turned_stress(recovery_->stress(coordinates(snapshot)), body_->basis().rotation);
+Matrix6X BodyStress::stress(const VectorX& coordinates) const {
+  return turned_stress(recovery_->stress(coordinates), body_->basis().rotation);
 }
 
 Matrix6X BodyStress::strain(Snapshot& snapshot) const {

@@ -116,7 +116,7 @@ TEST(CutLoad, OfASpinningBarIsTheCentrifugalForce) {
   const Matrix3X radii = Vector3(1, 1, 0).asDiagonal() * (places.colwise() - Vector3(0, kMiddle[1], 0));
   const VectorX forces = (spin * spin * radii * basis->nodal_mass).reshaped();
   for (int k = 0; k < load.size(); ++k) load[k] = forces[basis->free_dofs[static_cast<std::size_t>(k)]];
-  SystemGraph graph;
+  SystemGraph graph{{.gravity = Vector3::Zero()}};
   auto& body = graph.add<FlexibleBody>(
       "bar",
       {.basis = basis, .angular_velocity = {0, 0, spin}, .modal_coordinates = solve_sparse(basis->stiffness, load)});

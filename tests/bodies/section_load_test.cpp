@@ -63,7 +63,7 @@ TEST(SectionLoad, CarriesTheWeightBeyond) {
 }
 
 TEST(SectionLoad, OfASpinningBeamIsTheCentrifugalForce) {
-  SystemGraph graph;
+  SystemGraph graph{{.gravity = Vector3::Zero()}};
   auto& beam = graph.add<Beam>("beam", {.axis = BeamAxis::straight({0, 0, 0}, {2, 0, 0}, {0, 1, 0}),
                                         .sections = {{0, kSection.damped(1e-4)}},
                                         .elements = 20,

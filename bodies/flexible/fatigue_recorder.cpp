@@ -1,0 +1,143 @@
+#include "bodies/flexible/fatigue_recorder.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "bodies/flexible/deformation_writer.h"
+#include "engine/archive/archive.h"
+#include "engine/base/checks.h"
+
+namespace lithe {
+namespace {
+
+/// What a node, or one plane at a node, has come by.
+struct FatigueCount {
+  RainflowCounter counter{};
+  double cycles = 0, largest_range = 0, damage = 0;
+};
+
+/// Normals on a half sphere, rings 7.5 degrees apart, as weights of xx yy zz xy xz yz in nᵀ σ n.
+MatrixX planes() {
+  constexpr int kRings = 12;
+  const double step = M_PI / 2 / kRings;
+  std::vector<Vector3> normals{{0, 0, 1}};
+  for (int ring = 1; ring <= kRings; ++ring) {
+    // At the equator half a turn: the other half are the same planes.
+    const int around = static_cast<int>(std::ceil(4 * kRings * std::sin(ring * step))),
+              last = ring == kRings ? around / 2 : around;
+    for (int k = 0; k < last; ++k) {
+      const double phi = 2 * M_PI * k / around;
+      normals.emplace_back(std::sin(ring * step) * std::cos(phi), std::sin(ring * step) * std::sin(phi),
+                           std::cos(ring * step));
+    }
+  }
+  MatrixX weights(static_cast<Eigen::Index>(normals.size()), 6);
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    const Vector3& n = normals[i];
+    weights.row(static_cast<Eigen::Index>(i)) << n[0] * n[0], n[1] * n[1], n[2] * n[2], 2 * n[0] * n[1],
+        2 * n[0] * n[2], 2 * n[1] * n[2];
+  }
+  return weights;
+}
+
+double signed_von_mises(const Vector6& stress) {
+  const Vector3 sigma = principal(stress);
+  return (sigma[0] + sigma[2] < 0 ? -1 : 1) * von_mises(stress)[0];
+}
+
+}  // namespace
+
+FatigueRecorder::FatigueRecorder(const FlexibleBody& body, std::shared_ptr<const StressRecovery> recovery)
+    : stress_(body, std::move(recovery)) {}
+
+void FatigueRecorder::observe(Snapshot& snapshot) {
+  if (!times_.empty() && snapshot.time() == times_.back()) return;  // told twice of one instant: at an event
+  const VectorX now = stress_.coordinates(snapshot);
+  times_.push_back(snapshot.time());
+  coordinates_.insert(coordinates_.end(), now.begin(), now.end());
+}
+
+void FatigueRecorder::history(Archive& archive) {
+  archive("times", times_);
+  archive("coordinates", coordinates_);
+}
+
+Table FatigueRecorder::table(const FatigueCriterion& criterion) const {
+  const FlexibleBody& body = stress_.body();
+  const ModalBasis& basis = body.basis();
+  const std::string where = "fatigue of '" + body.name() + "' of " + body.where();
+  require::at(where, [&] { criterion.curve.check(); });
+  if (times_.size() < 2)
+    throw SceneError("there are " + std::to_string(times_.size()) + " observed states", where,
+                     "call simulation.observe(fatigue, every(...)) and run first");
+  std::vector<int> nodes(static_cast<std::size_t>(basis.nodes.cols()));
+  std::iota(nodes.begin(), nodes.end(), 0);
+  if (!criterion.nodes.empty()) {
+    nodes.clear();
+    for (const int id : criterion.nodes) nodes.push_back(basis.node_index(id));
+  }
+
+  const auto label = [&](std::size_t i) { return basis.node_ids[static_cast<std::size_t>(nodes[i])]; };
+
+  const bool by_planes = criterion.stress == FatigueStress::critical_plane;
+  const MatrixX normals = by_planes ? planes() : MatrixX(1, 6);
+  std::vector<std::vector<FatigueCount>> counts(nodes.size());
+  for (auto& at_node : counts) at_node.resize(static_cast<std::size_t>(normals.rows()));
+  // visit(count, take, place among the nodes, plane): take() notes a cycle.
+  const auto at_each = [&](auto&& visit) {
+    for (std::size_t i = 0; i < nodes.size(); ++i) try {
+        for (Eigen::Index plane = 0; plane < normals.rows(); ++plane) {
+          FatigueCount& count = counts[i][static_cast<std::size_t>(plane)];
+          const auto take = [&](const LoadCycle& cycle) {
+            count.cycles += cycle.count;
+            count.largest_range = std::max(count.largest_range, cycle.range);
+            count.damage += criterion.curve.damage(cycle);
+          };
+          visit(count, take, i, plane);
+        }
+      } catch (const SceneError& error) {
+        throw SceneError(error.problem(), where + ", node " + std::to_string(label(i)), error.fix());
+      }
+  };
+  const auto width = static_cast<Eigen::Index>(coordinates_.size() / times_.size());
+  for (std::size_t s = 0; s < times_.size(); ++s) {
+    const Matrix6X stress = stress_.stress(
+        VectorX(Eigen::Map<const VectorX>(coordinates_.data() + static_cast<Eigen::Index>(s) * width, width)));
+    const Matrix6X here = stress(Eigen::all, nodes);
+    MatrixX values(normals.rows(), here.cols());
+    if (by_planes)
+      values = normals * here;
+    else
+      for (Eigen::Index i = 0; i < here.cols(); ++i) values(0, i) = signed_von_mises(here.col(i));
+    at_each([&](FatigueCount& count, const auto& take, std::size_t i, Eigen::Index plane) {
+      count.counter.add(values(plane, static_cast<Eigen::Index>(i)), take);
+    });
+  }
+  at_each([&](FatigueCount& count, const auto& take, std::size_t, Eigen::Index) { count.counter.finish(take); });
+
+  Table table{.columns = {"node", "cycles", "largest_range", "damage", "life"}};
+  const double duration = times_.back() - times_.front();
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const FatigueCount& worst =
+        *std::max_element(counts[i].begin(), counts[i].end(), [](const FatigueCount& a, const FatigueCount& b) {
+          return std::pair(a.damage, a.largest_range) < std::pair(b.damage, b.largest_range);
+        });
+    table.add_row({static_cast<double>(label(i)), worst.cycles, worst.largest_range, worst.damage,
+                   worst.damage > 0 ? std::min(duration / worst.damage, kEndless) : kEndless});
+  }
+  return table;
+}
+
+void FatigueRecorder::write_vtu(const std::string& path, const FatigueCriterion& criterion) const {
+  const ModalBasis& basis = stress_.body().basis();
+  const Table result = table(criterion);
+  MatrixX damage = MatrixX::Zero(1, basis.nodes.cols()), range = damage;
+  for (int row = 0; row < result.row_count(); ++row) {
+    const int node = basis.node_index(static_cast<int>(result.at(row, 0)));
+    range(0, node) = result.at(row, 2);
+    damage(0, node) = result.at(row, 3);
+  }
+  lithe::write_vtu(path, mesh_nodes(basis), vtu_cells(basis), {{"damage", damage}, {"largest_range", range}});
+}
+
+}  // namespace lithe
