@@ -127,11 +127,11 @@ TEST(AirfoilLoad, DampsTheBendingOfABeamByHalfOfWhatItsMassTakes) {
       {.stations = {{.chord = c, .airfoil = linear_airfoil(slope)}}, .wind = uniform({0, -V, 0}), .density = kDensity});
   const System system = assemble(graph);
   const Linearization found = linearize(system, system.initial_state(), {.mode_count = 6});
-  // ζ ω = c_a / 2μ of each mode; the mass of the last half element at the root does not move and is not damped.
+  // ζ ω = c_a / 2μ of each mode, but for the mass, which is lumped: of second order in the elements.
   const double wanted = -0.5 * kDensity * V * c * slope / (2 * mass);
   std::printf("flap: %.6f 1/s at %.3f Hz, closed form %.6f\n", found.modes[0].growth(), found.modes[0].frequency(),
               wanted);
-  EXPECT_NEAR(found.modes[0].growth() / wanted, 1, 1e-2);
+  EXPECT_NEAR(found.modes[0].growth() / wanted, 1, 2e-3);
 }
 
 /// Thrust and torque of a twisted, tapered blade that turns, against the blade-element integral.
