@@ -128,16 +128,19 @@ Table FatigueRecorder::table(const FatigueCriterion& criterion) const {
   return table;
 }
 
-void FatigueRecorder::write_vtu(const std::string& path, const FatigueCriterion& criterion) const {
+VectorX FatigueRecorder::at_nodes(const Table& table, const std::string& column) const {
   const ModalBasis& basis = stress_.body().basis();
-  const Table result = table(criterion);
-  MatrixX damage = MatrixX::Zero(1, basis.nodes.cols()), range = damage;
-  for (int row = 0; row < result.row_count(); ++row) {
-    const int node = basis.node_index(static_cast<int>(result.at(row, 0)));
-    range(0, node) = result.at(row, 2);
-    damage(0, node) = result.at(row, 3);
-  }
-  lithe::write_vtu(path, mesh_nodes(basis), vtu_cells(basis), {{"damage", damage}, {"largest_range", range}});
+  VectorX values = VectorX::Zero(basis.nodes.cols());
+  const std::vector<double> nodes = table.column("node"), of_table = table.column(column);
+  for (std::size_t i = 0; i < nodes.size(); ++i) values[basis.node_index(static_cast<int>(nodes[i]))] = of_table[i];
+  return values;
+}
+
+void FatigueRecorder::write_vtu(const std::string& path, const Table& table) const {
+  const ModalBasis& basis = stress_.body().basis();
+  lithe::write_vtu(path, mesh_nodes(basis), vtu_cells(basis),
+                   {{"damage", at_nodes(table, "damage").transpose()},
+                    {"largest_range", at_nodes(table, "largest_range").transpose()}});
 }
 
 }  // namespace lithe

@@ -44,9 +44,11 @@ class FatigueRecorder final : public Observer {
   /// (s, the stretch repeated until the damage is 1; at most kEndless). SceneError for fewer than two states, unknown
   /// nodes, a bad curve, a stress that reaches the tensile strength.
   Table table(const FatigueCriterion& criterion) const;
-  /// The undeformed mesh (mesh axes) with the fields damage and largest_range (Pa), zero at nodes that are not asked
-  /// for.
-  void write_vtu(const std::string& path, const FatigueCriterion& criterion) const;
+  /// A column of such a table at all nodes, by index; zero at those that are not in it. To colour a page:
+  ///   run.add(shaft, {"damage", "", fatigue.at_nodes(table, "damage")});
+  VectorX at_nodes(const Table& table, const std::string& column) const;
+  /// The undeformed mesh (mesh axes) with the fields damage and largest_range (Pa) of such a table.
+  void write_vtu(const std::string& path, const Table& table) const;
 
  private:
   BodyStress stress_;

@@ -151,7 +151,7 @@ TEST(FatigueRecorder, ContinuesWithItsHistoryAndWritesFiles) {
   const ScratchFolder folder;
   write_csv(table, folder.path("fatigue.csv"));
   EXPECT_EQ(read_csv(folder.path("fatigue.csv")).values, table.values);
-  fatigue.write_vtu(folder.path("fatigue.vtu"), {.curve = kCurve});
+  fatigue.write_vtu(folder.path("fatigue.vtu"), table);
   std::ifstream file(folder.path("fatigue.vtu"));
   std::stringstream text;
   text << file.rdbuf();
