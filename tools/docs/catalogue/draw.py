@@ -24,6 +24,7 @@ MODULES = [
     "primitives_pictures",
     "contact_pictures",
     "integrators_pictures",
+    "loads_pictures",
 ]
 
 
