@@ -14,7 +14,7 @@ namespace lithe {
 /// The stress whose cycles are counted at a node.
 enum class FatigueStress {
   signed_von_mises,  // equivalent stress with the sign of the principal stress that is largest in amount
-  critical_plane,    // normal stress on each of some 350 planes (at most 5.3 degrees beside any: 0.9 % of the range);
+  critical_plane,    // normal stress on each of 373 planes (at most 5.3 degrees beside any: 0.9 % of the range);
                      // the plane of most damage counts
 };
 
