@@ -82,13 +82,13 @@ Matrix3X second_order_forces(const SolidElement& element, ConstVectorRef u, Cons
 
 }  // namespace
 
-CutLoad::CutLoad(const FlexibleBody& body, const BodyCut& cut) : body_(&body) {
+CutLoad::CutLoad(const FlexibleBody& body, const BodyCut& cut) : body_(&body), basis_(body.parameters().basis) {
   const std::string where = "a cut of '" + body.name() + "' of " + body.where();
   require::at(where, [&] {
     require::finite(cut.point, "point");
     require::rotation(cut.axes, "axes");
   });
-  const ModalBasis& basis = body.basis();
+  const ModalBasis& basis = *basis_;
   const Vector3 point = basis.rotation.transpose() * (cut.point - basis.origin);
   const Matrix3 axes = basis.rotation.transpose() * cut.axes;
   const auto [elements, nodes] = find_interface(basis, cut, point, axes.col(0), where);
@@ -163,12 +163,11 @@ CutLoad::CutLoad(const FlexibleBody& body, const BodyCut& cut) : body_(&body) {
 }
 
 Vector6 CutLoad::load(Snapshot& snapshot) const {
+  if (body_->parameters().basis != basis_)
+    throw SceneError("a cut of '" + body_->name() + "' was made for other modes than it has now", body_->where(),
+                     "make the cut after set_fidelity()");
   const BodyState state = snapshot.body_state(*body_);
   const VectorX fields = body_->field_coordinates(state);
-  if (fields.size() > linear_.cols())
-    throw SceneError("a cut made for " + std::to_string(linear_.cols()) + " fields of '" + body_->name() +
-                         "', which now has " + std::to_string(fields.size()),
-                     body_->where(), "make the cut after set_fidelity()");
   Vector6 load = linear_.leftCols(fields.size()) * fields;
   if (pairs_.cols() == 0) return load;
   // A w = ½ A (∂w/∂η) η, of the modes in use.

@@ -30,13 +30,14 @@ class CutLoad {
   /// node with the rest.
   CutLoad(const FlexibleBody& body, const BodyCut& cut);
 
-  /// (n, m), N and N m. SceneError if the body has got other coordinates since (set_fidelity()).
+  /// (n, m), N and N m. SceneError if the body has another basis since (set_fidelity()).
   Vector6 load(Snapshot& snapshot) const;
   /// Labels of the nodes on the cut, rising.
   const std::vector<int>& nodes() const { return nodes_; }
 
  private:
   const FlexibleBody* body_;
+  std::shared_ptr<const ModalBasis> basis_;
   std::vector<int> nodes_;
   Matrix6X linear_;  // of the coordinates of all fields
   MatrixX pairs_;    // 6 x pairs (QuadraticDeflection); no columns: linear

@@ -198,6 +198,13 @@ TEST(CutLoad, IsASensorAndSaysWhatIsWrong) {
   expect_says(refused({.point = kMiddle, .nodes = {1, 9999}}), {"9999"});
   expect_says(refused({.point = kMiddle, .axes = 2 * Matrix3::Identity()}), {"axes"});
   expect_says(refused({.point = {std::nan(""), 0, 0}}), {"point"});
+
+  const CutLoad before(scene.body, {.point = kMiddle});
+  scene.body.set_fidelity({.modes = {0, 2}});
+  const System reduced = assemble(scene.graph);
+  Snapshot later(reduced, reduced.initial_state());
+  expect_says(message_of<SceneError>([&] { before.load(later); }), {"other modes", "after set_fidelity()"});
+  EXPECT_TRUE(CutLoad(scene.body, {.point = kMiddle}).load(later).allFinite());
 }
 
 }  // namespace

@@ -90,6 +90,19 @@ TEST(AirfoilStrip, HasItsTangentOnAllBodies) {
   }
 }
 
+TEST(AirfoilStrip, WhoseWindIsNoNumberIsNamed) {
+  SystemGraph graph;
+  auto& body = graph.add<RigidBody>("wing", {});
+  graph.add<AirfoilStrip>("gusty", {body.marker()},
+                          {.width = 1, .chord = 1, .airfoil = kStalling, .wind = [](const Vector3&, double t) {
+                             return Vector3(0, t > 0.1 ? std::nan("") : -5, 0);
+                           }});
+  const System system = assemble(graph);
+  State state = system.initial_state();
+  const Method method = index3(0.01);
+  expect_says(message_of<SimulationError>([&] { Simulation(system, *method).run(state, 1); }), {"'gusty'"});
+}
+
 /// m v_dot = -½ ρ V c b c_l' v: the damping of a plunging wing; its power is what the wing loses.
 TEST(AirfoilStrip, DampsAPlungingWing) {
   const double V = 30, c = 0.5, b = 2, m = 3, slope = 5.5, v0 = 0.01;
