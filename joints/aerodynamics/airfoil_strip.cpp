@@ -43,7 +43,7 @@ void AirfoilStrip::evaluate(double time, std::span<const MarkerView> markers, Fo
   const double share = 0.5 * density * chord * width * speed;
   const Vector3 force = share * ((c.lift * u[1] + c.drag * u[0]) * chord_ + (c.drag * u[1] - c.lift * u[0]) * normal_);
   Vector3 torque = (ahead * chord_).cross(force);
-  torque[0] += share * chord * speed * c.moment;
+  torque[0] += share * chord * (speed * c.moment - M_PI / 8 * chord * m.w.dot(m.R.col(0)));
   rows.add_load(m, {m.R * force, m.R * torque});
 }
 

@@ -11,9 +11,10 @@ namespace lithe {
 /// Lift, drag and moment on a strip of a wing by steady strip theory. The marker has its x axis along the span, y
 /// towards the leading edge, z to the upper side; twist turns the chord nose up. With the air's velocity u relative to
 /// the section at three quarters of the chord, of which the part across the span counts, W = |u|, α = ∠(u, chord):
-///   F = ½ ρ c b W (c_l u × e_span + c_d u),   M = ½ ρ c² b W² c_m e_span   at the aerodynamic centre.
-/// A thin airfoil's lift in a slow motion is that of the flow at this point (Pistolesi), so that pitching is damped. No
-/// wake, induced flow, dynamic stall or apparent mass. J. Katz, A. Plotkin, Low-Speed Aerodynamics, 5.
+///   F = ½ ρ c b W (c_l u × e_span + c_d u),   M = ½ ρ c² b W (W c_m - (π/8) c ω_span) e_span
+/// at the aerodynamic centre. That point and the last term are thin-airfoil theory of a section that turns steadily:
+/// its motion is a flow with camber. No wake, induced flow, unsteady lift, dynamic stall or apparent mass. J. Katz, A.
+/// Plotkin, Low-Speed Aerodynamics, ch. 5 and 13.
 ///   graph.add<AirfoilStrip>("fin", {glider.marker({-2, 0, 0.4}, upright)}, {.width = 0.6, .chord = 0.3, .airfoil =
 ///   law});
 class AirfoilStrip final : public Force</*markers=*/1, /*rows=*/0>, public DrawableConnector {

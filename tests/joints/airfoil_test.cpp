@@ -10,8 +10,11 @@
 #include "engine/run/simulation.h"
 #include "joints/aerodynamics/airfoil_load.h"
 #include "joints/fixed_joint.h"
+#include "joints/forces/coordinate_spring.h"
 #include "joints/prismatic_joint.h"
+#include "joints/revolute_joint.h"
 #include "tests/support/joint_checks.h"
+#include "tests/support/linear_algebra.h"
 #include "tests/support/message_of.h"
 #include "tests/support/methods.h"
 #include "tests/support/pairs.h"
@@ -125,6 +128,72 @@ TEST(AirfoilStrip, DampsAPlungingWing) {
   const double rate = 0.5 * kDensity * V * c * b * slope / m;
   EXPECT_LT(std::exp(-rate * 0.05), 0.3);
   EXPECT_NEAR(state.v[2] / (v0 * std::exp(-rate * 0.05)), 1, 1e-6);
+}
+
+/// A section that pitches about its aerodynamic centre meets the flow as if it were turned by θ̇ c / 2V more.
+TEST(AirfoilStrip, FeelsThePitchRateAtThreeQuartersOfItsChord) {
+  const double V = 25, c = 0.6, b = 1.5, slope = 2 * M_PI, rate = 0.01;
+  SystemGraph graph{{.gravity = Vector3::Zero()}};
+  auto& body = graph.add<RigidBody>("wing", {.angular_velocity = {rate, 0, 0}});
+  auto& strip = graph.add<AirfoilStrip>(
+      "strip", {body.marker()},
+      {.width = b, .chord = c, .airfoil = linear_airfoil(slope), .wind = uniform({0, -V, 0}), .density = kDensity});
+  const System system = assemble(graph);
+  Snapshot now(system, system.initial_state());
+  const double wanted = 0.5 * kDensity * V * V * b * c * slope * rate * c / (2 * V);
+  EXPECT_NEAR(total(now, {&strip})[2] / wanted, 1, 1e-6);
+  const double moment = 0.5 * kDensity * V * V * b * c * c * -M_PI / 8 * rate * c / V;
+  EXPECT_NEAR(total(now, {&strip})[3] / moment, 1, 1e-6);
+}
+
+/// Plunge h up, pitch θ nose up about an axis, the mass centre s behind it, the aerodynamic centre e before it:
+///   [m_1 + m_2, -m_2 s; -m_2 s, I + m_2 s²] (ḧ, θ̈) + diag(k_h, k_θ) (h, θ) = (1, e) L,
+///   L = q c b c_l' (θ - (ḣ + (e - c/2) θ̇) / V), and -(π/16) ρ V c³ b θ̇ on θ: growth and frequencies below and above
+///   flutter.
+TEST(AirfoilStrip, LetsASectionFlutterAsItsEquationsSay) {
+  const double m1 = 1, m2 = 4, inertia = 0.12, s = 0.08, e = 0.1, c = 0.8, b = 1, slope = 6, k_h = 2000, k_theta = 300;
+  int unstable = 0;
+  for (const double V : {5.0, 12.0, 20.0, 26.0}) {
+    SystemGraph graph{{.gravity = Vector3::Zero()}};
+    const Matrix3 along_span = rotation_about({0, 1, 0}, M_PI / 2);
+    auto& carrier = graph.add<RigidBody>("carrier", {.mass = m1});
+    auto& wing = graph.add<RigidBody>("wing", {.mass = m2, .inertia = {inertia, 1, 1}, .position = {0, -s, 0}});
+    auto& guide = graph.add<PrismaticJoint>("guide", {graph.ground().marker(), carrier.marker()});
+    auto& hinge =
+        graph.add<RevoluteJoint>("hinge", {carrier.marker({}, along_span), wing.marker({0, s, 0}, along_span)});
+    graph.add<CoordinateSpring>("plunge", {guide.displacement()}, {.stiffness = k_h});
+    graph.add<CoordinateSpring>("pitch", {hinge.angle()}, {.stiffness = k_theta});
+    graph.add<AirfoilStrip>("strip", {wing.marker({0, s, 0})},
+                            {.width = b,
+                             .chord = c,
+                             .ahead = e,
+                             .airfoil = linear_airfoil(slope),
+                             .wind = uniform({0, -V, 0}),
+                             .density = kDensity});
+    const System system = assemble(graph);
+    const Linearization found = linearize(system, system.initial_state());
+
+    const double lift = 0.5 * kDensity * V * V * c * b * slope;
+    MatrixX M(2, 2), K(2, 2), D(2, 2), A = MatrixX::Zero(4, 4);
+    M << m1 + m2, -m2 * s, -m2 * s, inertia + m2 * s * s;
+    K << k_h, -lift, 0, k_theta - e * lift;
+    D << lift / V, lift * (e - c / 2) / V, e * lift / V,
+        e * lift * (e - c / 2) / V + M_PI / 16 * kDensity * V * c * c * c * b;
+    A.topRightCorner(2, 2).setIdentity();
+    A.bottomLeftCorner(2, 2) = -solve(M, K);
+    A.bottomRightCorner(2, 2) = -solve(M, D);
+    const Eigen::VectorXcd wanted = eigenvalues(A);
+    for (const Mode& mode : found.modes) {
+      double nearest = 1e9;
+      for (Eigen::Index i = 0; i < wanted.size(); ++i)
+        nearest = std::min(nearest, std::abs(wanted[i] - mode.eigenvalue));
+      EXPECT_LT(nearest / std::abs(mode.eigenvalue), 1e-6) << "at " << V << " m/s";
+    }
+    unstable += found.largest_growth() > 0;
+    std::printf("%4.0f m/s: growth %+.4f 1/s\n", V, found.largest_growth());
+  }
+  EXPECT_GT(unstable, 0);
+  EXPECT_LT(unstable, 4);
 }
 
 TEST(AirfoilLoad, DampsTheBendingOfABeamByHalfOfWhatItsMassTakes) {
