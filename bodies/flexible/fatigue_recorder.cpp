@@ -45,6 +45,39 @@ double signed_von_mises(const Vector6& stress) {
   return (sigma[0] + sigma[2] < 0 ? -1 : 1) * von_mises(stress)[0];
 }
 
+/// Of each node, of each plane. values(s): planes x nodes at state s; where(i): node i, for errors.
+template <class Values, class Where>
+std::vector<std::vector<FatigueCount>> counted(const Values& values, std::size_t states, const SnCurve& curve,
+                                               const Where& where) {
+  std::vector<std::vector<FatigueCount>> counts;
+  // visit(count, take, node, plane): take() notes a cycle.
+  const auto at_each = [&](auto&& visit) {
+    for (std::size_t i = 0; i < counts.size(); ++i) try {
+        for (std::size_t plane = 0; plane < counts[i].size(); ++plane) {
+          FatigueCount& count = counts[i][plane];
+          const auto take = [&](const LoadCycle& cycle) {
+            count.cycles += cycle.count;
+            count.largest_range = std::max(count.largest_range, cycle.range);
+            count.damage += curve.damage(cycle);
+          };
+          visit(count, take, i, plane);
+        }
+      } catch (const SceneError& error) {
+        throw SceneError(error.problem(), where(i), error.fix());
+      }
+  };
+  for (std::size_t s = 0; s < states; ++s) {
+    const MatrixX now = values(s);
+    counts.resize(static_cast<std::size_t>(now.cols()),
+                  std::vector<FatigueCount>(static_cast<std::size_t>(now.rows())));
+    at_each([&](FatigueCount& count, const auto& take, std::size_t i, std::size_t plane) {
+      count.counter.add(now(static_cast<Eigen::Index>(plane), static_cast<Eigen::Index>(i)), take);
+    });
+  }
+  at_each([](FatigueCount& count, const auto& take, std::size_t, std::size_t) { count.counter.finish(take); });
+  return counts;
+}
+
 }  // namespace
 
 FatigueRecorder::FatigueRecorder(const FlexibleBody& body, std::shared_ptr<const StressRecovery> recovery)
@@ -76,48 +109,26 @@ Table FatigueRecorder::table(const FatigueCriterion& criterion) const {
     nodes.clear();
     for (const int id : criterion.nodes) nodes.push_back(basis.node_index(id));
   }
-
   const auto label = [&](std::size_t i) { return basis.node_ids[static_cast<std::size_t>(nodes[i])]; };
 
   const bool by_planes = criterion.stress == FatigueStress::critical_plane;
-  const MatrixX normals = by_planes ? planes() : MatrixX(1, 6);
-  std::vector<std::vector<FatigueCount>> counts(nodes.size());
-  for (auto& at_node : counts) at_node.resize(static_cast<std::size_t>(normals.rows()));
-  // visit(count, take, place among the nodes, plane): take() notes a cycle.
-  const auto at_each = [&](auto&& visit) {
-    for (std::size_t i = 0; i < nodes.size(); ++i) try {
-        for (Eigen::Index plane = 0; plane < normals.rows(); ++plane) {
-          FatigueCount& count = counts[i][static_cast<std::size_t>(plane)];
-          const auto take = [&](const LoadCycle& cycle) {
-            count.cycles += cycle.count;
-            count.largest_range = std::max(count.largest_range, cycle.range);
-            count.damage += criterion.curve.damage(cycle);
-          };
-          visit(count, take, i, plane);
-        }
-      } catch (const SceneError& error) {
-        throw SceneError(error.problem(), where + ", node " + std::to_string(label(i)), error.fix());
-      }
-  };
+  const MatrixX normals = by_planes ? planes() : MatrixX();
   const auto width = static_cast<Eigen::Index>(coordinates_.size() / times_.size());
-  for (std::size_t s = 0; s < times_.size(); ++s) {
-    const Matrix6X stress = stress_.stress(
-        VectorX(Eigen::Map<const VectorX>(coordinates_.data() + static_cast<Eigen::Index>(s) * width, width)));
-    const Matrix6X here = stress(Eigen::all, nodes);
-    MatrixX values(normals.rows(), here.cols());
-    if (by_planes)
-      values = normals * here;
-    else
-      for (Eigen::Index i = 0; i < here.cols(); ++i) values(0, i) = signed_von_mises(here.col(i));
-    at_each([&](FatigueCount& count, const auto& take, std::size_t i, Eigen::Index plane) {
-      count.counter.add(values(plane, static_cast<Eigen::Index>(i)), take);
-    });
-  }
-  at_each([&](FatigueCount& count, const auto& take, std::size_t, Eigen::Index) { count.counter.finish(take); });
+  const auto values = [&](std::size_t state) -> MatrixX {
+    const VectorX coordinates =
+        Eigen::Map<const VectorX>(coordinates_.data() + static_cast<Eigen::Index>(state) * width, width);
+    const Matrix6X stress = stress_.stress(coordinates)(Eigen::all, nodes);
+    if (by_planes) return normals * stress;
+    MatrixX signed_stress(1, stress.cols());
+    for (Eigen::Index i = 0; i < stress.cols(); ++i) signed_stress(0, i) = signed_von_mises(stress.col(i));
+    return signed_stress;
+  };
+  const auto counts = counted(values, times_.size(), criterion.curve,
+                              [&](std::size_t i) { return where + ", node " + std::to_string(label(i)); });
 
   Table table{.columns = {"node", "cycles", "largest_range", "damage", "life"}};
   const double duration = times_.back() - times_.front();
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
+  for (std::size_t i = 0; i < counts.size(); ++i) {
     const FatigueCount& worst =
         *std::max_element(counts[i].begin(), counts[i].end(), [](const FatigueCount& a, const FatigueCount& b) {
           return std::pair(a.damage, a.largest_range) < std::pair(b.damage, b.largest_range);

@@ -158,6 +158,20 @@ TEST(FatigueRecorder, ContinuesWithItsHistoryAndWritesFiles) {
   expect_says(text.str(), {"\"damage\"", "\"largest_range\""});
 }
 
+TEST(FatigueRecorder, IsOfTheModesThatTheBodyHadWhenItWasMade) {
+  const FiniteElementModel model =
+      brick_mesh({.size = {0.5, 0.02, 0.02}, .divisions = {3, 1, 1}, .material = {2e11, 0.3, 7800}});
+  SystemGraph graph;
+  auto& bar = graph.add<FlexibleBody>("bar", {.basis = make_basis(model, TangentFrame{model.node_set("x_min")}, 4)});
+  bar.set_fidelity({.modes = {0}});
+  FatigueRecorder fatigue(bar);
+  bar.set_fidelity({.modes = {0, 1, 2}});
+  const System system = assemble(graph);
+  Snapshot now(system, system.initial_state());
+  expect_says(message_of<SceneError>([&] { fatigue.observe(now); }),
+              {"1 fields of 'bar'", "now has 3", "set_fidelity"});
+}
+
 TEST(FatigueRecorder, SaysWhatIsMissing) {
   StretchedBar scene;
   const System system = assemble(scene.graph);
