@@ -29,13 +29,17 @@ BodyStress::BodyStress(const FlexibleBody& body, std::shared_ptr<const StressRec
 /// Of all fields of the basis: those beyond the body's modes rest.
 VectorX BodyStress::coordinates(Snapshot& snapshot) const {
   const VectorX moved = body_->field_coordinates(snapshot.body_state(*body_));
+  if (moved.size() > recovery_->coordinate_count())
+    throw SceneError("stresses of " + std::to_string(recovery_->coordinate_count()) + " fields of '" + body_->name() +
+                         "', which now has " + std::to_string(moved.size()),
+                     body_->where(), "make what reads its stresses after set_fidelity()");
   VectorX all = VectorX::Zero(recovery_->coordinate_count());
   all.head(moved.size()) = moved;
   return all;
 }
 
-Matrix6X BodyStress::stress(Snapshot& snapshot) const {
-  return turned_stress(recovery_->stress(coordinates(snapshot)), body_->basis().rotation);
+Matrix6X BodyStress::stress(const VectorX& coordinates) const {
+  return turned_stress(recovery_->stress(coordinates), body_->basis().rotation);
 }
 
 Matrix6X BodyStress::strain(Snapshot& snapshot) const {

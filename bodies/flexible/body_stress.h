@@ -21,13 +21,14 @@ class BodyStress {
   BodyStress(const FlexibleBody& body, std::shared_ptr<const StressRecovery> recovery);
 
   const FlexibleBody& body() const { return *body_; }
-  Matrix6X stress(Snapshot& snapshot) const;
+  Matrix6X stress(Snapshot& snapshot) const { return stress(coordinates(snapshot)); }
+  /// Of all fields of the basis; and the stress of such coordinates, kept from a run. SceneError for another number.
+  VectorX coordinates(Snapshot& snapshot) const;
+  Matrix6X stress(const VectorX& coordinates) const;
   /// Engineering shear. SceneError for stress modes.
   Matrix6X strain(Snapshot& snapshot) const;
 
  private:
-  VectorX coordinates(Snapshot& snapshot) const;
-
   const FlexibleBody* body_;
   std::shared_ptr<const StressRecovery> recovery_;
 };

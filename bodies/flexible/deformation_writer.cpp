@@ -19,6 +19,8 @@ std::vector<VtuCells> vtu_cells(const ModalBasis& basis) {
   return cells;
 }
 
+Matrix3X mesh_nodes(const ModalBasis& basis) { return (basis.rotation * basis.nodes).colwise() + basis.origin; }
+
 DeformationWriter::DeformationWriter(const FlexibleBody& body, std::string path, const DeformationFields& fields)
     : body_(body), wanted_(fields), cells_(vtu_cells(body.basis())), series_(std::move(path)) {
   if (wanted_.stress || wanted_.strain) stress_.emplace(body, wanted_.recovery);

@@ -38,5 +38,7 @@ class DeformationWriter final : public Observer {
 
 /// The elements of a body as VTU cells.
 std::vector<VtuCells> vtu_cells(const ModalBasis& basis);
+/// Its undeformed nodes in mesh axes, m.
+Matrix3X mesh_nodes(const ModalBasis& basis);
 
 }  // namespace lithe

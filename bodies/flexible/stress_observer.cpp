@@ -9,12 +9,6 @@
 #include "engine/base/error.h"
 
 namespace lithe {
-namespace {
-
-Matrix3X mesh_nodes(const ModalBasis& basis) { return (basis.rotation * basis.nodes).colwise() + basis.origin; }
-
-}  // namespace
-
 StressObserver::StressObserver(const FlexibleBody& body, std::shared_ptr<const StressRecovery> recovery)
     : stress_(body, std::move(recovery)) {}
 

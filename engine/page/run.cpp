@@ -17,7 +17,8 @@ struct Run::Parts {
   const System* system = nullptr;
   std::vector<Sensor> sensors;
   std::vector<SceneRecorder::Drawn> drawn;
-  std::string path;  // of a stream
+  std::vector<PlacedField> fields;  // not in the record yet: a stream is read back first
+  std::string path;                 // of a stream
   std::shared_ptr<RunRecord> record = std::make_shared<RunRecord>();
   std::unique_ptr<SceneRecorder> recorder;  // since the first state
   std::unique_ptr<RunFile> file;
@@ -121,6 +122,21 @@ void Run::add(const std::vector<EventRecord>& events) {
     parts_->record->events.insert(parts_->record->events.end(), events.begin(), events.end());
 }
 
+void Run::add(const Body& body, const MeshField& field) {
+  Parts& p = *parts_;
+  const std::string where = "the field '" + field.name + "' of the run '" + p.options.name + "'";
+  if (!p.recorder)
+    throw SceneError("the run has observed no state", where, "add fields to the run that was recorded, after it");
+  const auto [number, mesh] = p.recorder->mesh_of(body);
+  const int last = mesh.nodes.empty() ? -1 : *std::max_element(mesh.nodes.begin(), mesh.nodes.end());
+  if (field.values.size() <= last || !field.values.allFinite())
+    throw SceneError(std::to_string(field.values.size()) + " values for the nodes of '" + body.name() +
+                         "', of which the last that is drawn has number " + std::to_string(last) +
+                         ", or one that is not finite",
+                     where, "give one finite value a node, by index");
+  p.fields.push_back({number, field.name, field.unit, field.values(mesh.nodes).transpose()});
+}
+
 int Run::frame_count() const { return parts_->frames; }
 const std::string& Run::name() const { return parts_->options.name; }
 
@@ -129,6 +145,8 @@ std::shared_ptr<const RunRecord> Run::record() const {
     parts_->file.reset();
     *parts_->record = read_run_file(parts_->path);
   }
+  for (const PlacedField& field : parts_->fields) add_field(*parts_->record, field);
+  parts_->fields.clear();
   return parts_->record;
 }
 

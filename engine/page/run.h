@@ -26,6 +26,13 @@ struct RunOptions {
   int detailed = 100;        // bodies and connectors, in the order drawn, that have charts; those beyond only move
 };
 
+/// A quantity at the nodes of a body that stays the same over a run, such as the damage of a FatigueRecorder.
+struct MeshField {
+  std::string name{};
+  std::string unit{};  // empty: none
+  VectorX values{};    // one a node, by index
+};
+
 /// How Run::follow() shows a run while it goes on.
 struct FollowOptions {
   int port = 0;       // of 127.0.0.1; 0: any that is free
@@ -73,6 +80,10 @@ class Run final : public Observer {
   static constexpr const char* kFollowVariable = "LITHE_FOLLOW";
   /// The events of the run: run.add(simulation.events()), once, after the run.
   void add(const std::vector<EventRecord>& events);
+  /// A colour that the page offers for the mesh of a body, beside displacement and stress: run.add(shaft, {"damage",
+  /// "", values}), after the run. Throws SceneError before the first state, for a body that draws no mesh, fewer values
+  /// than nodes, and one that is not finite.
+  void add(const Body& body, const MeshField& field);
 
   /// Throws SimulationError, the state not kept, for a value that is not finite; SceneError for the state of
   /// another system.

@@ -44,10 +44,20 @@ class SceneRecorder {
   ~SceneRecorder();
   /// Throws SimulationError for a value that is not finite.
   void fill(Snapshot& now, int number, VectorX& row, std::vector<double>& contacts);
+  /// Number of a body, and its mesh. SceneError for one that draws none.
+  std::pair<int, const DrawnMesh&> mesh_of(const Body& body) const;
 
  private:
   std::unique_ptr<struct ScenePlan> plan_;
 };
+
+/// A field at the points of the mesh of body number `body`, into the scene and the sets.
+struct PlacedField {
+  int body;
+  std::string name, unit;
+  MatrixX values;  // 1 x points
+};
+void add_field(RunRecord& record, const PlacedField& field);
 
 /// The default drawing of a body: sticks to its markers (body axes, m), else the box of its inertia, no
 /// larger than fits a scene of that extent (m).

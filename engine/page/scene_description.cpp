@@ -425,6 +425,15 @@ void SceneDescription::describe(const std::vector<SceneRecorder::Drawn>& drawn) 
 
 }  // namespace
 
+void add_field(RunRecord& record, const PlacedField& field) {
+  Json scene = Json::parse(record.scene);
+  Json& fields = scene["bodies"][static_cast<std::size_t>(field.body)]["mesh"]["fields"];
+  const std::string set = "/mesh/" + std::to_string(field.body) + "/field/" + std::to_string(fields.size());
+  record.sets[set] = field.values;
+  fields.push_back({{"name", field.name}, {"unit", field.unit}, {"values", {{"set", set}, {"as", "f32"}}}});
+  record.scene = scene.dump();
+}
+
 void describe_scene(Snapshot& now, const RunOptions& options, const std::vector<SceneRecorder::Drawn>& drawn,
                     ScenePlan& plan, RunRecord& record) {
   SceneDescription(now, options, plan, record).describe(drawn);

@@ -128,6 +128,15 @@ SceneRecorder::SceneRecorder(Snapshot& now, const std::vector<Sensor>& sensors, 
 
 SceneRecorder::~SceneRecorder() = default;
 
+std::pair<int, const DrawnMesh&> SceneRecorder::mesh_of(const Body& body) const {
+  const auto number = plan_->body_number.find(&body);
+  if (number != plan_->body_number.end())
+    if (const DrawnMesh& mesh = plan_->bodies[static_cast<std::size_t>(number->second)].mesh; mesh.points.cols() > 0)
+      return {number->second, mesh};
+  throw SceneError("'" + body.name() + "' draws no mesh in the run '" + plan_->run + "'", body.where(),
+                   "colour a body of this scene that has elements, as a FlexibleBody or a Beam");
+}
+
 void SceneRecorder::fill(Snapshot& now, int number, VectorX& row, std::vector<double>& contacts) {
   ScenePlan& plan = *plan_;
   if (&now.system() != plan.system)

@@ -1,11 +1,11 @@
 #include "joints/forces/line_load.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "engine/assembly/batch_of.h"
 #include "engine/base/checks.h"
 #include "engine/model/point_body.h"
+#include "joints/forces/line_pieces.h"
 
 namespace lithe {
 namespace {
@@ -19,13 +19,7 @@ Wrench density_at(const std::vector<LineLoad::Station>& stations, double arc) {
   return (1 - share) * last->density + share * next->density;
 }
 
-void check(const LineLoad& load, double to, double length) {
-  require::finite(load.from, "from");
-  require::finite(to, "to");
-  const std::string stretch = "the stretch from " + std::to_string(load.from) + " m to " + std::to_string(to) + " m";
-  if (!(load.from < to)) throw SceneError(stretch + " is empty", "", "give from < to");
-  if (!(load.from >= 0 && to <= length * (1 + 1e-9)))
-    throw SceneError(stretch + " leaves its body", "", "give arc lengths from 0 to " + std::to_string(length));
+void check(const LineLoad& load) {
   if (load.density.empty() == !load.law)
     throw SceneError(load.law ? "it has a density and a law" : "it has no density", "",
                      "give .density = {{0, force({0, 0, -100})}} or a .law");
@@ -38,19 +32,6 @@ void check(const LineLoad& load, double to, double length) {
     if (i > 0 && !(arc > load.density[i - 1].arc))
       throw SceneError(which + " does not lie behind the one before", "", "list stations from the start to the end");
   }
-}
-
-/// Ends of the pieces: of the stretch, and nodes and stations inside it.
-std::vector<double> cuts(const LineLoad& load, double to, const std::vector<double>& nodes) {
-  std::vector<double> all = nodes;
-  for (const auto& station : load.density) all.push_back(station.arc);
-  std::sort(all.begin(), all.end());
-  const double least = 1e-9 * nodes.back();
-  std::vector<double> kept{load.from};
-  for (const double arc : all)
-    if (arc > kept.back() + least && arc < to - least) kept.push_back(arc);
-  kept.push_back(to);
-  return kept;
 }
 
 }  // namespace
@@ -72,20 +53,20 @@ void LineLoadPiece::evaluate(double time, std::span<const MarkerView> markers, F
 
 std::vector<LineLoadPiece*> add_line_load(SystemGraph& graph, const Located& name, const std::vector<double>& nodes,
                                           const std::function<Marker(double arc)>& marker, const LineLoad& load) {
-  const double to = load.to.value_or(nodes.back());
+  std::vector<LinePiece> stretches;
   try {
-    check(load, to, nodes.back());
+    check(load);
+    std::vector<double> stations;
+    for (const auto& station : load.density) stations.push_back(station.arc);
+    stretches = line_pieces(load.from, load.to.value_or(nodes.back()), nodes, stations);
   } catch (const SceneError& error) {
     throw SceneError("'" + name.text + "': " + error.problem(), to_string(name.where), error.fix());
   }
-  const std::vector<double> ends = cuts(load, to, nodes);
   std::vector<LineLoadPiece*> pieces;
-  for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
-    const double middle = 0.5 * (ends[i] + ends[i + 1]), half = 0.5 * (ends[i + 1] - ends[i]);
-    const std::array<double, 2> arcs{middle - half / std::sqrt(3.0), middle + half / std::sqrt(3.0)};
+  for (const auto& [arcs, half] : stretches) {
     LineLoadPiece::Parameters piece{.wrenches = {}, .law = {}, .axes = load.axes, .amplitude = load.amplitude};
     if (load.law)
-      piece.law = [law = load.law, arcs, half](int m, double time) {
+      piece.law = [law = load.law, arcs = arcs, half = half](int m, double time) {
         return half * law(arcs[static_cast<std::size_t>(m)], time);
       };
     else
@@ -94,8 +75,8 @@ std::vector<LineLoadPiece*> add_line_load(SystemGraph& graph, const Located& nam
     if (load.axes == LineLoad::Axes::section && dynamic_cast<const PointBody*>(markers[0].body))
       throw SceneError("'" + name.text + "': sections of '" + markers[0].body->name() + "' do not turn",
                        to_string(name.where), "give the load in world axes");
-    pieces.push_back(
-        &graph.add<LineLoadPiece>({name.text + "." + std::to_string(i), name.where}, markers, std::move(piece)));
+    pieces.push_back(&graph.add<LineLoadPiece>({name.text + "." + std::to_string(pieces.size()), name.where}, markers,
+                                               std::move(piece)));
   }
   return pieces;
 }

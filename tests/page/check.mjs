@@ -238,11 +238,25 @@ async function checkPage(browser, path) {
   const failed = await page.evaluate(() => window.lithe.failed);
   check('the page opens its run', !failed, failed);
   if (!failed) {
-    const steps = [checkScene, checkTips, checkCharts, checkVariants, checkSelection, checkKeys, checkModes, checkTipPixel, checkThemes];
+    const steps = [checkScene, checkTips, checkCharts, checkVariants, checkSelection, checkKeys, checkModes, checkFields, checkTipPixel, checkThemes];
     for (const step of steps) await step(page, basename(path) === 'known_motion.html');
   }
   check('no error in the console, nothing asked of a network', trouble.length === 0, trouble.join('; '));
   await close();
+}
+
+/** A field that stays the same over the run is offered, and its legend has its range without a unit. */
+async function checkFields(page, known) {
+  if (!known) return;
+  await page.locator('#tab-Display').click();
+  const offered = await page.locator('select[aria-label="Colour of finite-element bodies"] option').allTextContents();
+  check('the field of the page is offered as a colour', offered.includes('damage'), offered.join());
+  const before = await page.evaluate(() => window.lithe.view.colouring);
+  await page.evaluate(() => window.lithe.view.set({ colouring: 'damage' }));
+  await settle(page);
+  const legend = await page.locator('.legend').getAttribute('aria-label');
+  check('its legend tells its range', /^damage: 0 to 0\.2500? *$/.test(legend), legend);
+  await page.evaluate((colouring) => window.lithe.view.set({ colouring }), before);
 }
 
 /** A page with spoilt numbers says so in the page. */

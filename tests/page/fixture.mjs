@@ -100,6 +100,7 @@ function flexibleMesh(arrays, times) {
       natural: true,
       pairs: null,
       stress: { unit: 'Pa', shapes: quantised(arrays, stress), static: null },
+      fields: [{ name: 'damage', unit: '', values: arrays.add(Float32Array.from({ length: n }, (_, i) => 0.25 * (points[3 * i] / kLength))) }],
     },
   };
 }

@@ -189,6 +189,12 @@ Matrix6 elasticity(const Material& material) {
   return D;
 }
 
+Matrix3 hooke(const Matrix3& strain, const Material& material) {
+  const double shear = material.young / (2 * (1 + material.poisson));
+  const double lame = 2 * shear * material.poisson / (1 - 2 * material.poisson);
+  return 2 * shear * strain + lame * strain.trace() * Matrix3::Identity();
+}
+
 MatrixX stiffness(const SolidElement& element) {
   const MatrixX full = full_stiffness(element);
   if (element.internal == 0) return full;

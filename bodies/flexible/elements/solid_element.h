@@ -46,6 +46,8 @@ std::vector<SolidElement> make_solid_elements(const FiniteElementModel& model);
 
 /// Hooke's law: stress (xx yy zz xy yz xz; Pa) from small strain in the same order with engineering shear γ.
 Matrix6 elasticity(const Material& material);
+/// The same of tensors: λ tr E + 2 μ E.
+Matrix3 hooke(const Matrix3& strain, const Material& material);
 /// Tangent at rest, nodal: 3a x 3a, internal coordinates condensed.
 MatrixX stiffness(const SolidElement& element);
 

@@ -47,13 +47,6 @@ Matrix3 strain_of(const Matrix3& H, StrainMeasure measure) {
   return measure == StrainMeasure::small ? linear : Matrix3(linear + 0.5 * H.transpose() * H);
 }
 
-/// λ tr E + 2 μ E
-Matrix3 hooke(const Matrix3& E, const Material& material) {
-  const double shear = material.young / (2 * (1 + material.poisson));
-  const double lame = 2 * shear * material.poisson / (1 - 2 * material.poisson);
-  return 2 * shear * E + lame * E.trace() * Matrix3::Identity();
-}
-
 Matrix3 tensor(const Vector6& s) { return Matrix3{{s[0], s[3], s[4]}, {s[3], s[1], s[5]}, {s[4], s[5], s[2]}}; }
 
 Vector6 components(const Matrix3& S) {

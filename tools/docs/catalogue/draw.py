@@ -25,6 +25,7 @@ MODULES = [
     "primitives_pictures",
     "contact_pictures",
     "integrators_pictures",
+    "loads_pictures",
 ]
 
 

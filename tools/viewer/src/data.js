@@ -79,6 +79,7 @@ function readMesh(json, arrays, what, frames) {
     nodal: arrays.maybe(json.nodal, `${what}: points of the frames`, frames * n * 3),
     pairs: null,
     stress: null,
+    fields: (json.fields ?? []).map(({ name, unit, values }) => ({ name, unit: unit ?? '', values: arrays.read(values, `${what}: ${name}`, n) })),
   };
   if (json.pairs) {
     const ij = arrays.read(json.pairs.ij, `${what}: pairs of modes`);

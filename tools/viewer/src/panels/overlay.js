@@ -27,7 +27,7 @@ function axes() {
 }
 
 /** The field's colours with its range. */
-function legend(view) {
+function legend(model, view) {
   const element = h('div.legend', { role: 'img', hidden: true });
   let told = '';
   const update = (stage) => {
@@ -38,7 +38,8 @@ function legend(view) {
     element.hidden = !finite;
     if (!finite) return;
     const [low, high] = stage.range;
-    const { factor, unit } = prefixed(Math.max(Math.abs(low), Math.abs(high)), fieldUnit(view.colouring));
+    const plain = fieldUnit(view.colouring, model);
+    const { factor, unit } = plain ? prefixed(Math.max(Math.abs(low), Math.abs(high)), plain) : { factor: 1, unit: '' };
     const ticks = [0, 0.25, 0.5, 0.75, 1].map((x) => number((low + x * (high - low)) / factor, 4));
     const colours = view.bands
       ? viridisSteps(kBands).map((colour, i) => `${colour} ${i * 10}% ${(i + 1) * 10}%`)
@@ -46,7 +47,7 @@ function legend(view) {
     const when = view.mode ? 'mode shape, relative' : view.whole_range ? 'range of the whole run' : 'range at this time';
     element.setAttribute('aria-label', `${view.colouring}: ${ticks[0]} to ${ticks[4]} ${unit}`);
     clear(element).append(
-      h('div.legend-title', {}, h('b', {}, view.colouring), ` in ${unit}`),
+      h('div.legend-title', {}, h('b', {}, view.colouring), unit && ` in ${unit}`),
       h('div.legend-bar', { style: `background:linear-gradient(90deg,${colours.join(',')})` }),
       h('div.legend-ticks', {}, ticks.map((tick) => h('span', {}, tick))),
       h('div.faint', {}, when));
@@ -95,7 +96,7 @@ function labels(model, view) {
 /** Puts all of it over the stage; returns the element. */
 export function overlay(model, view, stage, eye) {
   const cross = axes();
-  const bar = legend(view);
+  const bar = legend(model, view);
   const names = labels(model, view);
   const grid = h('span.faint', {}, `grid ${prefixedLength(stage.grid_spacing)}`);
   const note = h('div.note', { role: 'status', hidden: true });

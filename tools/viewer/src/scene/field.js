@@ -1,17 +1,24 @@
-// Fields on a finite-element mesh: displacement and stress, from the modal coordinates.
+// Fields on a finite-element mesh: displacement and stress, from the modal coordinates; fields that stay the same over a
+// run, such as damage.
 import { displacements, modalCoordinates } from '../motion.js';
 
 const kComponents = ['σxx', 'σyy', 'σzz', 'τxy', 'τyz', 'τzx'];
+const kStresses = ['von Mises', ...kComponents];
 
 /** The fields that the model's meshes can show, 'plain' first. */
 export function fieldNames(model) {
   const meshes = model.runs.flatMap((run) => run.bodies.map((body) => body.mesh)).filter(Boolean);
   if (!meshes.length) return ['plain'];
-  const stress = meshes.some((mesh) => mesh.stress) ? ['von Mises', ...kComponents] : [];
-  return ['plain', 'displacement', ...stress];
+  const stress = meshes.some((mesh) => mesh.stress) ? kStresses : [];
+  const constant = meshes.flatMap((mesh) => mesh.fields.map((field) => field.name));
+  return ['plain', 'displacement', ...stress, ...new Set(constant)];
 }
 
-export const fieldUnit = (name) => (name === 'displacement' ? 'm' : 'Pa');
+export function fieldUnit(name, model) {
+  if (name === 'displacement') return 'm';
+  const fields = model.runs.flatMap((run) => run.bodies.flatMap((body) => body.mesh?.fields ?? []));
+  return fields.find((field) => field.name === name)?.unit ?? 'Pa';
+}
 
 /** Equivalent stress of von Mises from xx, yy, zz, xy, yz, zx. */
 function vonMises(s, at) {
@@ -28,7 +35,11 @@ export class FieldOnMesh {
   }
 
   has(name) {
-    return name === 'displacement' || (name !== 'plain' && this.mesh.stress !== null);
+    return name === 'displacement' || this.constant(name) !== undefined || (kStresses.includes(name) && this.mesh.stress !== null);
+  }
+
+  constant(name) {
+    return this.mesh.fields.find((field) => field.name === name);
   }
 
   /** `u` are the displacements at `eta`, if known already. Returns values a point. */
@@ -40,6 +51,8 @@ export class FieldOnMesh {
       for (let i = 0; i < n; ++i) values[i] = Math.hypot(moved[3 * i], moved[3 * i + 1], moved[3 * i + 2]);
       return values;
     }
+    const constant = this.constant(name);
+    if (constant) return constant.values;
     const s = (this.stress ??= new Float32Array(n * 6));
     if (mesh.stress.static) s.set(mesh.stress.static);
     else s.fill(0);
