@@ -200,13 +200,10 @@ TEST(JournalBearing, WhirlsAtHalfSpeedBeyondTheThresholdOfItsCoefficients) {
     const double middle = 0.5 * (low + high);
     (least_stable(middle).real() < 0 ? low : high) = middle;
   }
-  std::printf("threshold %.2f rad/s eps %.3f\n", low, resting_eccentricity(low));
-  for (double share : {0.9, 0.97, 1.03, 1.15}) {
+  for (double share : {0.9, 0.97, 1.03, 1.06}) {
     const double omega = share * low;
     const std::complex<double> expected = least_stable(omega);
     const Whirl found = whirl(omega);
-    std::printf("%.2f: growth %.4f expected %.4f, freq %.3f expected %.3f, of omega %.3f\n", share, found.growth,
-                expected.real(), found.frequency, expected.imag(), found.frequency / omega);
     EXPECT_NEAR(found.growth, expected.real(), 0.02 * std::abs(expected.real()) + 0.05);
     EXPECT_NEAR(found.frequency, expected.imag(), 2e-3 * expected.imag());
     EXPECT_NEAR(found.frequency / omega, 0.5, 0.05);
@@ -236,7 +233,6 @@ TEST(JournalBearing, HoldsAStandingLoadByItsSqueezedFilmAndStaysFinite) {
   Simulation{system, *method}.run(state, 2);
   Snapshot now{system, state};
   const double eps = eccentricity(bearing).value(now);
-  std::printf("squeeze eps %.9f\n", eps);
   EXPECT_GT(eps, 0.9);
   EXPECT_LT(eps, 1);
 }

@@ -21,7 +21,7 @@ const BallBearing::Parameters k6204{.balls = 8,
                                     .inner_groove_radius = 0.515 * 7.94e-3,
                                     .outer_groove_radius = 0.525 * 7.94e-3,
                                     .clearance = 10e-6};
-constexpr double kSpeed = 100, kLoad = 200;  // rad/s, N along -y
+constexpr double kSpeed = 30, kLoad = 200;  // rad/s, N along -y
 
 /// A rotor of 1 kg that moves in the plane, its bearing under a constant radial load.
 struct Rotor {
@@ -74,29 +74,26 @@ double amplitude(const std::vector<double>& t, const std::vector<double>& y, dou
 /// Slow beside its natural frequency the shaft follows the static deflection under each place of the cage.
 TEST(BallBearing, ShakesAtTheBallPassFrequencyOfTheOuterRing) {
   BallBearing::Parameters p = k6204;
-  p.losses.damping_time = 1e-4;
+  p.losses.damping_time = 5e-5;
   Rotor rotor(p, 1);
   const double pass = rotor.bearing.frequencies(kSpeed).outer_pass / (2 * M_PI);
   EXPECT_NEAR(pass, 8 * 0.5 * (1 - 7.94 / 33.5) * kSpeed / (2 * M_PI), 1e-9);
-  const double periods = 10, settle = 0.05;
+  const double periods = 10, settle = 0.1;
   const Table table = rotor.run(index3(1e-4), {ring_deflection(rotor.bearing, "d")}, 1e-4, settle + periods / pass);
   const auto t = table.column("t"), x = table.column("d_x"), y = table.column("d_y");
-  const double at_pass = amplitude(t, y, settle, pass);
-  std::printf("BPFO %.3f Hz amplitude %.3e m, beside %.2e %.2e\n", pass, at_pass, amplitude(t, y, settle, 0.7 * pass),
-              amplitude(t, y, settle, 1.3 * pass));
+  const double at_pass = amplitude(t, x, settle, pass);
   EXPECT_GT(at_pass, 1e-7);
-  for (double other : {0.5, 0.7, 1.3, 1.5}) EXPECT_LT(amplitude(t, y, settle, other * pass), 0.05 * at_pass) << other;
+  for (double other : {0.5, 0.7, 1.3, 1.5}) EXPECT_LT(amplitude(t, x, settle, other * pass), 0.05 * at_pass) << other;
 
-  double lowest = 0, highest = -1, worst = 0;
+  double lowest = 0, highest = 0, worst = 0;
   for (std::size_t i = 0; i < t.size(); ++i) {
     if (t[i] < settle) continue;
     const double cage = 0.5 * (1 - 7.94 / 33.5) * kSpeed * t[i];
     const Vector5 e = rotor.bearing.deflection(-kLoad * Vector5::Unit(1), cage);
-    lowest = std::min(lowest, e[1]), highest = std::max(highest, e[1]);
+    lowest = std::min(lowest, e[0]), highest = std::max(highest, e[0]);
     worst = std::max(worst, std::hypot(x[i] - e[0], y[i] - e[1]));
   }
-  std::printf("static %.3e peak to peak, off %.2e\n", highest - lowest, worst);
-  EXPECT_LT(worst, 0.1 * (highest - lowest));
+  EXPECT_LT(worst, 0.05 * (highest - lowest));
 }
 
 /// What the passing balls take from the shaking they take from the turning: the moment about z is part of the
@@ -104,7 +101,7 @@ TEST(BallBearing, ShakesAtTheBallPassFrequencyOfTheOuterRing) {
 TEST(BallBearing, EnergyIsConservedWhileBallsPass) {
   BallBearing::Parameters p = k6204;
   p.clearance = 30e-6;
-  Rotor rotor(p, 2e-6);  // so light that the turning notices
+  Rotor rotor(p, 1e-6);  // so light that the turning notices
   const Table table =
       rotor.run(runge_kutta8(1e-11),
                 {total_energy("E"), elastic_energy("V"),
@@ -114,8 +111,6 @@ TEST(BallBearing, EnergyIsConservedWhileBallsPass) {
   const auto [low, high] = std::minmax_element(w.begin(), w.end());
   double drift = 0;
   for (double e : E) drift = std::max(drift, std::abs(e - E[0]));
-  std::printf("speed %.3f to %.3f, drift %.2e J of V %.2e\n", *low, *high, drift,
-              *std::max_element(V.begin(), V.end()));
   EXPECT_GT(*high - *low, 0.05);
   EXPECT_LT(drift, 1e-8 * V[0]);
 }
@@ -152,7 +147,6 @@ TEST(BallBearing, PreloadRaisesTheNaturalFrequency) {
   for (double preload : {50.0, 200.0, 800.0}) {
     double expected;
     const double frequency = axial_frequency(preload, expected);
-    std::printf("preload %g: %.3f Hz, expected %.3f\n", preload, frequency, expected);
     EXPECT_NEAR(frequency, expected, 1e-3 * expected);
     EXPECT_GT(frequency, 1.2 * last);
     last = frequency;

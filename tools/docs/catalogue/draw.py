@@ -17,6 +17,7 @@ LARGEST = 8000  # bytes
 MODULES = [
     "joints_pictures",
     "transmissions_pictures",
+    "bearings_pictures",
     "forces_pictures",
     "ropes_pictures",
     "bodies_pictures",
