@@ -3,6 +3,8 @@
 #include <cmath>
 #include <complex>
 
+#include "engine/analysis/equilibrium.h"
+#include "engine/analysis/linearization.h"
 #include "engine/observe/recorder.h"
 #include "engine/run/simulation.h"
 #include "joints/bearings/ball_bearing.h"
@@ -115,26 +117,37 @@ TEST(BallBearing, EnergyIsConservedWhileBallsPass) {
   EXPECT_LT(drift, 1e-8 * V[0]);
 }
 
-/// Two angular-contact bearings against each other, 0.1 m apart: small oscillations along the axis at √(2 K/m).
-double axial_frequency(double preload, double& expected) {
-  SystemGraph graph{{.gravity = {0, 0, 0}}};
-  auto& shaft = graph.add<RigidBody>("shaft", {.mass = 10, .inertia = {0.1, 0.1, 0.1}, .velocity = {0, 0, 1e-4}});
-  BallBearing::Parameters p = k6204;
-  p.clearance = 0, p.preload = preload;
-  const BallBearing* one = nullptr;
-  for (double side : {-1, 1}) {
-    p.contact_angle = side * 0.26;
-    one = &graph.add<BallBearing>(side < 0 ? "left" : "right",
-                                  {shaft.marker({0, 0, 0.05 * side}), graph.ground().marker({0, 0, 0.05 * side})}, p);
+/// A shaft of 10 kg on two angular-contact bearings against each other, 0.1 m apart along z.
+struct Spindle {
+  SystemGraph graph;
+  RigidBody& shaft;
+  const BallBearing *left, *right;
+  System system;
+
+  Spindle(double preload, const Vector3& gravity)
+      : graph{{.gravity = gravity}},
+        shaft(graph.add<RigidBody>("shaft", {.mass = 10, .inertia = {0.1, 0.1, 0.1}})),
+        left(add("left", -1, preload)),
+        right(add("right", 1, preload)),
+        system(assemble(graph)) {}
+
+  const BallBearing* add(const char* name, double side, double preload) {
+    BallBearing::Parameters p = k6204;
+    p.clearance = 0, p.preload = preload, p.contact_angle = side * 0.26;
+    const Vector3 place(0, 0, 0.05 * side);
+    return &graph.add<BallBearing>(name, {shaft.marker(place), graph.ground().marker(place)}, p);
   }
-  expected = std::sqrt(2 * one->stiffness(Vector5::Zero())(2, 2) / 10) / (2 * M_PI);
-  const System system = assemble(graph);
-  State state = system.initial_state();
-  Recorder recorder{{position(shaft.marker(), "p")}};
+};
+
+/// Hz, of small oscillations along the axis.
+double axial_frequency(Spindle& spindle, double about) {
+  State state = spindle.system.initial_state();
+  state.v[2] = 1e-4;
+  Recorder recorder{{position(spindle.shaft.marker(), "p")}};
   const Method method = runge_kutta8(1e-11);
-  Simulation simulation{system, *method};
-  simulation.observe(recorder, every(0.01 / expected));
-  simulation.run(state, 10.3 / expected);
+  Simulation simulation{spindle.system, *method};
+  simulation.observe(recorder, every(0.01 / about));
+  simulation.run(state, 10.3 / about);
   const auto t = recorder.table().column("t"), z = recorder.table().column("p_z");
   std::vector<double> crossings;
   for (std::size_t i = 1; i < t.size(); ++i)
@@ -142,14 +155,33 @@ double axial_frequency(double preload, double& expected) {
   return static_cast<double>(crossings.size() - 1) / (crossings.back() - crossings.front());
 }
 
+/// √(2 K/m), of the motion and of the linearization alike.
 TEST(BallBearing, PreloadRaisesTheNaturalFrequency) {
   double last = 0;
   for (double preload : {50.0, 200.0, 800.0}) {
-    double expected;
-    const double frequency = axial_frequency(preload, expected);
-    EXPECT_NEAR(frequency, expected, 1e-3 * expected);
-    EXPECT_GT(frequency, 1.2 * last);
-    last = frequency;
+    Spindle spindle(preload, Vector3::Zero());
+    const double expected = std::sqrt(2 * spindle.left->stiffness(Vector5::Zero())(2, 2) / 10) / (2 * M_PI);
+    EXPECT_NEAR(axial_frequency(spindle, expected), expected, 1e-3 * expected);
+    double nearest = 1e9;
+    for (const Mode& mode : linearize(spindle.system, spindle.system.initial_state(), {.step = 1e-6}).modes)
+      nearest = std::min(nearest, std::abs(mode.frequency() - expected));
+    EXPECT_LT(nearest, 1e-6 * expected);
+    EXPECT_GT(expected, 1.2 * last);
+    last = expected;
+  }
+}
+
+TEST(BallBearing, StandsInEquilibriumUnderItsWeight) {
+  Spindle spindle(100, {0, -9.81, 0});
+  const Equilibrium found = find_equilibrium(spindle.system, spindle.system.initial_state());
+  EXPECT_LT(found.out_of_balance, 1e-6);
+  Snapshot now{spindle.system, found.state};
+  for (const BallBearing* bearing : {spindle.left, spindle.right}) {
+    const Sensor ring = ring_deflection(*bearing);
+    std::array<double, 5> e;
+    ring.evaluate(now, e);
+    EXPECT_LT(e[1], -1e-7);
+    EXPECT_NEAR(bearing->load(Eigen::Map<const Vector5>(e.data()))[1], -0.5 * 98.1, 1e-5);
   }
 }
 
