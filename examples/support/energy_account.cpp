@@ -73,9 +73,21 @@ void EnergyAccount::observe(Snapshot& now) {
 }
 
 EnergyAccount::Sum EnergyAccount::sum() const {
-  Sum sum{energies_.back() - energies_.front(), CubicSpline(times_, powers_, "power")(times_.back()).integral, 0};
-  for (std::size_t i = 1; i < times_.size(); ++i) {
-    sum.turned_over += 0.5 * (times_[i] - times_[i - 1]) * (std::abs(powers_[i]) + std::abs(powers_[i - 1]));
+  Sum sum{energies_.back() - energies_.front(), 0, 0};
+  const std::size_t last = times_.size() - 1;
+  const auto secant = [&](std::size_t i) { return (powers_[i] - powers_[i - 1]) / (times_[i] - times_[i - 1]); };
+  // Slope at point `at` of the interval that ends at i: of the parabola through its neighbours. Where steps become much
+  // shorter a method began anew: there the power may have a kink, which the longer interval must not see.
+  const auto slope = [&](std::size_t at, std::size_t i) {
+    const std::size_t other = at == i ? i + 1 : i - 1;
+    if (other == 0 || other > last) return secant(i);
+    const double h = times_[i] - times_[i - 1], beside = times_[other] - times_[other - 1];
+    return beside < 0.1 * h ? secant(i) : (beside * secant(i) + h * secant(other)) / (h + beside);
+  };
+  for (std::size_t i = 1; i <= last; ++i) {
+    const double h = times_[i] - times_[i - 1];
+    sum.work += 0.5 * h * (powers_[i] + powers_[i - 1]) + h * h / 12 * (slope(i - 1, i) - slope(i, i));
+    sum.turned_over += 0.5 * h * (std::abs(powers_[i]) + std::abs(powers_[i - 1]));
     sum.turned_over = std::max(sum.turned_over, std::abs(energies_[i] - energies_.front()));
   }
   return sum;

@@ -27,6 +27,7 @@ struct Pass {
 };
 
 Pass pass(SystemGraph& graph, const System& system, const Machine& machine, Integrator& integrator, Run* page) {
+  for (Input* input : graph.inputs()) input->reset();
   State state = machine.start ? machine.start(system) : system.initial_state();
   Recorder recorder(machine.sensors);
   EnergyAccount account(graph, machine.powers);
@@ -42,22 +43,25 @@ Pass pass(SystemGraph& graph, const System& system, const Machine& machine, Inte
   return {recorder.table(), account.sum(), simulation.statistics(), cost};
 }
 
-/// The largest of two tables, in parts of the largest change of each column of the first.
+/// The largest of two tables of the same sensors, in parts of the largest change of each in the first one.
 struct Difference {
   double share = 0;
-  std::string column = "none";
+  std::string sensor = "none";
 };
-Difference difference(const Table& a, const Table& b) {
+Difference difference(const std::vector<Sensor>& sensors, const Table& a, const Table& b) {
   Difference most;
-  for (std::size_t c = 1; c < a.columns.size(); ++c) {
-    const std::vector<double> x = a.column(a.columns[c]), y = b.column(a.columns[c]);
-    const auto [low, high] = std::minmax_element(x.begin(), x.end());
-    const double size = std::max(std::abs(*low), std::abs(*high));
-    if (*high - *low <= 1e-9 * size) continue;  // it stands still
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      const double share = std::abs(x[i] - y.at(i)) / (*high - *low);
-      if (!(share <= most.share)) most = {share, a.columns[c]};
-    }
+  const int width = static_cast<int>(a.columns.size()), rows = a.row_count();
+  Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> x(a.values.data(), rows,
+                                                                                             width),
+      y(b.values.data(), rows, width);
+  int column = 1;
+  for (const Sensor& sensor : sensors) {
+    const int columns = static_cast<int>(sensor.columns().size());
+    const auto of_a = x.middleCols(column, columns), of_b = y.middleCols(column, columns);
+    const double change = (of_a.rowwise() - of_a.row(0)).rowwise().norm().maxCoeff();
+    const double share = (of_b - of_a).rowwise().norm().maxCoeff() / change;
+    if (!(share <= most.share)) most = {share, sensor.name()};
+    column += columns;
   }
   return most;
 }
@@ -79,6 +83,7 @@ std::string deformation(const SystemGraph& graph) {
 
 /// What solve() says that the machine may leave out, in a line; `met`: it states errors within what is wanted.
 std::string left_out(SystemGraph& graph, const Machine& machine, bool& met) {
+  for (Input* input : graph.inputs()) input->reset();
   const Certificate sheet =
       solve(graph, machine.solve_duration, machine.wants, {.scene = machine.name, .small_deflection = true})
           .certificate;
@@ -111,7 +116,7 @@ Outcome run(SystemGraph& graph, const Machine& machine) {
       machine.second ? machine.second(machine.tolerance)
                      : std::make_unique<Radau>(Radau::Parameters{.tolerance = machine.tolerance});
   const Pass second = pass(graph, system, machine, *other, nullptr);
-  const Difference apart = difference(first.table, second.table);
+  const Difference apart = difference(machine.sensors, first.table, second.table);
 
   const double missing = first.energy.missing(), cost = first.cost / machine.duration;
   const int bodies = static_cast<int>(graph.bodies().size()) - 1, freedoms = system.degrees_of_freedom();
@@ -122,7 +127,7 @@ Outcome run(SystemGraph& graph, const Machine& machine) {
   std::printf("energy: change %.6g J, work %.6g J, missing %.1e of %.4g J turned over\n", first.energy.change,
               first.energy.work, missing, first.energy.turned_over);
   std::printf("%s: %ld steps, differs by %.1e of its change (%s), energy missing %.1e\n", other->name().c_str(),
-              second.statistics.steps, apart.share, apart.column.c_str(), second.energy.missing());
+              second.statistics.steps, apart.share, apart.sensor.c_str(), second.energy.missing());
   std::printf("page: %s, %.2f MB\n", page_path.c_str(), size);
   bool met = true;
   std::string may_leave = "no body has models to choose from";
@@ -132,6 +137,26 @@ Outcome run(SystemGraph& graph, const Machine& machine) {
               bends.c_str(), machine.tolerance.relative, cost, 1 / cost, missing, apart.share);
   return {first.table, met && missing < machine.balance && second.energy.missing() < machine.balance &&
                            apart.share < machine.agreement && size < kMostMegabytes};
+}
+
+Sensor angular_momentum(const SystemGraph& graph) {
+  return {"angular momentum",
+          {"angular_momentum"},
+          [&graph](Snapshot& now, std::span<double> out) {
+            Vector3 sum = Vector3::Zero();
+            for (const SystemGraph::BodyEntry& entry : graph.bodies()) {
+              const BodyState state = now.body_state(*entry.body);
+              if (const auto* flexible = dynamic_cast<const FlexibleBody*>(entry.body))
+                sum += flexible->angular_momentum(state);
+              if (const auto* rigid = dynamic_cast<const RigidBody*>(entry.body)) {
+                const Eigen::Map<const Vector3> p(state.q), v(state.v), spin(state.v + 3);
+                const Matrix3 axes = rotation_matrix(Eigen::Map<const Vector4>(state.q + 3));
+                sum += rigid->parameters().mass * p.cross(v) + axes * (rigid->parameters().inertia.matrix * spin);
+              }
+            }
+            out[0] = sum.norm();
+          },
+          {"N m s"}};
 }
 
 double at(const Table& table, const std::string& column, double time) {

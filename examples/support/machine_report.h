@@ -17,12 +17,12 @@ struct Machine {
   double interval = 0.02;                              // s between samples, and between the page's pictures
   lithe::Tolerance tolerance{1e-5, 1e-7};              // of Automatic, and of the second method
   std::vector<lithe::Sensor> sensors{};                // recorded, charts of the page, compared between both methods
-  double agreement = 1e-3;                             // of both methods, in parts of the largest change of each column
+  double agreement = 1e-3;                             // of both methods, in parts of the largest change of each sensor
   double balance = 1e-3;                               // of the energy account, in parts of what was turned over
   lithe::MakeIntegratorBy<lithe::Tolerance> second{};  // none: Radau
   std::function<lithe::State(const lithe::System&)> start{};  // none: as drawn, from rest
-  std::function<void(lithe::Simulation&)> prepare{};          // before each run: events, inputs back to their starts
-  std::function<void(lithe::Run&)> draw{};                    // shapes of bodies on the page
+  std::function<void(lithe::Simulation&)> prepare{};  // before each run, inputs as drawn: events, samples of inputs
+  std::function<void(lithe::Run&)> draw{};            // shapes of bodies on the page
   /// W on the bodies, of what is neither a force element nor a CoordinateDrive: contacts.
   std::vector<lithe::Sensor> powers{};
   /// For solve(), of a machine with bodies from whose models it can choose; and for how long, s.
@@ -43,5 +43,8 @@ Outcome run(lithe::SystemGraph& graph, const Machine& machine);
 
 /// The first value of a column at or after a time of the run (s), for checks.
 double at(const lithe::Table& table, const std::string& column, double time);
+
+/// |L| of all rigid and flexible bodies about the origin of the world, N m s.
+lithe::Sensor angular_momentum(const lithe::SystemGraph& graph);
 
 }  // namespace machine
