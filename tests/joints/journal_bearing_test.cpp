@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "bodies/rigid_body.h"
 #include "engine/observe/recorder.h"
 #include "engine/run/simulation.h"
 #include "joints/coordinate_drive.h"

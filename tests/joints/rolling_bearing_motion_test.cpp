@@ -3,6 +3,7 @@
 #include <cmath>
 #include <complex>
 
+#include "bodies/rigid_body.h"
 #include "engine/analysis/equilibrium.h"
 #include "engine/analysis/linearization.h"
 #include "engine/observe/recorder.h"

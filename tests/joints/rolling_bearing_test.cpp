@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "bodies/rigid_body.h"
 #include "joints/bearings/ball_bearing.h"
 #include "joints/bearings/hertz.h"
 #include "joints/bearings/roller_bearing.h"
@@ -134,6 +135,40 @@ TEST(BallBearing, TakesHarrisContactAngleUnderAxialLoad) {
 
   EXPECT_NEAR(alpha * 180 / M_PI, 41.6, 0.15);
   EXPECT_LT(relative(alone.bearing.element_loads(e)[3].force, axial / (16 * std::sin(41.6 * M_PI / 180))), 0.005);
+}
+
+/// A deep-groove bearing by another program (MASTA, its figures as github.com/minzhun/ISO16281 lists them): deflections
+/// under radial and axial loads, their sum, and a moment; 7 balls of 11.5 mm on 43.5 mm, E = 210 GPa.
+TEST(BallBearing, DeflectsLikeAnotherProgram) {
+  struct Case {
+    double clearance, radial, axial, moment;  // m, N, N m
+    double u, w, tilt;                        // µm, µm from the middle, mrad; 0: not told
+  };
+  for (const Case& c :
+       {Case{0, 1000, 0, 0, 15.1101, 0, 0}, Case{0, 0, 1000, 0, 0, 133.5381, 0}, Case{10e-6, 1000, 0, 0, 21.223, 0, 0},
+        Case{10e-6, 0, 1000, 0, 0, 149.1717, 0}, Case{10e-6, 1000, 1000, 0, 19.5923, 146.4603, 2.6872},
+        Case{0, 0, 0, 1, 0, 0, 3.6957}, Case{10e-6, 1000, 1000, 1, 19.7144, 146.3084, 2.7239}}) {
+    const Alone<BallBearing> alone({.balls = 7,
+                                    .ball_diameter = 11.5e-3,
+                                    .pitch_diameter = 43.5e-3,
+                                    .inner_groove_radius = 0.52 * 11.5e-3,
+                                    .outer_groove_radius = 0.53 * 11.5e-3,
+                                    .clearance = c.clearance,
+                                    .material = {.youngs_modulus = 2.1e11}});
+    Vector5 load;
+    load << c.radial, 0, c.axial, c.moment, 0;
+    const Vector5 e = alone.bearing.deflection(load);
+    if (c.u > 0) {
+      EXPECT_LT(relative(std::hypot(e[0], e[1]), 1e-6 * c.u), 2e-4);
+    }
+    if (c.w > 0) {
+      EXPECT_LT(relative(e[2], 1e-6 * c.w), 2e-4);
+    }
+    // The standard's moment has the lever of the pitch circle, this one that of the groove's centres: a hundredth.
+    if (c.tilt > 0) {
+      EXPECT_LT(relative(std::hypot(e[3], e[4]), 1e-3 * c.tilt), 0.015);
+    }
+  }
 }
 
 /// The 209 with clearance under 4,450 N, its rollers one by one; and many thin ones by Harris' radial load integral of
