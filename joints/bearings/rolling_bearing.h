@@ -119,7 +119,7 @@ class RollingBearing : public Force</*markers=*/2, /*rows=*/11>, public Drawable
 Sensor ring_deflection(const RollingBearing& bearing, Located name = "");
 /// Force on each rolling element, 1 … Z, N.
 Sensor rolling_element_loads(const RollingBearing& bearing, Located name = "");
-/// Contact angle of each, rad.
+/// Contact angle of each, rad; of one without load that of its line of centres.
 Sensor contact_angles(const RollingBearing& bearing, Located name = "");
 
 }  // namespace lithe

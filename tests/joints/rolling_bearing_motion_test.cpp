@@ -11,6 +11,7 @@
 #include "joints/bearings/ball_bearing.h"
 #include "joints/bearings/roller_bearing.h"
 #include "joints/planar_joint.h"
+#include "tests/joints/mechanisms.h"
 #include "tests/support/methods.h"
 
 /// Rotors on rolling bearings: varying compliance, energy, natural frequencies.
@@ -183,6 +184,29 @@ TEST(BallBearing, StandsInEquilibriumUnderItsWeight) {
     ring.evaluate(now, e);
     EXPECT_LT(e[1], -1e-7);
     EXPECT_NEAR(bearing->load(Eigen::Map<const Vector5>(e.data()))[1], -0.5 * 98.1, 1e-5);
+  }
+}
+
+/// From the middle of its clearance, without stiffness there, to the static deflection: in time by any method, and at
+/// once.
+TEST(BallBearing, FallsThroughItsClearanceAndComesToRest) {
+  BallBearing::Parameters p = k6204;
+  p.clearance = 40e-6, p.losses.damping_time = 1e-4;
+  const auto draw = [&](SystemGraph& graph) {
+    auto& shaft = graph.add<RigidBody>("shaft", {});
+    graph.add<PlanarJoint>("plane", {graph.ground().marker(), shaft.marker()});
+    return &graph.add<BallBearing>("bearing", {shaft.marker(), graph.ground().marker()}, p);
+  };
+  for (auto& [name, method] : every_method(1e-4, 1e-8)) {
+    SCOPED_TRACE(name);
+    SystemGraph graph{{.gravity = {0, -kLoad, 0}}};
+    const BallBearing* bearing = draw(graph);
+    const System system = assemble(graph);
+    State state = system.initial_state();
+    Simulation{system, *method}.run(state, 0.05);
+    const double expected = bearing->deflection(-kLoad * Vector5::Unit(1))[1];
+    EXPECT_NEAR(state.q[1], expected, 1e-8);
+    EXPECT_NEAR(find_equilibrium(system, system.initial_state()).state.q[1], expected, 1e-12);
   }
 }
 
