@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <limits>
 
-#include "engine/base/error.h"
+#include "engine/base/checks.h"
 #include "engine/base/log.h"
 #include "engine/base/number_text.h"
 #include "engine/motion/projection.h"
@@ -150,7 +150,8 @@ void estimate_left_out(const System& system, const MatrixX& Phi, const MatrixX& 
 
 Linearization linearize(const System& system, const State& state, const LinearizeOptions& options) {
   check(system, state);
-  Perturbation near(system, state, options.axes);
+  require::at("linearize", [&] { require::positive(options.step, "step"); });
+  Perturbation near(system, state, options.axes, options.step);
   Linearization out;
   out.state = near.base();
   out.left_out = deflection_left_out(system, out.state);

@@ -50,12 +50,14 @@ struct Linearization {
 struct LinearizeOptions {
   PerturbationAxes axes = PerturbationAxes::body;
   int mode_count = 0;  // eigenvalues from so many undamped modes, lowest first (holonomic rows); 0: from all
+  double step = 1e-3;  // of the differences, of the bodies' size: there truncation and round-off balance for smooth
+                       // forces; smaller where forces change over micrometres (bearings): 1e-6
 };
 
 /// Linearizes about `state` (positions and velocities that satisfy the rows). M, C, K have some ten digits:
-/// fourth-order differences with a step of a thousandth of the bodies' size. Dense: for up to some thousand velocities.
+/// fourth-order differences. Dense: for up to some thousand velocities.
 /// Modes that bodies have and do not use are estimated (engine/analysis/left_out.h), and reported above kLeftOutToTell.
-/// Throws SceneError for a state of another system or one off its constraints.
+/// Throws SceneError for a state of another system, one off its constraints, and a step that is not positive.
 Linearization linearize(const System& system, const State& state, const LinearizeOptions& options = {});
 
 /// The base displaced along a mode: by Re(amplitude shape e^{i phase}), moving with the velocity of the mode.

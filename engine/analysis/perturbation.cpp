@@ -7,15 +7,12 @@
 namespace lithe {
 namespace {
 
-/// Differences of fourth order: truncation h⁴/30 f⁗' and round-off ε/h balance here, for f of size 1.
-constexpr double kStep = 1e-3;
-
 Matrix3 axes_of(const VectorX& q, const Layout::BodySlice& b) { return rotation_matrix(q.segment<4>(b.q + 3)); }
 
 }  // namespace
 
-Perturbation::Perturbation(const System& system, const State& base, PerturbationAxes axes)
-    : equations_(system), base_(base), axes_(axes) {
+Perturbation::Perturbation(const System& system, const State& base, PerturbationAxes axes, double step)
+    : equations_(system), base_(base), axes_(axes), step_(step) {
   const Layout& layout = equations_.layout();
   still_.setZero(layout.v_count());
   no_load_.setZero(layout.row_count());
@@ -89,7 +86,7 @@ void Perturbation::load(const Direction& d, double h) {
   near_.v_dot = resolved(near_.q, xi_dot, false);
 }
 
-/// A step that moves bodies by kStep of their size, or turns them by as much; velocities are judged likewise, inputs by
+/// A step that moves bodies by step_ of their size, or turns them by as much; velocities are judged likewise, inputs by
 /// their range or size.
 double Perturbation::step(const Direction& d) const {
   double size = 0;
@@ -108,7 +105,7 @@ double Perturbation::step(const Direction& d) const {
     for (const double change : {d.motion.value, d.motion.rate, d.motion.acceleration})
       size = std::max(size, std::abs(change) / scale);
   }
-  return size > 0 ? kStep / size : 1;
+  return size > 0 ? step_ / size : 1;
 }
 
 template <class Read>
@@ -207,7 +204,7 @@ MatrixX Perturbation::jacobian() {
 }
 
 MatrixX Perturbation::jacobian_rate() {
-  const double speed = step({to_axes(base_.v), {}, {}}) / kStep;  // 1/s⁻¹: time in which bodies move by their size
+  const double speed = step({to_axes(base_.v), {}, {}}) / step_;  // 1/s⁻¹: time in which bodies move by their size
   const double h = 1e-5 * (base_.v.isZero(0) ? 1 : speed);
   const auto at = [&](double time) {
     VectorX q = base_.q;

@@ -21,7 +21,8 @@ enum class PerturbationAxes { body, world };
 class Perturbation {
  public:
   /// Accelerations and multipliers of the base are made consistent with its (time, q, v).
-  Perturbation(const System& system, const State& base, PerturbationAxes axes);
+  /// `step`: of the differences, of the bodies' size.
+  Perturbation(const System& system, const State& base, PerturbationAxes axes, double step = 1e-3);
 
   /// A change of position ζ, velocity ξ and acceleration ξ̇, of an input, and of the multipliers of rows() as sensors
   /// see them; an empty one is zero.
@@ -68,6 +69,7 @@ class Perturbation {
   std::optional<Snapshot> snapshot_;  // once asked for
   State base_, near_;
   PerturbationAxes axes_;
+  double step_;
   double length_;        // of the bodies, m
   VectorX xi_, xi_dot_;  // velocity and acceleration of the base, in the axes
   VectorX still_, no_load_, rows_;

@@ -117,7 +117,7 @@ class Columns {
  public:
   Columns(const System& system, const State& state, const std::vector<const Input*>& inputs,
           const std::vector<Sensor>& outputs, const LinearizeOptions& options, StateSpace& out)
-      : near_(system, state, options.axes),
+      : near_(system, state, options.axes, options.step),
         inputs_(inputs),
         outputs_(outputs),
         out_(out),

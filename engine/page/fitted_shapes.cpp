@@ -34,6 +34,7 @@ FittedShapes fit_shapes(const MatrixX& displacements, double tolerance) {
     basis.conservativeResize(Eigen::NoChange, basis.cols() + 1);
     basis.rightCols<1>() = direction;
   }
+  if (basis.cols() == 0) return {basis, MatrixX(0, displacements.cols())};  // it hardly deforms
   const MatrixX within = basis.transpose() * displacements;
   const Eigen::SelfAdjointEigenSolver<MatrixX> squares(MatrixX(within * within.transpose()));  // smallest first
   const MatrixX all = basis * squares.eigenvectors().rowwise().reverse();

@@ -33,7 +33,7 @@ TOPICS = [
      ["bodies/flexible/*.h", "bodies/fatigue/*.h"]),
     ("beam", "Beams", "Slender bodies with large displacements.", ["bodies/beam/*.h", "bodies/cable/*.h"]),
     ("joints", "Joints and drives", "What ties markers.", ["joints/*.h"]),
-    ("forces", "Forces", "What pulls at markers and coordinates.", ["joints/forces/*.h", "joints/rope/*.h", "joints/gears/*.h", "joints/aerodynamics/*.h"]),
+    ("forces", "Forces", "What pulls at markers and coordinates.", ["joints/forces/*.h", "joints/rope/*.h", "joints/gears/*.h", "joints/aerodynamics/*.h", "joints/bearings/*.h"]),
     ("contact", "Contact", "Shapes, laws and the element between them.",
      ["joints/contact/*.h", "engine/contact/*.h", "engine/cones/*.h", "engine/model/contact_*.h"]),
     ("integrators", "Integrators", "What advances time.", ["integrators/*.h"]),

@@ -18,6 +18,7 @@ MODULES = [
     "joints_pictures",
     "transmissions_pictures",
     "gears_pictures",
+    "bearings_pictures",
     "forces_pictures",
     "ropes_pictures",
     "bodies_pictures",
