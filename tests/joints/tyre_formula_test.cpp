@@ -2,6 +2,8 @@
 // 4.E1 to 4.E78), and against what its curves are built to have.
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "joints/tyre/magic_formula.h"
 #include "models/read_tir.h"
 #include "tests/support/message_of.h"
@@ -12,7 +14,7 @@ namespace lithe::test::tyre_formula_test {
 namespace {
 
 using Slip = MagicFormula::Slip;
-constexpr double kPi = 3.14159265358979323846;
+using std::numbers::pi;
 
 TyreCoefficients car() { return read_tir(LITHE_EXAMPLE_DATA "/tyres/car.tir"); }
 
@@ -98,7 +100,7 @@ MagicFormula::Reaction by_the_book(const TyreCoefficients& c, const Slip& s) {
   const double D_t0 = Fz * (R0 / Fz0) * (c.qdz1 + c.qdz2 * dfz) * (1 - c.ppz1 * dpi) * c.ltr;
   const double D_t = D_t0 * (1 + c.qdz3 * fabs(gamma) + c.qdz4 * gamma * gamma);
   const double E_t = (c.qez1 + c.qez2 * dfz + c.qez3 * dfz * dfz) *
-                     (1 + (c.qez4 + c.qez5 * gamma) * (2 / kPi) * atan(B_t * c.qcz1 * a_t));
+                     (1 + (c.qez4 + c.qez5 * gamma) * (2 / pi) * atan(B_t * c.qcz1 * a_t));
   const double t = D_t * hill(a_t_eq, B_t, c.qcz1, E_t) * cos(s.alpha);
   const double F_y_upright = G_yk * side(c, dfz, dpi, Fz, alpha, 0, mu_y).F_y0;
   const double D_r =

@@ -22,6 +22,7 @@ MODULES = [
     "bodies_pictures",
     "cable_pictures",
     "primitives_pictures",
+    "tyre_pictures",
     "contact_pictures",
     "integrators_pictures",
 ]
