@@ -140,7 +140,7 @@ MagicFormula::Reaction MagicFormula::at(const Slip& slip) const {
   const double by_nominal = Fz / c.fnomin, fy = Fy / c.fnomin;
   const double Mx = R0 * Fz * c.lmx *
                     (c.qsx1 * c.lvmx - c.qsx2 * g * (1 + c.ppmx1 * dp) + c.qsx3 * fy +
-                     c.qsx4 * std::cos(c.qsx5 * squared(std::atan(c.qsx6 * by_nominal))) *
+                     c.qsx4 * std::cos(c.qsx5 * std::atan(squared(c.qsx6 * by_nominal))) *
                          std::sin(c.qsx7 * g + c.qsx8 * std::atan(c.qsx9 * fy)) +
                      c.qsx10 * std::atan(c.qsx11 * by_nominal) * g);
   const double pace = std::abs(slip.speed) / c.longvl;
@@ -151,12 +151,12 @@ MagicFormula::Reaction MagicFormula::at(const Slip& slip) const {
 
   // Aligning moment (4.E31 to 4.E49, 4.E71 to 4.E78): trail times side force, residual moment, arm of Fx.
   const auto equivalent = [&](double x) { return std::hypot(x, p.K_x / K_y * kappa) * sign(x); };
-  const double signed_camber = c.before_60 ? g : std::abs(g), stiffness_scale = c.lky / mu_scale_y;
+  const double stiffness_scale = c.lky / mu_scale_y;
   const double alpha_t = alpha + c.qhz1 + c.qhz2 * df + (c.qhz3 + c.qhz4 * df) * g;
   const double B_t =
       (c.qbz1 + c.qbz2 * df + c.qbz3 * df * df) * (1 + c.qbz4 * g + c.qbz5 * std::abs(g)) * stiffness_scale;
-  const double D_t = Fz * R0 / p.nominal * (c.qdz1 + c.qdz2 * df) * (1 - c.ppz1 * dp) * c.ltr *
-                     (1 + c.qdz3 * signed_camber + c.qdz4 * g * g);
+  const double D_t =
+      Fz * R0 / p.nominal * (c.qdz1 + c.qdz2 * df) * (1 - c.ppz1 * dp) * c.ltr * (1 + c.qdz3 * g + c.qdz4 * g * g);
   const double E_t = (c.qez1 + c.qez2 * df + c.qez3 * df * df) *
                      (1 + (c.qez4 + c.qez5 * g) * 2 / std::numbers::pi * std::atan(B_t * c.qcz1 * alpha_t));
   const double trail = D_t * cosine(B_t, c.qcz1, E_t, equivalent(alpha_t)) * cos_alpha * travel;

@@ -6,8 +6,8 @@ namespace lithe {
 
 /// Force and moment of a tyre by its slip: the Magic Formula, version 6.1, pure and combined slip with camber and
 /// inflation pressure (Besselink, Schmeitz and Pacejka, Vehicle System Dynamics 48 (2010) 337-352; Pacejka, Tire and
-/// Vehicle Dynamics, 3rd edition 2012, section 4.3, equations 4.E1 to 4.E78), without turn slip (ζ_i = 1). Each force
-/// is
+/// Vehicle Dynamics, 3rd edition 2012, section 4.3, equations 4.E1 to 4.E78), without turn slip (ζ_i = 1).
+/// Where these differ the paper is followed: q_dz3 takes the signed camber, q_bz4 is that of .tir files. Each force is
 ///   y = D sin(C atan(B x - E (B x - atan(B x))))
 /// of a slip x, times a cosine of the same make of the other slip. Axes of the contact patch (ISO 8855, W): x forward
 /// in the wheel's plane, y to the left, z normal to the road; forces and moments of the road on the tyre. A value,

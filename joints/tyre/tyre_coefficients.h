@@ -7,8 +7,8 @@ namespace lithe {
 /// What describes a tyre, named as in the .tir files of MF-Tyre (models/read_tir.h), SI units and radians. What is not
 /// given is 0, of scaling factors 1, of ranges without end.
 struct TyreCoefficients {
-  /// Of FITTYP 6 (MF-Tyre 5.2): horizontal shift by camber PHY3, aligning torque by signed camber and with camber in
-  /// the side force. False: 60, 61, 62.
+  /// Of FITTYP 6 (MF-Tyre 5.2): horizontal shift by camber PHY3, and the trail times a side force with camber. False:
+  /// 60, 61, 62.
   bool before_60 = false;
 
   // [MODEL], [DIMENSION], [OPERATING_CONDITIONS], [INERTIA]

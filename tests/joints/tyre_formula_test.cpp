@@ -84,7 +84,7 @@ MagicFormula::Reaction by_the_book(const TyreCoefficients& c, const Slip& s) {
   // Overturning and rolling
   const double M_x = Fz * R0 * c.lmx *
                      (c.qsx1 * c.lvmx - c.qsx2 * gamma * (1 + c.ppmx1 * dpi) + c.qsx3 * F_y / c.fnomin +
-                      c.qsx4 * cos(c.qsx5 * pow(atan(c.qsx6 * Fz / c.fnomin), 2)) *
+                      c.qsx4 * cos(c.qsx5 * atan(pow(c.qsx6 * Fz / c.fnomin, 2))) *
                           sin(c.qsx7 * gamma + c.qsx8 * atan(c.qsx9 * F_y / c.fnomin)) +
                       c.qsx10 * atan(c.qsx11 * Fz / c.fnomin) * gamma);
   const double M_y = -Fz * R0 * c.lmy *
@@ -98,7 +98,7 @@ MagicFormula::Reaction by_the_book(const TyreCoefficients& c, const Slip& s) {
   const double B_t =
       (c.qbz1 + c.qbz2 * dfz + c.qbz3 * dfz * dfz) * (1 + c.qbz4 * gamma + c.qbz5 * fabs(gamma)) * c.lky / mu_y;
   const double D_t0 = Fz * (R0 / Fz0) * (c.qdz1 + c.qdz2 * dfz) * (1 - c.ppz1 * dpi) * c.ltr;
-  const double D_t = D_t0 * (1 + c.qdz3 * fabs(gamma) + c.qdz4 * gamma * gamma);
+  const double D_t = D_t0 * (1 + c.qdz3 * gamma + c.qdz4 * gamma * gamma);
   const double E_t = (c.qez1 + c.qez2 * dfz + c.qez3 * dfz * dfz) *
                      (1 + (c.qez4 + c.qez5 * gamma) * (2 / pi) * atan(B_t * c.qcz1 * a_t));
   const double t = D_t * hill(a_t_eq, B_t, c.qcz1, E_t) * cos(s.alpha);
