@@ -96,7 +96,7 @@ std::string left_out(SystemGraph& graph, const Machine& machine, bool& met) {
   }
   for (const ChosenBody& body : sheet.bodies)
     text << "; " << body.name << ": " << model_text(body.fidelity, static_cast<int>(body.modes.size()));
-  for (const std::string& line : sheet.simplification) text << "; " << line;
+  for (const std::string& line : sheet.simplification) text << "; " << line.substr(0, line.find_last_not_of('.') + 1);
   return text.str();
 }
 
@@ -119,8 +119,11 @@ Outcome run(SystemGraph& graph, const Machine& machine) {
   const Difference apart = difference(machine.sensors, first.table, second.table);
 
   const double missing = first.energy.missing(), cost = first.cost / machine.duration;
-  const int bodies = static_cast<int>(graph.bodies().size()) - 1, freedoms = system.degrees_of_freedom();
-  std::printf("%s: %d bodies, %d degrees of freedom, %s; %.4g s\n", machine.title.c_str(), bodies, freedoms,
+  // Without the ground, and without what is a coordinate alone: integrals, the travel of ropes.
+  const auto bodies = std::count_if(graph.bodies().begin() + 1, graph.bodies().end(),
+                                    [](const auto& entry) { return !dynamic_cast<const PlacelessBody*>(entry.body); });
+  const int freedoms = system.degrees_of_freedom();
+  std::printf("%s: %td bodies, %d degrees of freedom, %s; %.4g s\n", machine.title.c_str(), bodies, freedoms,
               bends.c_str(), machine.duration);
   std::printf("automatic, tolerance %.0e: %ld steps, %.3g s of CPU a simulated second, %.3g times real time\n",
               machine.tolerance.relative, first.statistics.steps, cost, 1 / cost);
@@ -133,7 +136,7 @@ Outcome run(SystemGraph& graph, const Machine& machine) {
   std::string may_leave = "no body has models to choose from";
   if (!machine.wants.empty()) may_leave = left_out(graph, machine, met);
   std::printf("solve(): %s\n", may_leave.c_str());
-  std::printf("| `%s` | %d | %d | %s | %.0e | %.3g | %.3g | %.0e | %.0e |\n", machine.name.c_str(), bodies, freedoms,
+  std::printf("| `%s` | %td | %d | %s | %.0e | %.3g | %.3g | %.0e | %.0e |\n", machine.name.c_str(), bodies, freedoms,
               bends.c_str(), machine.tolerance.relative, cost, 1 / cost, missing, apart.share);
   return {first.table, met && missing < machine.balance && second.energy.missing() < machine.balance &&
                            apart.share < machine.agreement && size < kMostMegabytes};

@@ -3,10 +3,13 @@
 #include <cmath>
 
 #include "engine/base/error.h"
+#include "engine/base/log.h"
+#include "joints/tyre/magic_formula.h"
 #include "models/adams/function_value_internal.h"
 #include "models/fmu/fmu_contents_internal.h"
 #include "models/fmu/fmu_package_internal.h"
 #include "models/read_model.h"
+#include "models/read_tir.h"
 #include "tools/fuzz/targets.h"
 
 namespace lithe::fuzz {
@@ -89,10 +92,22 @@ void fmu_package(std::string_view input, const std::filesystem::path& folder) {
     demand(!entry.is_symlink() && (entry.is_regular_file() || entry.is_directory()), "a link was unpacked");
 }
 
+/// A tyre that is accepted by its formula too has finite forces.
+void tir(std::string_view input, const std::filesystem::path& folder) {
+  const log::Quiet quiet;
+  const TyreCoefficients read = read_tir(file_of(input, folder, "tyre.tir"));
+  try {
+    const auto force = MagicFormula(read).at({.load = read.fnomin, .speed = read.longvl});
+    demand(std::isfinite(force.Fx + force.Fy + force.Mx + force.My + force.Mz), "a force is not finite");
+  } catch (const SceneError&) {  // figures of no tyre
+  }
+}
+
 }  // namespace
 
 std::vector<Target> model_targets() {
-  return {{"urdf", urdf}, {"sdf", sdf}, {"mjcf", mjcf}, {"adams", adams}, {"fmu", fmu}, {"fmu_package", fmu_package}};
+  return {{"urdf", urdf}, {"sdf", sdf}, {"mjcf", mjcf}, {"adams", adams}, {"fmu", fmu}, {"fmu_package", fmu_package},
+          {"tir", tir}};
 }
 
 }  // namespace lithe::fuzz

@@ -18,7 +18,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[3]
 PAGES = ROOT / "docs/site/catalogue"
 PICTURES = ROOT / "docs/pictures/catalogue"
 
-FOLDERS = ["joints", "joints/forces", "joints/contact", "joints/rope", "joints/gears", "joints/sliding", "bodies", "bodies/beam", "bodies/cable", "bodies/flexible", "bodies/flexible/readers", "joints/aerodynamics", "bodies/fatigue", "joints/bearings"]
+FOLDERS = ["joints", "joints/forces", "joints/contact", "joints/rope", "joints/gears", "joints/sliding", "bodies", "bodies/beam", "bodies/cable", "bodies/flexible", "bodies/flexible/readers", "joints/aerodynamics", "bodies/fatigue", "joints/bearings", "joints/tyre"]
 FOLDERS += ["bodies/flexible/elements", "integrators", "plugins/massless_rod", "plugins/cam_follower"]
 FOLDERS += ["plugins/inertial_body", "engine/cones", "engine/contact"]
 FILES = ["engine/model/ground.h", "engine/model/input.h", "engine/model/adjustable.h", "engine/analysis/state_space.h", "engine/model/contact_element.h", "engine/model/contact_memory.h"]
@@ -46,6 +46,7 @@ FUNCTIONS = [
     ("joints/aerodynamics/airfoil.h", "AirfoilLaw", "forces/airfoil.md"),
     ("bodies/flexible/cut_load.h", "Sensor", "sensors.md"),
     ("bodies/beam/section_load.h", "Sensor", "sensors.md"),
+    ("joints/tyre/tyre.h", "Sensor", "tyres.md"),
     ("joints/contact/shapes.h", "Shape", "contact/shapes.md"),
     ("bodies/shapes.h", "MassProperties", "bodies/rigid_body.md"),
 ]

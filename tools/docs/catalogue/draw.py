@@ -24,6 +24,7 @@ MODULES = [
     "bodies_pictures",
     "cable_pictures",
     "primitives_pictures",
+    "tyre_pictures",
     "contact_pictures",
     "integrators_pictures",
     "loads_pictures",
