@@ -14,8 +14,8 @@ namespace lithe {
 
 class ControlDiagram;
 
-/// A quantity of a control diagram. Sums, differences and products of signals and numbers are signals; a logical one
-/// is 1 (true) or 0: `a && b` is a * b, `a || b` is a + b - a * b, `!a` is 1 - a.
+/// A quantity of a control diagram. Sums, differences and products of signals and numbers are signals. Logical ones are
+/// 1 (true) or 0: "a and b" is a * b, "a or b" a + b - a * b, "not a" 1 - a.
 struct ControlSignal {
   ControlDiagram* diagram;
   int node;

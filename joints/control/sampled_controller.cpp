@@ -104,9 +104,15 @@ void SampledController::observe(Snapshot& snapshot) {
   if (!begun_ || time < time_) {
     begun_ = true;
     x_ = p.law.start;
+    origin_ = time;
     for (Input* output : p.outputs) output->reset(time, output->parameters().value);
   }
   time_ = time;
+  // A whole number of intervals later is a sample, to the last digit: as every() counts them.
+  const double periods = std::round(p.delay / p.interval);
+  const bool whole = std::abs(p.delay - periods * p.interval) < 1e-9 * p.interval;
+  const double arrival =
+      whole ? origin_ + (std::round((time - origin_) / p.interval) + periods) * p.interval : time + p.delay;
   for (std::size_t i = 0; i < p.inputs.size(); ++i) {
     double& u = u_[static_cast<Eigen::Index>(i)] = p.inputs[i].sensor.value(snapshot, p.inputs[i].column);
     check(u, "sensor '" + p.inputs[i].sensor.name() + "'");
@@ -119,13 +125,14 @@ void SampledController::observe(Snapshot& snapshot) {
   for (std::size_t i = 0; i < p.outputs.size(); ++i) {
     const double y = y_[static_cast<Eigen::Index>(i)];
     check(y, "the output to '" + p.outputs[i]->name() + "'");
-    p.outputs[i]->set(time + p.delay, y);
+    p.outputs[i]->set(std::max(time, arrival), y);
   }
 }
 
 void SampledController::history(Archive& archive) {
   archive.group("sampled controller", [&] {
     archive("begun", begun_);
+    archive("origin", origin_);
     archive("time", time_);
     if (archive.loads()) x_ = parameters_.law.start;
     if (x_.size() > 0 && (begun_ || !archive.loads())) archive("x", x_);

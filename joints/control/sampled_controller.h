@@ -65,7 +65,7 @@ class SampledController final : public Observer {
   const Parameters parameters_;
   VectorX u_, x_, y_;
   bool begun_ = false;
-  double time_ = 0;  // of the last sample, s
+  double origin_ = 0, time_ = 0;  // of the first sample and the last one, s
 };
 
 }  // namespace lithe
