@@ -31,9 +31,9 @@ ControlSignal ControlDiagram::integral(ControlSignal u, double start, double low
   }
   if (!(start >= lower && start <= upper))
     throw SceneError("the start of " + name + " is not within its limits", "", "give lower <= start <= upper");
-  std::vector<double> corners;
+  std::vector<ControlNode::Corner> corners = {{u.node, 0}};
   for (const double limit : {lower, upper})
-    if (std::isfinite(limit)) corners.push_back(limit);
+    if (std::isfinite(limit)) corners.push_back({x.node, limit});
   derive(x, map(
                 {x, u},
                 [lower, upper](const double* in, double* slopes) {

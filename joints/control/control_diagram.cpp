@@ -70,7 +70,7 @@ ControlSignal ControlDiagram::add(ControlNode node) {
 }
 
 ControlSignal ControlDiagram::map(std::vector<ControlSignal> inputs, ControlNode::Function f, std::string name,
-                                  std::vector<double> corners) {
+                                  std::vector<ControlNode::Corner> corners) {
   ControlNode node{.name = std::move(name), .function = std::move(f), .corners = std::move(corners)};
   for (const ControlSignal& u : inputs) {
     if (u.diagram != this)
@@ -114,9 +114,9 @@ ControlSignal ControlDiagram::law(MotionLaw law) {
 
 ControlSignal ControlDiagram::saturated(ControlSignal u, double lower, double upper, std::string name) {
   if (!(lower < upper)) throw SceneError("the lower limit of " + name + " is not below the upper", "", "exchange them");
-  std::vector<double> corners;
+  std::vector<ControlNode::Corner> corners;
   for (const double limit : {lower, upper})
-    if (std::isfinite(limit)) corners.push_back(limit);
+    if (std::isfinite(limit)) corners.push_back({u.node, limit});
   return map(
       {u},
       [lower, upper](const double* in, double* slopes) {
@@ -133,7 +133,7 @@ ControlSignal ControlDiagram::dead_band(ControlSignal u, double width, std::stri
                slopes[0] = std::abs(*in) > width ? 1 : 0;
                return std::abs(*in) <= width ? 0 : *in - std::copysign(width, *in);
              },
-             std::move(name), {-width, width});
+             std::move(name), {{u.node, -width}, {u.node, width}});
 }
 
 ControlSignal ControlDiagram::table(ControlSignal u, std::vector<double> x, std::vector<double> y, std::string name) {
@@ -142,7 +142,8 @@ ControlSignal ControlDiagram::table(ControlSignal u, std::vector<double> x, std:
     throw SceneError(name + " has " + std::to_string(x.size()) + " x and " + std::to_string(y.size()) + " y", "",
                      "give one y for each x");
   for (const double value : y) require::finite(value, name);
-  const std::vector<double> corners = x;
+  std::vector<ControlNode::Corner> corners;
+  for (const double level : x) corners.push_back({u.node, level});
   return map(
       {u},
       [x = std::move(x), y = std::move(y)](const double* in, double* slopes) {
@@ -151,7 +152,7 @@ ControlSignal ControlDiagram::table(ControlSignal u, std::vector<double> x, std:
         slopes[0] = rise * at.slope;
         return y[at.i] + rise * at.part;
       },
-      std::move(name), corners);
+      std::move(name), std::move(corners));
 }
 
 ControlSignal ControlDiagram::spline(ControlSignal u, std::vector<double> x, std::vector<double> y, std::string name) {
@@ -163,7 +164,7 @@ ControlSignal ControlDiagram::spline(ControlSignal u, std::vector<double> x, std
                slopes[0] = *in >= first && *in <= last ? at.slope : 0;
                return at.value;
              },
-             name, {first, last});
+             name, {{u.node, first}, {u.node, last}});
 }
 
 ControlSignal ControlDiagram::table(ControlSignal u, ControlSignal v, std::vector<double> x, std::vector<double> y,

@@ -129,7 +129,7 @@ class ControlDiagram {
   int place(const JointCoordinate& x);
   ControlSignal add(ControlNode node);
   ControlSignal map(std::vector<ControlSignal> inputs, ControlNode::Function f, std::string name,
-                    std::vector<double> corners = {});
+                    std::vector<ControlNode::Corner> corners = {});
   ControlSignal sum(const std::vector<std::pair<double, ControlSignal>>& terms, double offset, std::string name);
 
   ControlProgram program_;

@@ -62,7 +62,7 @@ void ControlForce::evaluate(double time, std::span<const MarkerView> markers, Fo
   read(time, markers, rows, at);
   if (!joined_ && time > 0)
     for (const ControlProgram::Relay& relay : program_.relays)
-      if (program_.beyond(relay, at.signals) > 0)
+      if (program_.is_due(relay, at.signals))
         throw SimulationError("relay '" + program_.nodes[relay.node].name + "' has to switch at " + time_text(time) +
                                   ", and no simulation looks for that.",
                               "", "call join(simulation, state) of this element before the run.");
@@ -182,7 +182,8 @@ Sensor ControlForce::sensor(ControlSignal signal, Located name, const std::strin
 
 void ControlForce::join(Simulation& simulation, State& state) {
   const System& system = simulation.system();
-  const auto watch = [&](const std::string& what, auto function, std::function<void(State&)> change) {
+  const auto watch = [&](const std::string& what, Event::Direction direction, auto function,
+                         std::function<void(State&)> change) {
     simulation.on({.name = name() + ": " + what,
                    .function =
                        [this, function](Snapshot& now) {
@@ -190,43 +191,46 @@ void ControlForce::join(Simulation& simulation, State& state) {
                          read(now, at);
                          return function(at.signals);
                        },
+                   .direction = direction,
                    .action = Event::Action::restart,
                    .change = std::move(change)});
   };
-  for (std::size_t r = 0; r < program_.relays.size(); ++r)
+  // A relay's level counts while it can switch there; then the function stays clear of zero.
+  for (const ControlProgram::Relay& relay : program_.relays) {
+    const std::string& what = program_.nodes[relay.node].name;
     watch(
-        program_.nodes[program_.relays[r].node].name,
-        [this, r](const ControlProgram::Signals& s) { return program_.beyond(program_.relays[r], s); },
-        [this, r, &system](State& at) { settle(system, at, static_cast<int>(r)); });
+        what, Event::Direction::rising,
+        [&relay](const auto& s) { return s.value[relay.node] > 0.5 ? -1 : s.value[relay.input] - relay.upper; },
+        [this, &relay, &system](State& at) { settle(system, at, &relay, true); });
+    watch(
+        what, Event::Direction::falling,
+        [&relay](const auto& s) { return s.value[relay.node] > 0.5 ? s.value[relay.input] - relay.lower : 1; },
+        [this, &relay, &system](State& at) { settle(system, at, &relay, false); });
+  }
   for (const ControlNode& node : program_.nodes)
-    for (const double corner : node.corners)
-      watch(node.name + " at " + number_text(corner),
-            [u = node.inputs[0], corner](const ControlProgram::Signals& s) { return s.value[u] - corner; }, {});
+    for (const ControlNode::Corner& corner : node.corners)
+      watch(node.name + " at " + number_text(corner.level), Event::Direction::both,
+            [corner](const auto& s) { return s.value[corner.input] - corner.level; }, {});
   joined_ = true;
-  settle(system, state, -1);
+  settle(system, state, nullptr, false);
 }
 
-/// Switches this relay (-1: none), then what has to switch after it.
-void ControlForce::settle(const System& system, State& state, int relay) const {
+void ControlForce::settle(const System& system, State& state, const ControlProgram::Relay* relay, bool on) const {
   if (program_.relays.empty()) return;
   const auto& slices = system.layout().bodies();
   const Body* body = markers()[2 * static_cast<std::size_t>(coordinates_.count())].body;
   const auto slice = std::find_if(slices.begin(), slices.end(), [&](const auto& s) { return s.body == body; });
-  Point at;
+  const ControlProgram::Relay* const first = relay;  // it lies at its level, but for round-off
   for (std::size_t tried = 0; tried <= program_.relays.size(); ++tried) {
-    if (relay >= 0) {
-      const int i = program_.relays[relay].state;
-      double& on = state.v[slice->v + 6 * (i / 3) + i % 3];
-      on = on > 0.5 ? 0 : 1;
-    }
+    if (relay) state.v[slice->v + 6 * (relay->state / 3) + relay->state % 3] = on ? 1 : 0;
     Snapshot now(system, state);
+    Point at;
     read(now, at);
     const auto due = std::find_if(program_.relays.begin(), program_.relays.end(), [&](const auto& other) {
-      // One that has just switched lies at its level, but for round-off.
-      return &other != program_.relays.data() + relay && program_.beyond(other, at.signals) > 0;
+      return &other != first && program_.is_due(other, at.signals);
     });
     if (due == program_.relays.end()) return;
-    relay = static_cast<int>(due - program_.relays.begin());
+    relay = &*due, on = at.signals.value[due->node] < 0.5;
   }
   throw SimulationError("its relays set one another off without end at " + time_text(state.time) + ".", where(),
                         "give them hysteresis: lower below upper.");

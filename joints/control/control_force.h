@@ -49,7 +49,8 @@ class ControlForce final : public ForceElement {
   /// `own`: of each output, its slopes by value and rate of its own coordinate, which become a row; the rest is a load.
   void act(std::span<const MarkerView> markers, const double* rates, const double* efforts, const double* own,
            ForceRows& rows) const;
-  void settle(const System& system, State& state, int relay) const;
+  /// Switches a relay (null: none) on or off, then what has to switch after it.
+  void settle(const System& system, State& state, const ControlProgram::Relay* relay, bool on) const;
 
   ControlProgram program_;
   const CoordinateSet coordinates_;

@@ -99,9 +99,9 @@ void ControlProgram::differentiate(const Signals& signals, int node, double* slo
   }
 }
 
-double ControlProgram::beyond(const Relay& relay, const Signals& signals) const {
+bool ControlProgram::is_due(const Relay& relay, const Signals& signals) const {
   const double u = signals.value[relay.input];
-  return signals.value[relay.node] > 0.5 ? relay.lower - u : u - relay.upper;
+  return signals.value[relay.node] > 0.5 ? u < relay.lower : u > relay.upper;
 }
 
 }  // namespace lithe

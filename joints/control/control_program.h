@@ -24,7 +24,11 @@ struct ControlNode {
   MotionLaw law{};
   std::vector<int> inputs{};
   Function function{};
-  std::vector<double> corners{};  // of the first input, where the function has a kink
+  struct Corner {
+    int input;  // its node
+    double level;
+  };
+  std::vector<Corner> corners{};  // where the function has a kink
 };
 
 /// A control diagram in an order in which it can be computed.
@@ -63,8 +67,8 @@ struct ControlProgram {
   void evaluate(double time, const double* z, const double* x, Signals& signals) const;
   /// ∂node/∂(x, z), by one sweep backwards; `slopes`: 2 coordinates + states long.
   void differentiate(const Signals& signals, int node, double* slopes) const;
-  /// How far a relay is beyond where it switches: positive, it has to.
-  double beyond(const Relay& relay, const Signals& signals) const;
+  /// Whether a relay has to switch.
+  bool is_due(const Relay& relay, const Signals& signals) const;
 
  private:
   std::vector<int> first_slope_;
