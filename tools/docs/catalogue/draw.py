@@ -19,6 +19,7 @@ MODULES = [
     "transmissions_pictures",
     "forces_pictures",
     "ropes_pictures",
+    "control_pictures",
     "bodies_pictures",
     "cable_pictures",
     "primitives_pictures",
