@@ -160,6 +160,7 @@ TEST(HydraulicCylinder, MovesAtTheSpeedThatItsValveLetsThrough) {
     EXPECT_NEAR(lift.pressure(1), p_rod, 1e-4 * p_rod);
     EXPECT_NEAR(read(lift.scene, lift.cylinder->flows(), 0), kCap * v, 1e-6 * std::abs(kCap * v));
     EXPECT_NEAR(read(lift.scene, lift.cylinder->force()), load, 1e-4 * load);
+    EXPECT_NEAR(read(lift.scene, power(*lift.cylinder)), load * v, 1e-4 * load * std::abs(v));  // of its states: none
   }
 }
 
