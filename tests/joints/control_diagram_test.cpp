@@ -7,6 +7,7 @@
 #include "bodies/first_order_states.h"
 #include "engine/analysis/state_space.h"
 #include "engine/archive/archive.h"
+#include "engine/base/dense.h"
 #include "engine/base/spline.h"
 #include "engine/run/simulation.h"
 #include "joints/control/control_force.h"

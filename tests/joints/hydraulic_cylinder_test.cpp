@@ -248,6 +248,24 @@ TEST(HydraulicCylinder, IsMovedByAControlDiagram) {
   EXPECT_NEAR(read(lagged.scene, generalized_velocities(*lagged.oil), 2), 0.8 * (1 - std::exp(-1.5)), 1e-6);
 }
 
+/// Through an open valve the oil is stiff and damped: implicit methods take steps of the motion.
+TEST(HydraulicCylinder, CostsImplicitMethodsFewSteps) {
+  HydraulicCylinder::Parameters p = parameters();
+  p.valve = {.area = 1e-6, .command = smooth_step(0, 1, 0, 0.5), .supply = constant(1e7)};
+  p.friction = 2e4;
+  const auto steps = [&](const Method& method) {
+    Lift lift(p, 3e6, 3e6 * kCap / kRod, 0, 0.65);
+    Simulation simulation{lift.scene.system, *method};
+    simulation.run(lift.scene.state, 20);
+    return static_cast<double>(simulation.statistics().steps);
+  };
+  const double by_explicit = steps(runge_kutta(1e-5));
+  for (auto* make : {+[] { return automatic(1e-5); }, +[] { return radau(1e-5); }, +[] { return bdf(1e-5); }}) {
+    const Method method = make();
+    expect_below("steps of " + method->name() + ", of those of Runge-Kutta", steps(method) / by_explicit, 0.1);
+  }
+}
+
 TEST(HydraulicCylinder, ResumesWithTheSameBits) {
   HydraulicCylinder::Parameters p = parameters();
   p.friction = 3000;

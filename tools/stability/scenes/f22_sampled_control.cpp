@@ -1,6 +1,7 @@
-// F19: a mass under sampled control: stable gains end where the sampling does not follow, and sooner with a delay. No
+// F22: a mass under sampled control: stable gains end where the sampling does not follow, and sooner with a delay. No
 // method cures that: the integration between samples is exact.
 #include "bodies/rigid_body.h"
+#include "engine/base/dense.h"
 #include "engine/run/simulation.h"
 #include "joints/control/sampled_controller.h"
 #include "joints/forces/coordinate_motor.h"
@@ -81,7 +82,7 @@ Finding judge(Integrator& method) {
 }
 
 const Registered scene{with_candidates(
-    {"F19",
+    {"F22",
      "sampled control at its limit",
      {{"gain 8 % beyond its limit", [] { return at(1.08, false); }, Role::also},
       {"gain 15 % beyond its limit with a delay of one sample", [] { return at(1.15, true); }, Role::also},
