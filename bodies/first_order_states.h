@@ -40,6 +40,7 @@ class FirstOrderStates final : public PlacelessBody {
   void marker_kinematics(const BodyState& state, int marker, Level level, MarkerKinematics& k) const override;
   /// None: states are no motion.
   BodyEnergy energy(const BodyState&, const Vector3&) const override { return {}; }
+  bool has_energy() const override { return false; }
 
  private:
   const VectorX start_;

@@ -16,6 +16,7 @@ class IntegralState final : public ScalarBody {
   explicit IntegralState(Parameters parameters);
 
   BodyEnergy energy(const BodyState&, const Vector3&) const override { return {}; }
+  bool has_energy() const override { return false; }
 };
 
 extern template std::unique_ptr<BodyBatch> make_body_batch<IntegralState>();

@@ -124,7 +124,7 @@ class Columns {
         G_all_(near_.jacobian()),
         G_(G_all_(near_.rows(), Eigen::all)),
         rows_(G_),
-        GT_(G_.transpose()) {
+        GT_(G_.rows() > 0 ? MatrixX(G_.transpose()) : MatrixX::Identity(1, 1)) {  // Eigen fails without columns
     const std::vector<int>& rolling = system.velocity_rows();
     for (std::size_t i = 0; i < near_.rows().size(); ++i)
       rolls_.push_back(std::binary_search(rolling.begin(), rolling.end(), near_.rows()[i]));

@@ -47,8 +47,9 @@ double EnergyAccount::power(Snapshot& now) const {
   double sum = 0;
   for (const SystemGraph::ForceEntry& entry : graph_.forces())
     for (int m = 0; m < static_cast<int>(entry.markers.size()); ++m) {
-      // The integral of a controller is a coordinate without energy.
-      if (dynamic_cast<const IntegralState*>(entry.markers[m].body)) continue;
+      // States of controllers and of oil are coordinates without energy.
+      const auto* states = dynamic_cast<const PlacelessBody*>(entry.markers[m].body);
+      if (states && !states->has_energy()) continue;
       Vector6 wrench;
       applied_force(*entry.force, m).evaluate(now, {wrench.data(), 6});
       const MarkerKinematics k = now.marker(entry.markers[m]);

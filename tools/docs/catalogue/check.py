@@ -18,7 +18,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[3]
 PAGES = ROOT / "docs/site/catalogue"
 PICTURES = ROOT / "docs/pictures/catalogue"
 
-FOLDERS = ["joints", "joints/forces", "joints/contact", "joints/rope", "joints/gears", "joints/sliding", "bodies", "bodies/beam", "bodies/cable", "bodies/flexible", "bodies/flexible/readers", "joints/aerodynamics", "bodies/fatigue", "joints/bearings", "joints/tyre"]
+FOLDERS = ["joints", "joints/forces", "joints/contact", "joints/rope", "joints/gears", "joints/sliding", "bodies", "bodies/beam", "bodies/cable", "bodies/flexible", "bodies/flexible/readers", "joints/aerodynamics", "bodies/fatigue", "joints/bearings", "joints/tyre", "joints/control", "joints/hydraulics"]
 FOLDERS += ["bodies/flexible/elements", "integrators", "plugins/massless_rod", "plugins/cam_follower"]
 FOLDERS += ["plugins/inertial_body", "engine/cones", "engine/contact"]
 FILES = ["engine/model/ground.h", "engine/model/input.h", "engine/model/adjustable.h", "engine/analysis/state_space.h", "engine/model/contact_element.h", "engine/model/contact_memory.h"]

@@ -21,6 +21,7 @@ MODULES = [
     "bearings_pictures",
     "forces_pictures",
     "ropes_pictures",
+    "control_pictures",
     "bodies_pictures",
     "cable_pictures",
     "primitives_pictures",
