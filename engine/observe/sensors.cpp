@@ -4,6 +4,7 @@
 
 #include "engine/model/deformable_body.h"
 #include "engine/model/marker_motions.h"
+#include "engine/model/placeless_body.h"
 
 namespace lithe {
 namespace {
@@ -138,6 +139,7 @@ Sensor power_sensor(const Element& element, Located name) {
                      [&element](Snapshot& now, std::span<double> values) {
                        values[0] = 0;
                        for (int m = 0; m < element.marker_count(); ++m) {
+                         if (dynamic_cast<const PlacelessBody*>(element.markers()[m].body)) continue;  // no motion
                          const Wrench w = wrench_of(now, element, m);
                          const MarkerKinematics k = now.marker(element.markers()[m]);
                          values[0] += w.force.dot(k.v) + w.torque.dot(k.w);
