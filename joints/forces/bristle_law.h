@@ -9,8 +9,8 @@ namespace lithe {
 /// deflection z is in parts of that at breakaway, δ: the force of a unit normal force is μ_s z, and
 ///   δ ż = s - α(|z| / e) (s·z)₊ z / (e |z|),   e = μ(|s|) / μ_s: of steady sliding
 ///   α = 0 below a of that, 1 above it, and half a sine wave between.
-/// So bristles that bend back or less than a e are elastic, and do not drift under loads that go to and fro (LuGre does);
-/// none bends beyond δ. While they stick they are damped, by no more than 0.43 μ_s:
+/// So bristles that bend back or less than a e are elastic, and do not drift under loads that go to and fro (LuGre
+/// does); none bends beyond δ. While they stick they are damped, by no more than 0.43 μ_s:
 ///   F / N = μ_s (z + (1 - α) (τ / δ) exp(-(|s| τ / δ)²) s)
 class BristleLaw {
  public:
@@ -26,8 +26,9 @@ class BristleLaw {
     if (p_.sliding.static_coefficient == 0) p_.sliding.static_coefficient = p_.sliding.coefficient;
     if (p_.sliding.static_coefficient < p_.sliding.coefficient)
       throw SceneError("static_coefficient is " + std::to_string(p_.sliding.static_coefficient) + ", below coefficient",
-                       "", "bristles stick by at least what they slide with: give at least " +
-                               std::to_string(p_.sliding.coefficient) + ", or leave it out");
+                       "",
+                       "bristles stick by at least what they slide with: give at least " +
+                           std::to_string(p_.sliding.coefficient) + ", or leave it out");
     require::positive(p.breakaway_deflection, "breakaway_deflection");
     require::not_negative(p.damping_time, "damping_time");
     if (!(p.elastic_share > 0 && p.elastic_share < 1))

@@ -6,9 +6,8 @@
 namespace lithe {
 namespace {
 
-constexpr double kFollowing = 1e-4;  // s
-// N that the followed load's state counts in: so many that error control does not look at it.
-constexpr double kUnit = 1e6;
+// N that the state of the load counts in: a load of some kN is as large as a bristle's deflection to error control.
+constexpr double kUnit = 1e3;
 
 }  // namespace
 
@@ -18,40 +17,41 @@ JointBristles::JointBristles(Parameters parameters)
       law_({{parameters.coefficient, parameters.static_coefficient, parameters.stribeck_speed},
             parameters.breakaway_deflection,
             parameters.damping_time,
-            parameters.elastic_share}) {
+            parameters.elastic_share}),
+      load_time_(parameters.load_time) {
+  require::positive(load_time_, "load_time");
   require::not_negative(parameters.viscous, "viscous");
   viscous_ = surface_.viscous(parameters.viscous);
 }
 
-/// The force in two parts, of the load n that a state follows and of what N is beyond it. Loads do not know N, but have
-/// exact derivatives by z and n, and n by the joint's multipliers: a row's tension has none by z.
 void JointBristles::evaluate(double, std::span<const MarkerView> markers, ForceRows& rows) const {
-  const int joint_markers = surface_.marker_count(), n = surface_.directions();
+  const int joint_markers = surface_.marker_count();
   const MarkerView &bristles = markers[joint_markers], &follower = markers[joint_markers + 1];
   const JointSurface::Sliding sliding = surface_.sliding(markers, rows);
-  const auto [N, by] = surface_.press(markers, rows.reaction());
-  const Vector3 z = bristles.v;
+  const Vector3& z = bristles.v;
   const double followed = kUnit * follower.v[0];
   const BristleLaw::Value value = law_.at(sliding.speed, z);
 
+  // Loads, since they have derivatives by all velocities, states among them; a row's tension has them by its own.
   rows.add_load(bristles, force(value.rate));
   Wrench wrenches[kMaxMarkers];
   surface_.fill(sliding, -(followed * value.force + viscous_ * sliding.speed), wrenches);
   for (int m = 0; m < joint_markers; ++m) rows.add_load(markers[m], wrenches[m]);
   rows.add_energy(followed * law_.energy(z));
 
-  const Wrench none{Vector3::Zero(), Vector3::Zero()};
-  for (int k = 0; k < n; ++k) {
-    Wrench* row = rows.open();
-    surface_.fill(sliding, Vector3::Unit(k), row);
-    row[joint_markers] = row[joint_markers + 1] = none;
-    rows.finish((N - followed) * value.force[k], 0, (N - followed) * value.damping);
-  }
+  // A row, since it knows the joint's reaction.
+  const auto [N, by] = surface_.press(markers, rows.reaction());
   Wrench* row = rows.open();
-  std::fill_n(row, marker_count(), none);
+  std::fill_n(row, marker_count(), Wrench{Vector3::Zero(), Vector3::Zero()});
   row[joint_markers + 1] = force(Vector3::UnitX());
-  rows.finish((follower.v[0] - N / kUnit) / kFollowing, 0, 1 / kFollowing);
-  rows.depends_on_reaction(-1 / (kUnit * kFollowing) * by);
+  rows.finish((follower.v[0] - N / kUnit) / load_time_, 0, 1 / load_time_);
+  rows.depends_on_reaction(-1 / (kUnit * load_time_) * by);
+}
+
+VectorX JointBristles::start(double load, const Vector3& deflection) {
+  VectorX states(4);
+  states << deflection, load / kUnit;
+  return states;
 }
 
 template std::unique_ptr<ForceBatch> make_force_batch<JointBristles>();

@@ -38,7 +38,7 @@ class JointSurface {
   double viscous(double given) const;
 
   struct Sliding {
-    Vector3 speed{0, 0, 0};  // s, m/s
+    Vector3 speed{0, 0, 0};   // s, m/s
     Wrench on_A[3], on_B[3];  // of a unit force along each direction
   };
   Sliding sliding(std::span<const MarkerView> markers, const AngleMemory& memory) const;

@@ -4,8 +4,9 @@
 #include "engine/assembly/evaluator.h"
 #include "engine/observe/recorder.h"
 #include "engine/run/simulation.h"
-#include "joints/cylindrical_joint.h"
+#include "integrators/nonsmooth_generalized_alpha.h"
 #include "joints/coordinate_drive.h"
+#include "joints/cylindrical_joint.h"
 #include "joints/forces/coordinate_motor.h"
 #include "joints/forces/coordinate_spring.h"
 #include "joints/forces/joint_bristles.h"
@@ -22,7 +23,7 @@ namespace {
 
 constexpr double kGravity = 9.81;
 
-FirstOrderStates& draw_states(SystemGraph& graph, const VectorX& start = VectorX::Zero(4)) {
+FirstOrderStates& draw_states(SystemGraph& graph, const VectorX& start = JointBristles::start()) {
   return graph.add<FirstOrderStates>("bristles", {.start = start});
 }
 
@@ -35,6 +36,7 @@ JointBristles::Parameters coarse(const Constraint& joint) {
           .breakaway_deflection = 2,
           .damping_time = 0.5,
           .elastic_share = 0.3,
+          .load_time = 0.5,
           .viscous = 0.1,
           .radius = 0.4,
           .bending_arm = 0.6,
@@ -47,20 +49,19 @@ TEST(JointBristles, KnowTheirDerivatives) {
     {
       SystemGraph graph;
       auto& pin = graph.add<RevoluteJoint>("pin", pair.draw(graph, {0, 0, 0}));
-      auto& rub = add_joint_bristles(graph, "rub", {pin.angle()}, draw_states(graph), coarse(pin));
-      check_friction_tangent(graph, rub);
+      add_joint_bristles(graph, "rub", {pin.angle()}, draw_states(graph), coarse(pin));
+      check_friction_tangent(graph);
     }
     {
       SystemGraph graph;
       auto& sleeve = graph.add<CylindricalJoint>("sleeve", pair.draw(graph, {0, 0, 0.3}));
-      auto& rub = add_joint_bristles(graph, "rub", {sleeve.angle(), sleeve.displacement()}, draw_states(graph),
-                                     coarse(sleeve));
-      check_friction_tangent(graph, rub);
+      add_joint_bristles(graph, "rub", {sleeve.angle(), sleeve.displacement()}, draw_states(graph), coarse(sleeve));
+      check_friction_tangent(graph);
     }
     SystemGraph graph;
     auto& ball = graph.add<SphericalJoint>("ball", pair.draw(graph, {0, 0, 0}));
-    auto& rub = add_ball_bristles(graph, "rub", draw_states(graph), coarse(ball));
-    check_friction_tangent(graph, rub);
+    add_ball_bristles(graph, "rub", draw_states(graph), coarse(ball));
+    check_friction_tangent(graph);
   }
 }
 
@@ -76,8 +77,8 @@ struct BlockOnASlope {
           slide = &graph.add<PrismaticJoint>("slide", {graph.ground().marker({}, along), block.marker({}, along)});
           JointBristles::Parameters p = given;
           p.joint = slide;
-          const VectorX start = Eigen::Vector4d(z, 0, 0, 0);
-          rub = &add_joint_bristles(graph, "rub", {slide->displacement()}, draw_states(graph, start), p);
+          auto& states = draw_states(graph, JointBristles::start(kMass * kGravity * std::cos(slope), {z, 0, 0}));
+          rub = &add_joint_bristles(graph, "rub", {slide->displacement()}, states, p);
           if (pull) graph.add<CoordinateMotor>("pull", {slide->displacement()}, {.effort = pull});
         }) {}
   double place() const { return read(scene, coordinate(slide->displacement(), "s")); }
@@ -89,7 +90,7 @@ struct BlockOnASlope {
   Scene scene;
 };
 
-std::vector<NamedMethod> methods(double tolerance = 1e-6, double h = 1e-3) {
+std::vector<NamedMethod> methods(double tolerance = 1e-6, double h = 2e-3) {
   std::vector<NamedMethod> all;
   all.push_back({"Automatic", automatic(tolerance)});
   all.push_back({"Radau", radau(tolerance)});
@@ -97,6 +98,8 @@ std::vector<NamedMethod> methods(double tolerance = 1e-6, double h = 1e-3) {
   all.push_back({"IDA", ida(tolerance)});
   all.push_back({"generalized-alpha", index3(h)});
   all.push_back({"generalized-alpha, index 2", index2(h)});
+  all.push_back({"nonsmooth generalized-alpha",
+                 std::make_unique<NonsmoothGeneralizedAlpha>(NonsmoothGeneralizedAlpha::Parameters{.step = h})});
   return all;
 }
 
@@ -105,7 +108,7 @@ TEST(JointBristles, HoldABlockOnASlopeForAMinuteWithoutCreep) {
   constexpr double kMu = 0.3, kDelta = 1e-5;
   for (const double slope : {0.28, 0.1}) {  // tan 0.28 = 0.2876
     const double hung = std::tan(slope) / kMu;
-    for (auto& [name, method] : methods()) {
+    for (auto& [name, method] : methods(1e-7)) {
       SCOPED_TRACE(name);
       BlockOnASlope block(slope, {.coefficient = kMu, .breakaway_deflection = kDelta}, hung);
       block.scene.run(*method, 60);
@@ -117,7 +120,7 @@ TEST(JointBristles, HoldABlockOnASlopeForAMinuteWithoutCreep) {
     BlockOnASlope block(0.1, {.coefficient = kMu, .breakaway_deflection = kDelta});
     block.scene.run(*method, 1);
     const double settled = block.place();
-    EXPECT_NEAR(settled, std::tan(0.1) / kMu * kDelta, 1e-9) << "m g sin = μ m g cos z";
+    EXPECT_NEAR(settled, std::tan(0.1) / kMu * kDelta, 2e-8) << "m g sin = μ m g cos z";
     block.scene.run(*method, 61);
     expect_below(name + ": creep after it has settled, m", std::abs(block.place() - settled), 1e-9);
   }
@@ -130,10 +133,9 @@ TEST(JointBristles, BreakAwayAtTheStaticForce) {
   for (const double share : {1 - kLittle, 1 + kLittle})
     for (auto& [name, method] : methods()) {
       SCOPED_TRACE(name + ", " + std::to_string(share));
-      BlockOnASlope block(0, {.coefficient = kMuK, .static_coefficient = kMuS, .stribeck_speed = 1e-3}, 0,
-                          [&](double t, double, double) {
-                            return share * kMuS * kWeight * smooth_step(0, 1, 0, 5)(t).value;
-                          });
+      BlockOnASlope block(
+          0, {.coefficient = kMuK, .static_coefficient = kMuS, .stribeck_speed = 1e-2, .breakaway_deflection = 1e-7}, 0,
+          [&](double t, double, double) { return share * kMuS * kWeight * smooth_step(0, 1, 0, 5)(t).value; });
       block.scene.run(*method, 15);
       if (share < 1) {
         EXPECT_LT(std::abs(block.place()), 1e-4);
@@ -144,7 +146,8 @@ TEST(JointBristles, BreakAwayAtTheStaticForce) {
     }
 }
 
-/// It slides as Coulomb has it, v₀² / (2 μ g), stops, and rests; its bristles' energy and what they took are what it had.
+/// It slides as Coulomb has it, v₀² / (2 μ g), stops, and rests; its bristles' energy and what they took are what it
+/// had.
 TEST(JointBristles, StopASlidingBlockAndAccountForItsEnergy) {
   constexpr double kMu = 0.3, kSpeed = 1.5, kDelta = 1e-6;
   BlockOnASlope block(0, {.coefficient = kMu, .breakaway_deflection = kDelta}, 0, nullptr, kSpeed);
@@ -178,7 +181,51 @@ TEST(JointBristles, DoNotDriftUnderALoadThatGoesToAndFro) {
     block.scene.run(*method, 1);
     const double first = block.place();
     block.scene.run(*method, 21);
-    EXPECT_NEAR(block.place(), first, 2e-9);  // of 1e-5
+    EXPECT_NEAR(block.place(), first, 2e-7);  // LuGre's: some 6e-4
+  }
+}
+
+/// The pendulum stops where its weight is within what its pin holds, m g l sin φ < r μ m g, and stays.
+TEST(JointBristles, HoldAPendulumBesideItsLowestPlace) {
+  constexpr double kMu = 0.4, kRadius = 0.05, kLength = 0.3, kAngle = 0.06;  // sin φ < 0.0667
+  for (const double start : {kAngle, 0.4})
+    for (auto& [name, method] : methods(1e-8)) {
+      SCOPED_TRACE(name + " from " + std::to_string(start));
+      RevoluteJoint* pin = nullptr;
+      Scene scene({0, -kGravity, 0}, [&, start = start](SystemGraph& graph) {
+        const Matrix3 A = rotation_about({0, 0, 1}, start);
+        auto& rod = graph.add<RigidBody>(
+            "rod", {.mass = 2, .inertia = {0.1, 0.1, 0.1}, .position = A * Vector3(0, -kLength, 0), .orientation = A});
+        pin = &graph.add<RevoluteJoint>("pin", {graph.ground().marker(), rod.marker({0, kLength, 0})});
+        add_joint_bristles(graph, "rub", {pin->angle()}, draw_states(graph),
+                           {.joint = pin, .coefficient = kMu, .radius = kRadius});
+      });
+      scene.run(*method, 20);
+      const double rests = read(scene, coordinate(pin->angle(), "phi"));
+      scene.run(*method, 30);
+      EXPECT_NEAR(read(scene, coordinate(pin->angle(), "phi")), rests, 1e-8);
+      EXPECT_LT(std::abs(std::sin(rests)), kMu * kRadius / kLength);
+      if (start == kAngle) EXPECT_NEAR(rests, kAngle, 2e-3);
+    }
+}
+
+/// Bristles between two flexible bodies, whose modes Newton's matrix leaves out: they converge, and hold.
+TEST(JointBristles, HoldBetweenFlexibleBodies) {
+  for (const Pair& pair : pairs()) {
+    SCOPED_TRACE(pair.name);
+    PrismaticJoint* slide = nullptr;
+    Scene scene({0, 0, 0}, [&](SystemGraph& graph) {
+      const std::vector<Marker> ends = pair.draw(graph, {0, 0, 0.3});
+      slide = &graph.add<PrismaticJoint>("slide", ends);
+      add_joint_bristles(graph, "rub", {slide->displacement()}, draw_states(graph, JointBristles::start(20)),
+                         {.joint = slide, .coefficient = 0.5, .preload = 20});
+      graph.add<CoordinateMotor>("pull", {slide->displacement()}, {.effort = [](double t, double, double) {
+                                   return 8 * smooth_step(0, 1, 0, 0.1)(t).value;
+                                 }});
+    });
+    const Method method = radau(1e-6);
+    scene.run(*method, 0.2);
+    EXPECT_NEAR(read(scene, coordinate(slide->displacement(), "x")), 0.3, 2e-5);
   }
 }
 
@@ -193,18 +240,19 @@ TEST(JointBristles, StickAndSlipOnABeltAsCoulombHasIt) {
     auto& drum = graph.add<PrismaticJoint>("drum", {graph.ground().marker({}, along), belt.marker({}, along)});
     graph.add<CoordinateDrive>("drive", {drum.displacement()}, {.motion = ramp(0, kBelt)});
     rail = &graph.add<PrismaticJoint>("rail", {belt.marker({}, along), block.marker({}, along)});
-    const VectorX start = Eigen::Vector4d(-0.5, 0, 0, 0);  // k x = μ_s m g (-z)
-    add_joint_bristles(graph, "rub", {rail->displacement()}, draw_states(graph, start),
+    auto& states = draw_states(graph, JointBristles::start(kGravity, {-0.5, 0, 0}));  // k x = μ_s m g (-z)
+    add_joint_bristles(graph, "rub", {rail->displacement()}, states,
                        {.joint = rail,
                         .coefficient = 0.3,
                         .static_coefficient = 0.4,
-                        .stribeck_speed = 1e-7,
-                        .breakaway_deflection = 1e-11,
-                        .damping_time = 1e-6});
-    graph.add<CoordinateSpring>("spring", {displacement_between(graph.ground().marker({}, along), block.marker({}, along))},
+                        .stribeck_speed = 3e-5,
+                        .breakaway_deflection = 3e-9,
+                        .damping_time = 1e-4});
+    graph.add<CoordinateSpring>("spring",
+                                {displacement_between(graph.ground().marker({}, along), block.marker({}, along))},
                                 {.stiffness = kStiffness});
   });
-  const Method method = radau(1e-9);
+  const Method method = radau(1e-7);
   Simulation simulation{scene.system, *method};
   const auto rail_speed = coordinate_rate(rail->displacement(), "u");
   simulation.on({.name = "turns", .function = watch(rail_speed), .level = -0.5 * kBelt});

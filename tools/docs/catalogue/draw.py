@@ -18,6 +18,7 @@ MODULES = [
     "joints_pictures",
     "transmissions_pictures",
     "forces_pictures",
+    "friction_pictures",
     "ropes_pictures",
     "bodies_pictures",
     "cable_pictures",
