@@ -55,7 +55,8 @@ class JointBristles final : public ForceElement {
 
 extern template std::unique_ptr<ForceBatch> make_force_batch<JointBristles>();
 
-/// On one coordinate, or on an angle and the displacement along its axis. `states`: a FirstOrderStates of four.
+/// On one coordinate, or on an angle and the displacement along its axis. `states`: a FirstOrderStates of its own, of
+/// four.
 template <class States>
 JointBristles& add_joint_bristles(SystemGraph& graph, Located name, std::vector<JointCoordinate> coordinates,
                                   const States& states, JointBristles::Parameters parameters) {

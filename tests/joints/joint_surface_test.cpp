@@ -191,6 +191,9 @@ TEST(JointSurface, BadInputNamesWhatIsWrong) {
   p = good, p.elastic_share = 1, says({sleeve.angle()}, p, "elastic_share");
   p = good, p.damping_time = -1, says({sleeve.angle()}, p, "damping_time");
   p = good, p.load_time = 0, says({sleeve.angle()}, p, "load_time");
+  auto& few = graph.add<FirstOrderStates>("few", {.start = VectorX::Zero(3)});
+  expect_says(message_of<SceneError>([&] { add_joint_bristles(graph, "bad", {sleeve.angle()}, few, good); }),
+              {"'bad'", "'few'"});
 }
 
 }  // namespace
