@@ -29,7 +29,7 @@ void FirstOrderStates::marker_kinematics(const BodyState& state, int marker, Lev
   k.between = nullptr;
   k.frame = marker;
   k.r.setZero();
-  k.p = Eigen::Map<const Vector3>(state.q + 7 * marker);
+  k.p.setZero();  // of no meaning, and far from bodies: differences take steps of distances between markers
   k.R.setIdentity();
   if (level == Level::position) return;
   k.v = Eigen::Map<const Vector3>(state.v + 6 * marker);

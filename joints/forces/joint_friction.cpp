@@ -5,55 +5,32 @@
 
 namespace lithe {
 
-namespace {
-
-/// A part of the pressing force and its derivative.
-struct Press {
-  double force = 0;
-  Wrench by{Vector3::Zero(), Vector3::Zero()};
-
-  void add(const Vector3& f, double arm, Vector3 Wrench::*of) {
-    const double length = f.norm();
-    if (length == 0) return;
-    force += length / arm;
-    by.*of += f / (length * arm);
-  }
-};
-
-}  // namespace
-
-JointFriction::JointFriction(CoordinateSet coordinate, Parameters parameters)
-    : coordinate_(std::move(coordinate)),
-      parameters_(parameters),
+JointFriction::JointFriction(CoordinateSet coordinates, Parameters parameters)
+    : surface_(std::move(coordinates),
+               {parameters.joint, parameters.radius, parameters.bending_arm, parameters.preload}),
       law_({parameters.coefficient, parameters.static_coefficient, parameters.stribeck_speed, parameters.creep_speed}) {
-  const Parameters& p = parameters_;
-  coordinate_.require_one("friction");
-  if (!p.joint) throw SceneError("names no joint", "", "give .joint = &pin: whose reaction presses");
-  for (const auto& [value, name] : {std::pair(p.viscous, "viscous"), std::pair(p.radius, "radius"),
-                                    std::pair(p.bending_arm, "bending_arm"), std::pair(p.preload, "preload")})
-    require::not_negative(value, name);
-  if (coordinate_.is_angle(0)) require::positive(p.radius, "radius");
+  require::not_negative(parameters.viscous, "viscous");
+  viscous_ = surface_.viscous(parameters.viscous);
 }
 
+/// A row along the sliding velocity, the rest across it: together the derivative of a force against that velocity.
 void JointFriction::evaluate(double, std::span<const MarkerView> markers, ForceRows& rows) const {
-  const auto& p = parameters_;
-  const MeasuredCoordinate x = coordinate_.measure(0, markers, rows);
-  const bool turns = coordinate_.is_angle(0);
-  const Vector3 axis = coordinate_.axis(0, markers);
-  const auto& [F, T] = rows.reaction();
+  const JointSurface::Sliding sliding = surface_.sliding(markers, rows);
+  const auto [N, by] = surface_.press(markers, rows.reaction());
+  const int n = surface_.directions();
+  const double speed = n == 1 ? sliding.speed[0] : sliding.speed.norm();
+  const Vector3 along = n == 1 || speed == 0 ? Vector3(1, 0, 0) : Vector3(sliding.speed / speed);
 
-  Press press;
-  const Vector3 F_axial = axis.dot(F) * axis, T_axial = axis.dot(T) * axis;
-  press.add(F - F_axial, 1, &Wrench::force);
-  if (turns) press.add(F_axial, 1, &Wrench::force);
-  if (p.bending_arm > 0) press.add(T - T_axial, p.bending_arm, &Wrench::torque);
-  if (!turns && p.radius > 0) press.add(T_axial, p.radius, &Wrench::torque);
-  const double N = press.force + p.preload;
-
-  const double arm = turns ? p.radius : 1, s = arm * x.rate;
-  const auto [mu, mu_slope] = law_.at(s);
-  rows.add({x.on_A, x.on_B}, arm * mu * N + p.viscous * x.rate, 0, arm * arm * mu_slope * N + p.viscous, 0);
-  rows.depends_on_reaction((arm * mu) * press.by);
+  const auto [mu, slope] = law_.at(speed);
+  surface_.fill(sliding, along, rows.open());
+  rows.finish(mu * N + viscous_ * speed, 0, slope * N + viscous_);
+  rows.depends_on_reaction(mu * by);
+  const double across = (speed == 0 ? slope : mu / speed) * N + viscous_;
+  const Vector3 second = n == 2 ? Vector3(-along[1], along[0], 0) : Vector3(along.unitOrthogonal());
+  for (int k = 1; k < n; ++k) {
+    surface_.fill(sliding, k == 1 ? second : Vector3(along.cross(second)), rows.open());
+    rows.finish(0, 0, across);
+  }
 }
 
 template std::unique_ptr<ForceBatch> make_force_batch<JointFriction>();

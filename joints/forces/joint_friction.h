@@ -4,18 +4,18 @@
 #include "engine/model/force_element.h"
 #include "engine/model/joint_coordinate.h"
 #include "joints/forces/friction_law.h"
+#include "joints/forces/joint_surface.h"
 
 namespace lithe {
 
 /// Dry friction in a joint, driven by the joint's own reaction: regularized Coulomb with Stribeck's drop, and a viscous
-/// part.
-///   μ(s): FrictionLaw,   s: sliding speed, m/s
-///   an angle:        torque = r μ(r φ̇) N + c φ̇,   N = |F_lateral| + |F_axial| + |T_lateral| / l + N₀
-///   a displacement:  force  = μ(ẋ) N + c ẋ,        N = |F_lateral| + |T_lateral| / l + |T_axial| / r + N₀
-/// F, T: the joint's reaction at its second marker, along the coordinate's axis and across it; a term without a given
-/// arm is left out. Below creep_speed the joint creeps: it holds no load at rest. Friction has no potential.
+/// part. A force against the sliding velocity s of the joint's surfaces, pressed by N (JointSurface has both):
+///   F = μ(|s|) N + c_s |s|,   μ: FrictionLaw,   c_s: c, or c / r² of a pin and a ball
+/// Below creep_speed the joint creeps: it holds no load at rest; JointBristles stick. Friction has no potential.
 ///   graph.add<JointFriction>("rub", {pin.angle()}, {.joint = &pin, .coefficient = 0.1, .radius = 0.01});
-class JointFriction final : public Force</*markers=*/2, /*rows=*/1> {
+///   graph.add<JointFriction>("rub", {sleeve.angle(), sleeve.displacement()}, {...});   // or of a screw
+///   graph.add<JointFriction>("rub", ball.markers(), {...});
+class JointFriction final : public ForceElement {
  public:
   struct Parameters {
     const Constraint* joint = nullptr;  // its reaction gives the normal force
@@ -23,23 +23,30 @@ class JointFriction final : public Force</*markers=*/2, /*rows=*/1> {
     double static_coefficient = 0;      // μ_s; 0: μ_k
     double stribeck_speed = 0.1;        // v_s, m/s
     double creep_speed = 3e-3;          // v_c, m/s
-    double viscous = 0;                 // c, N m s/rad or N s/m
-    double radius = 0;                  // r, m; an angle needs it
+    double viscous = 0;                 // c: of a pin or a ball N m s/rad, otherwise N s/m
+    double radius = 0;                  // r, m; all but a slide need it
     double bending_arm = 0;             // l, m: between the bearing's halves; 0: bending gives no normal force
     double preload = 0;                 // N₀, N
   };
-  /// Throws SceneError without a joint, for an angle without a radius, and for what is negative or not finite.
-  JointFriction(CoordinateSet coordinate, Parameters parameters);
+  /// Throws SceneError without a joint, for what turns without a radius, for coordinates other than one or an angle
+  /// and the displacement along its axis, and for what is negative or not finite.
+  JointFriction(CoordinateSet coordinates, Parameters parameters);
+  /// Of a ball joint, on its own two markers.
+  explicit JointFriction(Parameters parameters) : JointFriction(CoordinateSet({}), parameters) {}
 
-  std::vector<MeasuredAngle> angles() const override { return coordinate_.angles(); }
-  const Constraint* reaction_of() const override { return parameters_.joint; }
+  /// Known at run time; but its tensions alone depend on velocities, so that their damping is all of the tangent.
+  static constexpr int kRows = -1;
+  int marker_count() const override { return surface_.marker_count(); }
+  int row_count() const override { return surface_.directions(); }
+  std::vector<MeasuredAngle> angles() const override { return surface_.angles(); }
+  const Constraint* reaction_of() const override { return surface_.joint(); }
   bool depends_on_time() const override { return false; }
   void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const override;
 
  private:
-  const CoordinateSet coordinate_;
-  Parameters parameters_;
-  FrictionLaw law_;
+  const JointSurface surface_;
+  const FrictionLaw law_;
+  double viscous_;  // N s/m
 };
 
 extern template std::unique_ptr<ForceBatch> make_force_batch<JointFriction>();

@@ -20,6 +20,7 @@ MODULES = [
     "gears_pictures",
     "bearings_pictures",
     "forces_pictures",
+    "friction_pictures",
     "ropes_pictures",
     "control_pictures",
     "bodies_pictures",
