@@ -150,14 +150,18 @@ TEST(ToothedGearPair, KeepsItsEnergyAndNeverPulls) {
     for (std::size_t i = 1; i < F.size(); ++i) {
       EXPECT_GE(F[i], -1e-12);
       hits += F[i] > 1 && F[i - 1] <= 1;
-      if (damping == 0)
+      if (damping == 0) {
         EXPECT_NEAR(E[i], initial, 1e-8 * initial);
-      else
+      } else {
         EXPECT_LE(E[i], E[i - 1] + 1e-9 * initial);
+      }
     }
     EXPECT_GT(hits, damping == 0 ? 10 : 1);
-    if (damping == 0) EXPECT_LT(*std::min_element(tangential.begin(), tangential.end()), -100);
-    if (damping > 0) EXPECT_LT(E.back(), 0.9 * initial);
+    if (damping == 0) {
+      EXPECT_LT(*std::min_element(tangential.begin(), tangential.end()), -100);
+    } else {
+      EXPECT_LT(E.back(), 0.9 * initial);
+    }
   }
 }
 
