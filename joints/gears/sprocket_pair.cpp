@@ -130,8 +130,7 @@ void SprocketPair::drawn_line(std::span<const MarkerView> markers, const AngleMe
     points.col(i) =
         A.p + radius_A_ * in_plane_direction(A, right.normal_A + (left.normal_A - kTurn - right.normal_A) * x);
     points.col(kArcPoints + i) =
-        B.p +
-        radius_B_ * in_plane_direction(B, left.normal_B + (right.normal_B - kTurn - left.normal_B) * x);
+        B.p + radius_B_ * in_plane_direction(B, left.normal_B + (right.normal_B - kTurn - left.normal_B) * x);
   }
   points.col(2 * kArcPoints) = points.col(0);
 }

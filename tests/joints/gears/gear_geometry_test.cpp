@@ -62,7 +62,9 @@ TEST(GearGeometry, HasTheBacklashThatItsTeethLeaveOnTheWorkingCircles) {
           const double gap = (pitch - g.A.tooth_thickness - g.B.tooth_thickness) * std::cos(g.working_pressure_angle);
           EXPECT_NEAR(g.backlash, gap, 1e-15);
           EXPECT_NEAR(g.A.working_radius + g.B.working_radius, g.centre_distance, 1e-15);
-          if (more + thinner > 0) EXPECT_GT(g.backlash, 4e-5);
+          if (more + thinner > 0) {
+            EXPECT_GT(g.backlash, 4e-5);
+          }
         }
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "bodies/rigid_body.h"
 #include "joints/gears/bevel_gear_pair.h"
 #include "joints/gears/toothed_rack.h"
 #include "tests/support/joint_checks.h"
