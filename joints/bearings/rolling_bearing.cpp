@@ -149,13 +149,14 @@ void RollingBearing::evaluate(double, std::span<const MarkerView> markers, Force
   const Rings r = rings(markers[0], markers[1], rows);
   const Loads now = loads(r.at);
   // ∂²V by u, θ (K), by both and ψ (a), and by ψ (κ), in rows of diagonal stiffness:
-  //   [K a; aᵀ κ] = [K + s² a aᵀ, 0; 0, κ + 1/s²] - (s a, -1/s) (s a, -1/s)ᵀ,  s² a aᵀ a millionth of K
+  //   [K a; aᵀ κ] = [K + s² a aᵀ, 0; 0, κ + 1/s²] - (s a, -1/s) (s a, -1/s)ᵀ,  s² a aᵀ a millionth of the largest K
   Matrix5 K = now.stiffness.topLeftCorner<5, 5>();
   const Vector5 a = now.stiffness.topRightCorner<5, 1>();
-  double share = 0;
-  for (int i = 0; i < 5; ++i)
-    if (K(i, i) > 0) share += a[i] * a[i] / K(i, i);
-  const double s = share > 0 ? std::sqrt(1e-6 / share) : 0;
+  const auto share = [&](int first, int count) {  // a aᵀ over the stiffest direction
+    const double stiffest = K.diagonal().segment(first, count).maxCoeff();
+    return stiffest > 0 ? a.segment(first, count).squaredNorm() / stiffest : 0;
+  };
+  const double of_both = share(0, 3) + share(3, 2), s = of_both > 1e-100 ? std::sqrt(1e-6 / of_both) : 0;
   K += s * a * (s * a).transpose();
 
   const double tau = layout_.losses.damping_time;
