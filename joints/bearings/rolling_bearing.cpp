@@ -123,8 +123,13 @@ RollingBearing::Loads RollingBearing::loads(const Vector6& at, std::vector<Rolli
     sum.energy += one.energy;
     sum.force.head<5>() += plane.motion.transpose() * one.force;
     sum.force[5] += one.force.dot(plane.turned * e);
-    sum.stiffness += plane.motion.transpose() * one.stiffness * plane.motion;
+    const Vector3 motion = plane.motion * e, turning = plane.turned * e;
+    sum.stiffness.topLeftCorner<5, 5>() += plane.motion.transpose() * one.stiffness * plane.motion;
+    sum.stiffness.topRightCorner<5, 1>() +=
+        plane.motion.transpose() * (one.stiffness * turning) + plane.turned.transpose() * one.force;
+    sum.stiffness(5, 5) += turning.dot(one.stiffness * turning) - one.force.tail<2>().dot(motion.tail<2>());
   }
+  sum.stiffness.bottomLeftCorner<1, 5>() = sum.stiffness.topRightCorner<5, 1>().transpose();
   return sum;
 }
 
@@ -143,22 +148,40 @@ double RollingBearing::friction(double speed, double load, double& slope) const 
 void RollingBearing::evaluate(double, std::span<const MarkerView> markers, ForceRows& rows) const {
   const Rings r = rings(markers[0], markers[1], rows);
   const Loads now = loads(r.at);
+  // ∂²V by u, θ (K), by both and ψ (a), and by ψ (κ), in rows of diagonal stiffness:
+  //   [K a; aᵀ κ] = [K + s² a aᵀ, 0; 0, κ + 1/s²] - (s a, -1/s) (s a, -1/s)ᵀ,  s² a aᵀ a millionth of the largest K
+  Matrix5 K = now.stiffness.topLeftCorner<5, 5>();
+  const Vector5 a = now.stiffness.topRightCorner<5, 1>();
+  const auto share = [&](int first, int count) {  // a aᵀ over the stiffest direction
+    const double stiffest = K.diagonal().segment(first, count).maxCoeff();
+    return stiffest > 0 ? a.segment(first, count).squaredNorm() / stiffest : 0;
+  };
+  const double of_both = share(0, 3) + share(3, 2), s = of_both > 1e-100 ? std::sqrt(1e-6 / of_both) : 0;
+  K += s * a * (s * a).transpose();
+
   const double tau = layout_.losses.damping_time;
   Vector6 tension = now.force;
-  tension.head<5>() += tau * now.stiffness * r.rate.head<5>();
+  tension.head<5>() += tau * K * r.rate.head<5>();
   double drag_slope;
   tension[5] += friction(r.speed, now.force.head<3>().norm(), drag_slope) / cage_ratio_;
   rows.add_energy(now.energy);
-  for (int i = 0; i < 6; ++i)
-    rows.add({r.on_inner[i], r.on_outer[i]}, tension[i], 0, i < 5 ? 0 : drag_slope / (cage_ratio_ * cage_ratio_), 0);
+  for (int i = 0; i < 5; ++i) rows.add({r.on_inner[i], r.on_outer[i]}, tension[i], 0, 0, 0);
+  rows.add({r.on_inner[5], r.on_outer[5]}, tension[5], now.stiffness(5, 5) + (s > 0 ? 1 / (s * s) : 0),
+           drag_slope / (cage_ratio_ * cage_ratio_), 0);
   // Rows without tension: what the loads above grow by.
-  const SemidefiniteFactor factor(now.stiffness);
-  for (int j = 0; j < 5; ++j) {
+  const auto add_growth = [&](const Vector6& along, double stiffness, double damping) {
     Wrench inner = torque(Vector3::Zero()), outer = inner;
-    for (int i = j; i < 5; ++i)
-      inner = inner + factor.L(i, j) * r.on_inner[i], outer = outer + factor.L(i, j) * r.on_outer[i];
-    rows.add({inner, outer}, 0, factor.D[j], tau * factor.D[j], 0);
+    for (int i = 0; i < 6; ++i) inner = inner + along[i] * r.on_inner[i], outer = outer + along[i] * r.on_outer[i];
+    rows.add({inner, outer}, 0, stiffness, damping, 0);
+  };
+  const SemidefiniteFactor factor(K);
+  Vector6 along = Vector6::Zero();
+  for (int j = 0; j < 5; ++j) {
+    along.head<5>() = factor.L.col(j);
+    add_growth(along, factor.D[j], tau * factor.D[j]);
   }
+  along << s * a, s > 0 ? -1 / s : 0;
+  add_growth(along, s > 0 ? -1 : 0, 0);
 }
 
 std::vector<DrawnShape> RollingBearing::drawn_shapes(int marker) const {

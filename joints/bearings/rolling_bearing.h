@@ -49,9 +49,8 @@ struct BearingFrequencies {
 /// so a loaded bearing shakes at the pass frequency of its elements: its varying compliance. In the plane of an element
 /// the inner ring moves by w = u_z, p = u_x cos ψ + u_y sin ψ and q = θ_y cos ψ - θ_x sin ψ; its law is a potential
 /// V(w, p, q), so loads are -∂V, moments about z included, and the energy account closes. Quasi-static: the elements
-/// have no mass. Of the eleven compliant rows six, along u, θ and ψ, carry the loads, and five the stiffness of u and
-/// θ, K = L D Lᵀ. How loads change with ψ is left out of the tangent: rings turn far less in a correction of Newton's.
-class RollingBearing : public Force</*markers=*/2, /*rows=*/11>, public DrawableConnector {
+/// have no mass. Twelve compliant rows: six, along u, θ and ψ, carry the loads, the others what these grow by.
+class RollingBearing : public Force</*markers=*/2, /*rows=*/12>, public DrawableConnector {
  public:
   std::vector<MeasuredAngle> angles() const override { return {{.A = 1, .B = 0, .axis = 2}}; }
   bool depends_on_time() const override { return false; }
@@ -96,7 +95,7 @@ class RollingBearing : public Force</*markers=*/2, /*rows=*/11>, public Drawable
   struct Loads {
     double energy = 0;
     Vector6 force = Vector6::Zero();      // ∂V by u, θ and ψ
-    Matrix5 stiffness = Matrix5::Zero();  // ∂²V by u and θ
+    Matrix6 stiffness = Matrix6::Zero();  // ∂²V
   };
   struct Rings;
   using Reading = void (*)(const Vector6& at, const std::vector<RollingElementLoad>& each, std::span<double> values);

@@ -21,7 +21,7 @@ Vector5 RollingBearing::load(const Vector5& deflection, double cage) const {
 }
 
 Matrix5 RollingBearing::stiffness(const Vector5& deflection, double cage) const {
-  return loads(with_cage(deflection, cage)).stiffness;
+  return loads(with_cage(deflection, cage)).stiffness.topLeftCorner<5, 5>();
 }
 
 std::vector<RollingElementLoad> RollingBearing::element_loads(const Vector5& deflection, double cage) const {
@@ -45,7 +45,7 @@ Vector5 RollingBearing::deflection(const Vector5& load, double cage) const {
   for (int i = 0; i < 500; ++i) {
     const Vector5 lack = load - now.force.head<5>();
     if (size(lack) <= wanted) return e;
-    MatrixX K = now.stiffness;
+    MatrixX K = now.stiffness.topLeftCorner<5, 5>();
     K.diagonal() += shift * metric;
     const Vector5 by = Eigen::LLT<MatrixX>(K).solve(VectorX(lack)), next = e + by;
     const Loads there = loads(with_cage(next, cage));

@@ -48,8 +48,7 @@ double root(F&& f, double low, double high) {
 
 // ---- elements ----
 
-/// Sizes of metres, and all elements far from losing contact: so many hardly notice where the cage is, which the
-/// tangent leaves out.
+/// Sizes of metres, and all elements far from losing contact.
 template <class Bearing>
 void check_between_all_pairs(const typename Bearing::Parameters& parameters) {
   for (const Pair& pair : pairs()) {
@@ -63,7 +62,7 @@ void check_between_all_pairs(const typename Bearing::Parameters& parameters) {
 constexpr BearingLosses kLosses{.damping_time = 0.1, .load_factor = 0.2, .speed_factor = 0.3, .creep_speed = 4};
 
 TEST(BallBearing, PushesByWhatItsPotentialLosesAndLosesPower) {
-  check_between_all_pairs<BallBearing>({.balls = 24,
+  check_between_all_pairs<BallBearing>({.balls = 5,
                                         .ball_diameter = 0.2,
                                         .pitch_diameter = 2,
                                         .inner_groove_radius = 0.5,
@@ -75,7 +74,7 @@ TEST(BallBearing, PushesByWhatItsPotentialLosesAndLosesPower) {
 }
 
 TEST(RollerBearing, PushesByWhatItsPotentialLosesAndLosesPower) {
-  check_between_all_pairs<RollerBearing>({.rollers = 24,
+  check_between_all_pairs<RollerBearing>({.rollers = 4,
                                           .roller_diameter = 0.2,
                                           .roller_length = 1,
                                           .pitch_diameter = 2,
