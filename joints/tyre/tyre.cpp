@@ -46,6 +46,9 @@ Tyre::Tyre(Parameters parameters) : p_(std::move(parameters)), formula_(p_.coeff
   require::positive(linear_, "q_fz1, or vertical_stiffness,");
   if (c.nompres > 0)
     by_pressure_ = ((p_.pressure > 0 ? p_.pressure : c.inflpres > 0 ? c.inflpres : c.nompres) - c.nompres) / c.nompres;
+  const double stiffer = 1 + c.pfz1 * by_pressure_, slope = linear_ * linear_ + 4 * c.q_fz2;
+  require::positive(stiffer, "1 + pfz1 dp"), require::positive(slope, "q_fz1² + 4 q_fz2");
+  sag_ = c.unloaded_radius / (stiffer * std::sqrt(slope));
   if (!(c.longitudinal_stiffness > 0 || c.ptx1 > 0) || !(c.lateral_stiffness > 0 || (c.pty1 > 0 && c.pty2 > 0)))
     throw SceneError("the tyre has no relaxation length", "",
                      "give longitudinal_stiffness and lateral_stiffness of the carcass, or ptx1, pty1 and pty2");
@@ -56,7 +59,7 @@ Tyre::Radial Tyre::radial(double deflection) const {
   if (deflection <= 0) return {};
   const TyreCoefficients& c = p_.coefficients;
   const double r = deflection / c.unloaded_radius, F = c.fnomin * (1 + c.pfz1 * by_pressure_);
-  const double full = 0.05 * c.unloaded_radius / std::sqrt(linear_ * linear_ + 4 * std::max(0.0, c.q_fz2));
+  const double full = 0.05 * sag_;
   Radial at{F * r * (linear_ + c.q_fz2 * r), F * (linear_ + 2 * c.q_fz2 * r) / c.unloaded_radius,
             F * c.unloaded_radius * r * r * (linear_ / 2 + c.q_fz2 * r / 3), c.vertical_damping, 0};
   if (deflection < full) at.damping *= deflection / full, at.damping_slope = c.vertical_damping / full;
@@ -106,8 +109,7 @@ Tyre::Contact Tyre::contact(std::span<const MarkerView> markers, Radial& row, do
     row = {.energy = row.energy};
 
   const double by_load = c.load / t.fnomin;
-  const double sag = t.unloaded_radius / std::sqrt(linear_ * linear_ + 4 * t.q_fz2) / (1 + t.pfz1 * by_pressure_);
-  c.radius = free - sag * (t.dreff * std::atan(t.breff * by_load) + t.freff * by_load);
+  c.radius = free - sag_ * (t.dreff * std::atan(t.breff * by_load) + t.freff * by_load);
   c.speed = c.forward.dot(moving);
   c.slip_x = c.speed - c.spin * c.radius;
   c.slip_y = c.normal.cross(c.forward).dot(there);
@@ -119,8 +121,8 @@ void Tyre::roll(std::span<const MarkerView> markers, Contact& c) const {
   const TyreCoefficients& t = p_.coefficients;
   const double u = markers[2].v.x(), v = markers[2].v.y(), side = p_.mirrored ? -1 : 1;
   const auto K = formula_.stiffness(c.load, side * c.camber, p_.pressure);
-  const double K_x = std::abs(K.longitudinal), K_y = std::abs(K.cornering);
-  const double nominal = t.fnomin * t.lfzo, df = (c.load - nominal) / nominal;
+  const double nominal = t.fnomin * t.lfzo, df = (c.load - nominal) / nominal, least = 1e-6 * c.load;
+  const double K_x = std::max(least, std::abs(K.longitudinal)), K_y = std::max(least, std::abs(K.cornering));
   // Of the carcass, N/m: a tenth of the nominal one at least, where the fit of another load would turn its sign.
   const auto carcass = [&](double stiffness, double linear, double square, double pressure) {
     return stiffness * std::max(0.1, (1 + linear * df + square * df * df) * (1 + pressure * by_pressure_));

@@ -76,6 +76,7 @@ class Tyre final : public ForceElement {
   const MagicFormula formula_;
   double by_pressure_ = 0;  // dp_i
   double linear_ = 0;       // q_fz1
+  double sag_ = 0;          // F_z0 / c_z, m
 };
 
 /// Columns kappa, alpha (rad), camber (rad), deflection (m), Fx, Fy, Fz (N), Mx, My, Mz (N m) of Tyre::Contact, and the

@@ -4,6 +4,7 @@
 
 #include <numbers>
 
+#include "engine/base/error.h"
 #include "joints/tyre/magic_formula.h"
 #include "models/read_tir.h"
 #include "tests/support/message_of.h"

@@ -321,6 +321,7 @@ TEST(Tyre, RefusesWhatIsNoTyre) {
   expect_says(refusal([](auto& p) { p.pressure = -1; }), {"tyre", "pressure"});
   expect_says(refusal([](auto& p) { p.low_speed_damping = NAN; }), {"low_speed_damping"});
   expect_says(refusal([](auto& p) { p.coefficients.vertical_stiffness = 0; }), {"vertical_stiffness"});
+  expect_says(refusal([](auto& p) { p.coefficients.q_fz1 = 5, p.coefficients.q_fz2 = -9; }), {"q_fz2"});
   expect_says(refusal([](auto& p) { p.coefficients.lateral_stiffness = 0; }), {"relaxation", "lateral_stiffness"});
   expect_says(refusal([](auto& p) { p.coefficients.unloaded_radius = -1; }), {"unloaded_radius", "-1"});
   SystemGraph graph;

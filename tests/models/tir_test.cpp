@@ -1,6 +1,7 @@
 // Tyre property files: what is read, converted and refused.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <numbers>
 #include <sstream>
