@@ -1,35 +1,16 @@
 // 31_inputs_and_bode: a scene with inputs: what does a torque at a hinge do to the end of a flexible arm, and how does
 // a controller that samples move it?
 //
-// Shows: Input, set while a run goes on by an observer; linearize() with inputs and outputs; Bode and Nyquist charts.
+// Shows: Input; linearize() with inputs and outputs; Bode and Nyquist charts; SampledController, which sets the input.
 // Expect: the linearized arm has a zero between its poles (where the hinge stands still and the end swings); the
 //         sampled controller brings the arm to its target; charts in results/inputs/.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
 #include "lithe/lithe.h"
 
 using namespace lithe;
-
-namespace {
-
-/// A controller on a computer: every sample it reads sensors and sets the torque that is held until the next.
-class SampledController final : public Observer {
- public:
-  SampledController(Input& torque, const JointCoordinate& angle)
-      : torque_(torque), angle_(coordinate(angle, "angle")), rate_(coordinate_rate(angle, "rate")) {}
-  void observe(Snapshot& now) override {
-    const double wanted = 0.6 * (0.5 - angle_.value(now)) - 0.4 * rate_.value(now);
-    const auto& bounds = torque_.parameters();
-    torque_.set(now.time(), std::clamp(wanted, bounds.lower, bounds.upper));
-  }
-
- private:
-  Input& torque_;
-  Sensor angle_, rate_;
-};
-
-}  // namespace
 
 int main() {
   // 1. A flexible arm on a hub that turns about the vertical, under a torque given from outside.
@@ -67,10 +48,18 @@ int main() {
   // 3. A run under the controller, which samples every 10 ms.
   GeneralizedAlpha integrator{{.step = 2e-3}};
   Simulation simulation{system, integrator};
-  SampledController controller(torque, hinge.angle());
+  SampledController controller(
+      {.name = "controller",
+       .interval = 0.01,
+       .inputs = {{coordinate(hinge.angle(), "angle")}, {coordinate_rate(hinge.angle(), "rate")}},
+       .outputs = {&torque},
+       .law = {.inputs = 2, .outputs = 1, .step = [&](double, const VectorX& u, VectorX&, VectorX& y) {
+                 const auto& bounds = torque.parameters();
+                 y[0] = std::clamp(0.6 * (0.5 - u[0]) - 0.4 * u[1], bounds.lower, bounds.upper);
+               }}});
   Recorder recorder{{coordinate(hinge.angle(), "angle"), input_value(torque), position(end, "end")}};
   simulation.observe(recorder, every(0.01));
-  simulation.observe(controller, every(0.01));
+  controller.join(simulation);
   State state = rest;
   simulation.run(state, 4);
   recorder.write_csv("results/inputs/run.csv");
