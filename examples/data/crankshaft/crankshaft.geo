@@ -1,0 +1,43 @@
+// One throw of a crankshaft with its two main journals, metres: axis along z, crank pin at x = 43 mm.
+// gmsh -3 crankshaft.geo -o crankshaft.msh
+SetFactory("OpenCASCADE");
+throw = 0.043; pin = 0.023; journal = 0.026;           // radii
+half_pin = 0.013; web = 0.018; bearing = 0.028;        // along the axis
+fillet = 0.004; cheek = 0.034; weight = 0.062;
+
+Cylinder(1) = {throw, 0, -half_pin, 0, 0, 2 * half_pin, pin};
+z = half_pin + web;
+Cylinder(2) = {0, 0, z, 0, 0, bearing, journal};
+Cylinder(3) = {0, 0, -z - bearing, 0, 0, bearing, journal};
+For side In {0:1}
+  base = 10 + 10 * side;
+  from = side == 0 ? half_pin : -half_pin - web;
+  Cylinder(base) = {throw, 0, from, 0, 0, web, cheek};
+  Box(base + 1) = {-0.01, -cheek, from, throw + 0.01, 2 * cheek, web};
+  Cylinder(base + 2) = {0, 0, from, 0, 0, web, weight};
+  Box(base + 3) = {-weight, -weight, from, weight - 0.01, 2 * weight, web};
+  BooleanIntersection(base + 4) = { Volume{base + 2}; Delete; }{ Volume{base + 3}; Delete; };
+EndFor
+BooleanUnion(30) = { Volume{1}; Delete; }{ Volume{2, 3, 10, 11, 14, 20, 21, 24}; Delete; };
+
+e = 1e-4;
+rims() = Curve In BoundingBox {throw - pin - e, -pin - e, half_pin - e, throw + pin + e, pin + e, half_pin + e};
+rims() += Curve In BoundingBox {throw - pin - e, -pin - e, -half_pin - e, throw + pin + e, pin + e, -half_pin + e};
+rims() += Curve In BoundingBox {-journal - e, -journal - e, z - e, journal + e, journal + e, z + e};
+rims() += Curve In BoundingBox {-journal - e, -journal - e, -z - e, journal + e, journal + e, -z + e};
+Fillet{30}{rims()}{fillet}
+
+Physical Volume("crankshaft") = Volume{:};
+w = half_pin - fillet;
+Physical Surface("pin") = Surface In BoundingBox {throw - pin - e, -pin - e, -w - e, throw + pin + e, pin + e, w + e};
+Physical Surface("front") = Surface In BoundingBox
+  {-journal - e, -journal - e, -z - bearing - e, journal + e, journal + e, -z - fillet + e};
+Physical Surface("rear") = Surface In BoundingBox
+  {-journal - e, -journal - e, z + fillet - e, journal + e, journal + e, z + bearing + e};
+
+Mesh.MeshSizeMin = 0.005;
+Mesh.MeshSizeMax = 0.02;
+Mesh.MeshSizeFromCurvature = 6;
+Mesh.ElementOrder = 2;
+Mesh.HighOrderOptimize = 1;
+Mesh.MshFileVersion = 2.2;
