@@ -1,5 +1,5 @@
 // crank_train: a crankshaft and a rod that bend run up to 6,000 rpm under the gas of a four-stroke cycle.
-// One cylinder of a typical engine for cars: bore 86 mm, stroke 86 mm, 75 bar at most. The crankshaft is a gmsh mesh
+// One cylinder of a typical engine for cars: bore and stroke 86 mm, 75 bar at most. The crankshaft is a gmsh mesh
 // with fillets of 4 mm, reduced to its journals and its pin (Craig-Bampton); the rod is made of bricks. A drive at the
 // flywheel holds the speed, as the other cylinders and the load would. Checked: piston and bearing forces against the
 // rigid slider-crank; the largest stress lies in a fillet.
@@ -24,13 +24,13 @@ Motion turning(double t) {
           kSpeed / kRunUp * 6 * (s - s * s)};
 }
 
-/// N on the piston towards the crank, by the crank's angle from the dead centre at which it fires.
+/// N on the piston towards the crank, by the crank's angle from rest, a turn before it fires.
 double gas(double angle) {
   static const CubicSpline pressure(
       {0, 8, 15, 25, 40, 60, 90, 120, 150, 180, 240, 360, 480, 540, 600, 640, 670, 690, 705, 720},
       {48, 67, 75, 63, 36, 18, 8.5, 5, 3, 1.8, 1.1, 1.05, 0.9, 0.95, 1.6, 3.3, 8, 17, 30, 48},
       "pressure");  // degrees, bar
-  const double degrees = std::fmod(angle * 180 / M_PI, 720);
+  const double degrees = std::fmod(angle * 180 / M_PI + 360, 720);
   return (pressure(degrees).value - 1) * 1e5 * M_PI / 4 * kBore * kBore;
 }
 
@@ -52,7 +52,7 @@ int main() {
   const std::vector<int>&front = mesh.node_set("front"), &pin = mesh.node_set("pin"), &rear = mesh.node_set("rear");
   auto& crank = graph.add<FlexibleBody>(
       "crankshaft",
-      {.basis = make_basis(mesh, MeanAxisFrame{}, 6,
+      {.basis = make_basis(mesh, MeanAxisFrame{}, 1,
                            {.rigid = {front, pin, rear}, .interface_modes = InterfaceModes::craig_bampton}),
        .damping = {.modal_ratios = {0.02}}});
   const auto hold = [&](const std::string& name, const std::vector<int>& nodes, const Vector3& at, double mass,
@@ -81,7 +81,7 @@ int main() {
                                                .name = "rod"});
   const std::vector<int>&big = shank.node_set("x_min"), &small = shank.node_set("x_max");
   auto& rod = graph.add<FlexibleBody>(
-      "rod", {.basis = make_basis(shank, MeanAxisFrame{}, 4,
+      "rod", {.basis = make_basis(shank, MeanAxisFrame{}, 2,
                                   {.rigid = {big, small}, .interface_modes = InterfaceModes::craig_bampton}),
               .damping = {.modal_ratios = {0.02}},
               .position = {kCrank, -0.014, -0.008}});
@@ -110,36 +110,41 @@ int main() {
        .draw =
            [&](Run& page) {
              page.draw(piston, visual::cylinder(kBore / 2, 0.05).at({}, bore));
-             page.draw(flywheel, visual::cylinder(0.14, 0.02).at({0, 0, 0.03}));
-             page.draw(pulley, visual::cylinder(0.07, 0.02).at({0, 0, -0.03}));
+             page.draw(flywheel, visual::cylinder(0.035, 0.02).at({0, 0, 0.03}));  // their flanges, which hide nothing
+             page.draw(pulley, visual::cylinder(0.035, 0.02).at({0, 0, -0.03}));
              page.draw(shell, visual::cylinder(0.025, 0.018));
            },
        .wants = {want(position(piston.marker(), "piston"), percent(1))},
        .solve_duration = 0.04});
+
   // 4. Check: over the last two cycles the force on the piston and that of both bearings along the cylinder.
-  write_csv(out.table, "crank.csv");
-  const ModelCheck throw_ = check(mesh, Definiteness::not_looked_at), shaft = check(shank, Definiteness::not_looked_at);
-  const double turning_moment = throw_.mass * throw_.center.x() + 0.05 * kCrank;  // kg m, of crankshaft and shell
-  const double weight = kGravity * (throw_.mass + 0.05 + shaft.mass + kPiston + 9.5);
-  double off[3] = {}, largest[3] = {};
+  const ModelCheck shaft = check(mesh, Definiteness::not_looked_at), link = check(shank, Definiteness::not_looked_at);
+  const double unbalance = shaft.mass * shaft.center.x() + 0.05 * kCrank;  // kg m, with the shell
+  const double weight = kGravity * (shaft.mass + 0.05 + link.mass + kPiston + 9.5);
+  double off[3] = {}, largest[3] = {}, rows = 0;  // root of the mean square, and the largest
   for (int row = 0; row < out.table.row_count(); ++row) {
     const double t = out.table.at(row, 0);
     if (t < kRunUp) continue;
+    ++rows;
     const auto value = [&](const char* column) { return machine::at(out.table, column, t); };
     const double phi = turning(t).value, s = kCrank * std::sin(phi), a = piston_acceleration(phi),
                  pin_acceleration = -kSpeed * kSpeed * kCrank * std::cos(phi);
     const double rigid[] = {kCrank * std::cos(phi) + std::sqrt(kRod * kRod - s * s),
                             kPiston * (a + kGravity) + gas(phi),
-                            gas(phi) + weight + kPiston * a + 0.5 * shaft.mass * (a + pin_acceleration) +
-                                turning_moment * pin_acceleration / kCrank};
+                            gas(phi) + weight + kPiston * a + 0.5 * link.mass * (a + pin_acceleration) +
+                                unbalance * pin_acceleration / kCrank};
     const double seen[] = {value("piston_x"), value("small_force_x"), value("front_force_x") + value("rear_force_x")};
     for (int k = 0; k < 3; ++k) {
-      off[k] = std::max(off[k], std::abs(seen[k] - rigid[k]));
+      off[k] += std::pow(seen[k] - rigid[k], 2);
       largest[k] = std::max(largest[k], std::abs(rigid[k]));
     }
   }
-  std::printf("against the rigid slider-crank: piston %.3f mm, its force %.0f of %.0f N, bearings %.0f of %.0f N\n",
+  for (double& sum : off) sum = std::sqrt(sum / rows);
+  std::printf("off the rigid slider-crank, rms: piston %.3f mm, its force %.0f of %.0f N, bearings %.0f of %.0f N\n",
               1e3 * off[0], off[1], largest[1], off[2], largest[2]);
-  std::puts(stress.report().c_str());
-  return out.good && off[0] < 3e-4 && off[1] < 0.05 * largest[1] && off[2] < 0.05 * largest[2] ? 0 : 1;
+  std::fputs(stress.report(1).c_str(), stdout);
+  const Vector3 at = mesh.nodes.col(stress.extrema().node);
+  const bool in_fillet =
+      std::abs(std::abs(at.z()) - 0.011) < 0.002 && std::abs(std::hypot(at.x() - kCrank, at.y()) - 0.025) < 0.002;
+  return out.good && off[0] < 1e-4 && off[1] < 0.01 * largest[1] && off[2] < 0.03 * largest[2] && in_fillet ? 0 : 1;
 }

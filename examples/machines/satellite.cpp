@@ -107,8 +107,8 @@ std::array<double, 2> rigid_attitudes() {
 int main() {
   // 1. The bus and its wings; no gravity.
   SystemGraph graph{{.gravity = {0, 0, 0}}};
-  auto& bus = graph.add<RigidBody>("bus", {.mass = kBusMass, .inertia = {kBusInertia, 220, 200}});
-  const Wing wings[] = {add_wing(graph, bus, "north", 0, false), add_wing(graph, bus, "south", M_PI, true)};
+  auto& bus = graph.add<RigidBody>("bus", {.mass = kBusMass, .inertia = {220, kBusInertia, 200}});
+  const Wing wings[] = {add_wing(graph, bus, "north", -M_PI / 2, false), add_wing(graph, bus, "south", M_PI / 2, true)};
 
   // 2. The second is released by time; a latch locks where its wing comes to a right angle, without strain.
   Recorder momentum({machine::angular_momentum(graph)});
@@ -120,8 +120,8 @@ int main() {
                      Event::Action::restart,
                      [&wing](State& now) { wing.latch->set(now.time, kLatch), wing.locked->set(now.time, M_PI / 2); }});
   };
-  const auto draw = [&](Run& page) { page.draw(bus, visual::box({1.5, 1.2, 2})); };
-  const JointCoordinate attitude = angle_between(graph.ground().marker(), bus.marker(), 0);
+  const auto draw = [&](Run& page) { page.draw(bus, visual::box({1.2, 1.5, 2})); };
+  const JointCoordinate attitude = -angle_between(graph.ground().marker(), bus.marker(), 1);
   const Sensor tip = position(wings[0].tip, "tip");
   const machine::Outcome out =
       machine::run(graph, {.name = "satellite",

@@ -1,5 +1,5 @@
 // One throw of a crankshaft with its two main journals, metres: axis along z, crank pin at x = 43 mm.
-// gmsh -3 crankshaft.geo -o crankshaft.msh
+// gmsh -3 crankshaft.geo -o crankshaft.msh; coordinates rounded to 1e-8 m.
 SetFactory("OpenCASCADE");
 throw = 0.043; pin = 0.023; journal = 0.026;           // radii
 half_pin = 0.013; web = 0.018; bearing = 0.028;        // along the axis
@@ -35,9 +35,21 @@ Physical Surface("front") = Surface In BoundingBox
 Physical Surface("rear") = Surface In BoundingBox
   {-journal - e, -journal - e, z + fillet - e, journal + e, journal + e, z + bearing + e};
 
-Mesh.MeshSizeMin = 0.005;
-Mesh.MeshSizeMax = 0.02;
-Mesh.MeshSizeFromCurvature = 6;
+// Finer in the fillets of the pin on the inner side, where they are stressed most.
+For side In {0:1}
+  Field[side + 1] = Box;
+  Field[side + 1].VIn = 0.0037; Field[side + 1].VOut = 0.025; Field[side + 1].Thickness = 0.004;
+  Field[side + 1].XMin = throw - pin - 2 * fillet; Field[side + 1].XMax = throw - pin / 2;
+  Field[side + 1].YMin = -0.02; Field[side + 1].YMax = 0.02;
+  from = side == 0 ? half_pin - fillet : -half_pin;
+  Field[side + 1].ZMin = from; Field[side + 1].ZMax = from + fillet;
+EndFor
+Field[3] = Min;
+Field[3].FieldsList = {1, 2};
+Background Field = 3;
+Mesh.MeshSizeMin = 0.003;
+Mesh.MeshSizeMax = 0.025;
+Mesh.MeshSizeFromCurvature = 4;
 Mesh.ElementOrder = 2;
 Mesh.HighOrderOptimize = 1;
 Mesh.MshFileVersion = 2.2;
