@@ -85,7 +85,7 @@ int main() {
   auto& load = graph.add<CoordinateMotor>("load", {fast.angle()}, {.effort = torque});
 
   // 3. Blades on pitch bearings, drawn at their pitch, and the air on their strips.
-  const Table table = read_csv(LITHE_EXAMPLE_DATA "/blade/nrel5mw_strips.csv");
+  const Table table = read_csv(LITHE_EXAMPLE_DATA "/nrel5mw_strips.csv");
   const double gain = kRatio / (1 + kPitch / 0.11);  // table 7-2, at this pitch; the report controls the generator
   const turbine::PitchDrive::Parameters control{kPitch, kRated, 0.01882681 * gain, 0.008068634 * gain, 2.57e7, 1.4e6};
   std::vector<const ForceElement*> strips;
