@@ -17,7 +17,7 @@ html_show_sphinx = False
 root_doc = "docs/site/index"
 include_patterns = [
     "README.md", "CHANGELOG.md", "docs/**.md", "reference/**.md", "*/README.md",
-    "engine/*/README.md", "plugins/*/README.md", "tools/*/README.md", "tools/bench/peers/README.md",
+    "engine/*/README.md", "examples/*/README.md", "plugins/*/README.md", "tools/*/README.md", "tools/bench/peers/README.md",
 ]
 exclude_patterns = ["**/node_modules/**", "tools/viewer/node_modules", "docs/site/static/**"]
 

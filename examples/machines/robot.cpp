@@ -60,7 +60,7 @@ int main() {
   // 1. Links, motors, gears and controllers.
   SystemGraph graph{{.gravity = {0, 0, -kGravity}}};
   std::vector<Sensor> sensors;
-  std::vector<JointCoordinate> yields;
+  std::vector<const RigidBody*> wheels;
   RigidBody* links[kCount];
   for (int i = 0; i < kCount; ++i) {
     const Axis& axis = kAxes[i];
@@ -72,19 +72,18 @@ int main() {
         "rotor " + number, {.mass = 0.3, .inertia = Vector3(Vector3::Constant(axis.rotor)), .position = axis.point});
     auto& output =
         graph.add<RigidBody>("output " + number, {.mass = 0.2, .inertia = {2e-3, 2e-3, 2e-3}, .position = axis.point});
-    const auto base = [&] {
-      return i == 0 ? graph.ground().marker(axis.point, axis.axes())
-                    : links[i - 1]->marker_at_world(axis.point, axis.axes());
-    };
+    const Marker base = i == 0 ? graph.ground().marker(axis.point, axis.axes())
+                               : links[i - 1]->marker_at_world(axis.point, axis.axes());
     const auto hinge = [&](const std::string& name, RigidBody& body) -> RevoluteJoint& {
-      return graph.add<RevoluteJoint>(name + number, {base(), body.marker_at_world(axis.point, axis.axes())});
+      return graph.add<RevoluteJoint>(name + number, {base, body.marker_at_world(axis.point, axis.axes())});
     };
     hinge("bearing ", *links[i]);
     auto &motor = hinge("motor bearing ", rotor), &gear = hinge("gear bearing ", output);
     graph.add<CoordinateCoupling>("gear " + number, {motor.angle(), gear.angle()}, {.factors = {1, -axis.ratio}});
-    yields.push_back(angle_between(output.marker_at_world(axis.point, axis.axes()),
-                                   links[i]->marker_at_world(axis.point, axis.axes())));
-    graph.add<CoordinateSpring>("elasticity " + number, {yields.back()},
+    wheels.insert(wheels.end(), {&rotor, &output});
+    const JointCoordinate yield = angle_between(output.marker_at_world(axis.point, axis.axes()),
+                                                links[i]->marker_at_world(axis.point, axis.axes()));
+    graph.add<CoordinateSpring>("elasticity " + number, {yield},
                                 {.stiffness = axis.stiffness, .damping = 2e-3 * axis.stiffness});
     // Gains of a drive of 40 rad/s, damped at 0.7, seen from the motor.
     const double inertia = axis.rotor + axis.inertia / (axis.ratio * axis.ratio), speed = 40;
@@ -94,7 +93,7 @@ int main() {
                               .proportional = inertia * speed * speed,
                               .integral = 8 * inertia * speed * speed,
                               .derivative = 1.4 * inertia * speed});
-    sensors.push_back(coordinate(yields.back(), "yield " + number));
+    sensors.push_back(coordinate(yield, "yield " + number));
   }
   auto& payload = graph.add<RigidBody>("payload", {.mass = kPayload, .inertia = {0.02, 0.02, 0.02}, .position = kTool});
   graph.add<FixedJoint>("gripper", {links[5]->marker_at_world(kTool), payload.marker()});
@@ -105,6 +104,8 @@ int main() {
       const Vector3 next = i + 1 < kCount ? kAxes[i + 1].point : kFlange;
       page.draw(*links[i], visual::rod(kAxes[i].point - kAxes[i].centre, next - kAxes[i].centre, 0.07 - 0.007 * i));
     }
+    for (int k = 0; k < 2 * kCount; ++k)
+      page.draw(*wheels[k], visual::cylinder(0.09 - 0.005 * k, 0.02 + 0.02 * (k % 2)).at({}, kAxes[k / 2].axes()));
     page.draw(payload, visual::box({0.1, 0.1, 0.1}));
   };
   const machine::Outcome out = machine::run(graph, {.name = "robot",
@@ -141,8 +142,8 @@ int main() {
     largest = std::max(largest, std::abs(torque));
     sag += direction.cross(moved(kTool, kCount - 1, angles) - origin) * torque / kAxes[i].stiffness;
   }
-  Vector3 tool;
-  for (int k = 0; k < 3; ++k) tool[k] = machine::at(out.table, std::string("tool_") + "xyz"[k], kEnd);
+  const auto at_end = [&](const char* column) { return machine::at(out.table, column, kEnd); };
+  const Vector3 tool(at_end("tool_x"), at_end("tool_y"), at_end("tool_z"));
   std::printf("torques to %.1e of %.1f N m; the tool hangs by %.3f mm (J K⁻¹ τ: %.3f mm), off by %.4f mm\n", worst,
               largest, 1e3 * (tool - target).norm(), 1e3 * sag.norm(), 1e3 * (tool - target - sag).norm());
   return out.good && worst < 1e-3 * largest && (tool - target - sag).norm() < 0.01 * sag.norm() ? 0 : 1;

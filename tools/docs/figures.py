@@ -53,9 +53,10 @@ def inputs_of(picture):
     for source in list(found):
         if source.suffix == ".cpp" and source.is_relative_to(ROOT / "examples"):
             text = source.read_text()
-            if "examples/support/" in text:
-                found |= set((ROOT / "examples/support").glob("*.[ch]*"))
-                text += "".join(path.read_text() for path in (ROOT / "examples/support").glob("*.cpp"))
+            for subject in set(re.findall(r"examples/support/([a-z]+)_", text)):  # pendulum_study.h: pendulum_*
+                helpers = set((ROOT / "examples/support").glob(f"{subject}_*.[ch]*"))
+                found |= helpers
+                text += "".join(path.read_text() for path in helpers if path.suffix == ".cpp")
             for name in (folder.name for folder in (ROOT / "examples/data").iterdir() if folder.is_dir()):
                 if f"/{name}" in text:
                     found.add(ROOT / "examples/data" / name)  # a folder counts as one
