@@ -31,6 +31,7 @@ class ForceRows : public AngleMemory, public ActingMarkers {
   void add_load(const MarkerView& marker, const Wrench& w) {
     load_[marker.index].force += w.force;
     load_[marker.index].torque += w.torque;
+    loaded_ = true;
   }
   /// Row with tension σ and its derivatives ∂σ/∂length, ∂σ/∂length'; energy: stored potential, joules.
   void add(std::initializer_list<Wrench> wrenches, double tension, double stiffness, double damping, double energy) {
@@ -62,6 +63,8 @@ class ForceRows : public AngleMemory, public ActingMarkers {
   }
   const Wrench& by_reaction(int row) const { return by_reaction_[row]; }
   int count() const { return count_; }
+  /// It acts by loads too, though they may be zero here.
+  bool loaded() const { return loaded_; }
   /// None of an element on more than kMaxMarkers markers: it acts by rows.
   const Wrench& load(int marker) const { return load_[marker < kMaxMarkers ? marker : 0]; }
   const Wrench& wrench(int row, int marker) const { return wrench_of(wrench_[row], marker); }
@@ -72,6 +75,7 @@ class ForceRows : public AngleMemory, public ActingMarkers {
 
  private:
   int markers_, count_ = 0;
+  bool loaded_ = false;
   double energy_ = 0;
   Wrench load_[kMaxMarkers];
   Wrench wrench_[kMaxRows][kMaxMarkers];
