@@ -22,16 +22,16 @@ out=build/fuzz
 mkdir -p "$out/objects"
 
 flags=(-std=c++20 -O1 -g1 -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined -I.
-  -isystem "${EIGEN:-/usr/include/eigen3}" $(pkg-config --cflags hdf5-serial 2>/dev/null || pkg-config --cflags hdf5) $(pkg-config --cflags spdlog))
+  -isystem "${EIGEN:-/usr/include/eigen3}" $(pkg-config --cflags hdf5-serial 2>/dev/null || pkg-config --cflags hdf5))
 hdf5=$(pkg-config --libs hdf5-serial 2>/dev/null || pkg-config --libs hdf5)
 
-# What the readers need; CHOLMOD and the rest of the engine stay out.
+# What the readers need; CHOLMOD, spdlog and the rest of the engine stay out.
 sources=(engine/base/error.cpp engine/output/{partial_file,table,csv,binary,hdf5_file,hdf5_table}.cpp
   bodies/flexible/basis_file.cpp bodies/flexible/elements/{solid_element,shape_functions}.cpp
   models/{urdf,sdf,mjcf,xml_file,model_description,link_graph,read_tir}.cpp joints/tyre/magic_formula.cpp
   models/adams/{adams_statements,adams_function,adams_units,read_adams,read_adams_elements}.cpp
   models/fmu/{fmu_contents,fmu_package}.cpp
-  engine/base/{checks,log,dense,dense_eigen,dense_inverse,math,rotations,temporary_folder}.cpp engine/model/appearance.cpp
+  engine/base/{checks,dense,dense_eigen,dense_inverse,math,rotations,temporary_folder}.cpp engine/model/appearance.cpp
   tools/fuzz/{fuzz,targets,body_targets,table_targets,model_targets}.cpp)
 for source in bodies/flexible/readers/*.cpp; do
   case $source in */body_formats.cpp | */read_flexible_body.cpp | */unit_system.cpp) ;; *) sources+=("$source") ;; esac
@@ -45,7 +45,7 @@ for source in "${sources[@]}"; do
   fi
   objects+=("$object")
 done
-"$clang" -fsanitize=fuzzer,address,undefined "${objects[@]}" $hdf5 $(pkg-config --libs spdlog) -lpugixml -lzip -o "$out/fuzz"
+"$clang" -fsanitize=fuzzer,address,undefined "${objects[@]}" $hdf5 -lpugixml -lzip -o "$out/fuzz"
 
 # Files are written for each input: into memory.
 [ -d /dev/shm ] && export TMPDIR=${TMPDIR:-/dev/shm}

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "engine/base/error.h"
-#include "engine/base/log.h"
 #include "joints/tyre/magic_formula.h"
 #include "models/adams/function_value_internal.h"
 #include "models/fmu/fmu_contents_internal.h"
@@ -94,7 +93,6 @@ void fmu_package(std::string_view input, const std::filesystem::path& folder) {
 
 /// A tyre that is accepted by its formula too has finite forces.
 void tir(std::string_view input, const std::filesystem::path& folder) {
-  const log::Quiet quiet;
   const TyreCoefficients read = read_tir(file_of(input, folder, "tyre.tir"));
   try {
     const auto force = MagicFormula(read).at({.load = read.fnomin, .speed = read.longvl});
