@@ -40,7 +40,7 @@ struct HydraulicValve {
 ///   auto& lift = graph.add<HydraulicCylinder>("lift", {frame.marker(), boom.marker(), oil.point(0)}, {.bore = 0.1,
 ///   ...});
 /// Oil is stiff: Automatic, Radau and BDF are its methods. The energy of the compressed oil counts as elastic.
-class HydraulicCylinder final : public ForceElement {
+class HydraulicCylinder final : public Force</*markers=*/3, /*rows=*/1> {
  public:
   struct Parameters {
     double bore = 0;              // D, m
@@ -63,8 +63,6 @@ class HydraulicCylinder final : public ForceElement {
   /// Of FirstOrderStates: pressures in Pa, the opening of the valve.
   static VectorX start(double cap, double rod, double opening = 0);
 
-  int marker_count() const override { return 3; }
-  int row_count() const override { return 1; }
   void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const override;
   std::vector<CoordinateSwitch> switches() const override;
 

@@ -28,7 +28,7 @@ namespace lithe {
 /// has a potential on a plane and on terrain. Without load there is no force and u, v follow the slip within 0.1 R_0.
 /// Limits: one contact; no turn slip; no load transfer within the contact by F_x and F_y (q_Fcx, q_Fcy), no rim; the
 /// damping grows with ρ up to a twentieth of the nominal deflection. A wheel that lies flat does not touch.
-class Tyre final : public ForceElement {
+class Tyre final : public Force</*markers=*/3, /*rows=*/1> {
  public:
   struct Parameters {
     TyreCoefficients coefficients{};
@@ -59,8 +59,6 @@ class Tyre final : public ForceElement {
 
   // Not a Force<3, 1>: the tangent takes loads of an element with rows by velocity too only where the compiler does not
   // know of the rows.
-  int marker_count() const override { return 3; }
-  int row_count() const override { return 1; }
   bool depends_on_time() const override { return false; }
   void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const override;
   /// Refuses a wheel that is drawn flat on the road.
