@@ -29,6 +29,9 @@ void ToothedGearPair::evaluate(double, std::span<const MarkerView> markers, Forc
   const auto& [A, B] = by_residual::moved<2, 12>(markers);
   const Eigen::Matrix<S, 3, 1> d = B.p - A.p;
   const S axial_A = d.dot(A.z()), axial_B = d.dot(B.z()), apart = sqrt(d.squaredNorm() - axial_A * axial_B);
+  if (!(apart.value > std::abs(g.A.base_radius + g.B.base_radius)))
+    throw SimulationError("the centres are " + std::to_string(apart.value) + " m apart, within the base circles", "",
+                          "hold the gears' centres apart by bearings");
   S phi_A = bearing_of_point(A, d), phi_B = bearing_of_point(B, -d);
   phi_A.value = rows.wound(0, phi_A.value) - bearing_A_, phi_B.value = rows.wound(1, phi_B.value) - bearing_B_;
   // The pitch point divides the line of centres as the base circles do.
