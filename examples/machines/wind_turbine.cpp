@@ -1,8 +1,7 @@
-// wind_turbine: three beams as blades, a beam as tower, a planetary gear, pitch control, a gust.
-// The NREL 5 MW reference turbine (Jonkman et al., NREL/TP-500-38060, 2009) without tilt and cone: blades from their
-// BeamDyn file, tower of its table 6-1, masses, shaft, generator and PI control of its chapters 4 to 7; a planetary
-// stage and a parallel one make its ratio of 97. Air: chords of its table 3-1, one polar, a fixed induction. Checked:
-// the power of the air is that of the generator; the moment at the foot is that of thrust and top weights.
+// wind_turbine: three beams as blades, a beam as tower, a planetary gear, pitch control, a gust: the NREL 5 MW
+// reference turbine (Jonkman et al., NREL/TP-500-38060, 2009; tables 3-1, 6-1, chapters 4 to 7) without tilt and cone.
+// Two stages make its ratio of 97; air by one polar and a fixed induction. Checked: the power of the air is that of the
+// generator, the moment at the foot that of thrust and top weights.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -132,10 +131,7 @@ int main() {
                                                     .interval = 0.1,
                                                     .tolerance = {1e-4, 1e-5},
                                                     .sensors = sensors,
-                                                    .draw =
-                                                        [&](Run& page) {
-                                                          page.draw(nacelle, visual::box({12, 3.5, 3.5}));
-                                                        },
+                                                    .draw = draw,
                                                     .wants = {want(sensors[2], percent(5))},
                                                     .solve_duration = 2});
   const auto mean = [&](const char* column) {
