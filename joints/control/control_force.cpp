@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/assembly/batch_of.h"
+#include "engine/assembly/linearized_batch.h"
 #include "engine/base/number_text.h"
 #include "engine/model/marker_motions.h"
 #include "engine/run/simulation.h"
@@ -125,37 +125,9 @@ class LinearControl final : public ForceElement {
   double inputs_[kWidth], value_[kWidth], slopes_[kWidth][kWidth], own_[2 * kMaxMarkers];
 };
 
-class ControlForceBatch final : public ForceBatch {
- public:
-  void add(const ForceElement& force, ConnectorRecord record, ReactionRecord reaction) override {
-    exact_.add(force, record, reaction);
-    forces_.push_back(static_cast<const ControlForce*>(&force));
-    records_.push_back(record);
-  }
-  void evaluate(Workspace& work, const BlockStructure& blocks) const override { exact_.evaluate(work, blocks); }
-  void add_tangent(Workspace& work, const BlockStructure& blocks, const TangentWeights& weights) const override {
-    for_each_named(forces_, work.time, [&](std::size_t i) {
-      ForceRows memory(records_[i].marker_count);
-      memory.recall(work.quarter_turns.data() + records_[i].first_angle);
-      connector::Views<ControlForce> views(work.markers.data(), records_[i]);
-      const LinearControl linear(*forces_[i], work.time, views, memory);
-      ForceBatchOf<LinearControl> alone;
-      alone.add(linear, records_[i], {});
-      alone.add_tangent(work, blocks, weights);
-    });
-  }
-  void react(Workspace&, const BlockStructure&, const double*) const override {}
-  void write_reaction_tangent(Workspace&, const BlockStructure&, const double*) const override {}
-
- private:
-  ForceBatchOf<ControlForce> exact_;
-  std::vector<const ControlForce*> forces_;
-  std::vector<ConnectorRecord> records_;
-};
-
 template <>
 std::unique_ptr<ForceBatch> make_force_batch<ControlForce>() {
-  return std::make_unique<ControlForceBatch>();
+  return std::make_unique<LinearizedForceBatch<ControlForce, LinearControl>>();
 }
 
 // ---- what a run sees ----

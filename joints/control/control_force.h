@@ -38,7 +38,6 @@ class ControlForce final : public ForceElement {
 
  private:
   friend class LinearControl;
-  friend class ControlForceBatch;
   struct Point {
     double z[3 * kMaxMarkers], x[2 * kMaxMarkers];
     ControlProgram::Signals signals;

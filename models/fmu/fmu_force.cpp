@@ -1,7 +1,7 @@
 #include "models/fmu/fmu_force_internal.h"
 
 #include "bodies/first_order_states.h"
-#include "engine/assembly/batch_of.h"
+#include "engine/assembly/linearized_batch.h"
 
 namespace lithe {
 
@@ -80,39 +80,11 @@ class LinearFmuForce final : public ForceElement {
   MatrixX jacobian_;
 };
 
-class FmuForceBatch final : public ForceBatch {
- public:
-  void add(const ForceElement& force, ConnectorRecord record, ReactionRecord reaction) override {
-    exact_.add(force, record, reaction);
-    forces_.push_back(static_cast<const FmuForce*>(&force));
-    records_.push_back(record);
-  }
-  void evaluate(Workspace& work, const BlockStructure& blocks) const override { exact_.evaluate(work, blocks); }
-  void add_tangent(Workspace& work, const BlockStructure& blocks, const TangentWeights& weights) const override {
-    for_each_named(forces_, work.time, [&](std::size_t i) {
-      ForceRows memory(records_[i].marker_count);
-      memory.recall(work.quarter_turns.data() + records_[i].first_angle);
-      connector::Views<FmuForce> views(work.markers.data(), records_[i]);
-      const LinearFmuForce linear(*forces_[i], work.time, views, memory);
-      ForceBatchOf<LinearFmuForce> alone;
-      alone.add(linear, records_[i], {});
-      alone.add_tangent(work, blocks, weights);
-    });
-  }
-  void react(Workspace&, const BlockStructure&, const double*) const override {}
-  void write_reaction_tangent(Workspace&, const BlockStructure&, const double*) const override {}
-
- private:
-  ForceBatchOf<FmuForce> exact_;
-  std::vector<const FmuForce*> forces_;
-  std::vector<ConnectorRecord> records_;
-};
-
 }  // namespace
 
 template <>
 std::unique_ptr<ForceBatch> make_force_batch<FmuForce>() {
-  return std::make_unique<FmuForceBatch>();
+  return std::make_unique<LinearizedForceBatch<FmuForce, LinearFmuForce>>();
 }
 
 }  // namespace lithe
