@@ -125,7 +125,7 @@ class Component {
         if (mode == kContinuous && instance->variable(references[i]).role == FmuVariable::Role::parameter)
           throw SceneError("'" + instance->variable(references[i]).name + "' is a parameter, constant between events",
                            function, "set it in event mode");
-        instance->set(references[i], values[i], mode == kEvent);
+        instance->set(references[i], values[i], mode != kStep);
       }
     });
   }

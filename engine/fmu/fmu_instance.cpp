@@ -181,15 +181,14 @@ double FmuInstance::get(unsigned reference) {
   return value;
 }
 
-void FmuInstance::set(unsigned reference, double value, bool at_event) {
+void FmuInstance::set(unsigned reference, double value, bool jumps) {
   const FmuVariable& asked = variable(reference);
   if (asked.role != FmuVariable::Role::input && asked.role != FmuVariable::Role::parameter)
     throw SceneError(
         "'" + asked.name + "' (value reference " + std::to_string(reference) + ") is no input or parameter",
         model_.scene.name, "set inputs and parameters alone");
   Input& input = *graph_.inputs()[static_cast<std::size_t>(asked.place)];
-  const bool now = at_event || !started_ || input.between() == Input::Between::held;
-  if (now)
+  if (jumps || input.between() == Input::Between::held)
     input.reset(state_.time, value);
   else  // checked as if it were set
     input.require(state_.time, value, model_.scene.name);

@@ -59,9 +59,10 @@ class FmuInstance {
   void begin(double start, double tolerance = 0);
   /// Throws SceneError for a reference that does not exist; SimulationError for a value that is not finite.
   double get(unsigned reference);
-  /// At an event, linear and smooth inputs jump. Throws SceneError for what is no input or parameter, and for a value
+  /// Jumping, linear and smooth inputs have the value now, as before the first step, at events and in model exchange,
+  /// instead of at the end of the next step. Throws SceneError for what is no input or parameter, and for a value
   /// that it must not have.
-  void set(unsigned reference, double value, bool at_event = false);
+  void set(unsigned reference, double value, bool jumps = true);
 
   /// From the communication point `current` by `size`, or to where Intermediate ends it. Throws SceneError for a size
   /// that is not positive and another point than the one reached, SimulationError where the run fails; the state is
