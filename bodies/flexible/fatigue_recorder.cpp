@@ -85,6 +85,7 @@ FatigueRecorder::FatigueRecorder(const FlexibleBody& body, std::shared_ptr<const
 
 void FatigueRecorder::observe(Snapshot& snapshot) {
   if (!times_.empty() && snapshot.time() == times_.back()) return;  // told twice of one instant: at an event
+  if (!times_.empty() && snapshot.time() < times_.back()) times_.clear(), coordinates_.clear();
   const VectorX now = stress_.coordinates(snapshot);
   times_.push_back(snapshot.time());
   coordinates_.insert(coordinates_.end(), now.begin(), now.end());

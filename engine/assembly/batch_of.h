@@ -336,45 +336,47 @@ class ForceBatchOf final : public ForceBatch {
   }
 
   void add_tangent(Workspace& work, const BlockStructure& blocks, const TangentWeights& weights) const override {
-    const int constraints = static_cast<int>(work.residual.size());
-    for_each_named(forces_, work.time, [&](std::size_t i) {
-      const ConnectorRecord& record = records_[i];
-      const int n = record.marker_count, first = record.first_row - constraints;
-      if (n > kMaxMarkers) return;  // it acts by rows, whose damping is theirs
-      // Wrench on the left-hand side: tensions as they are now, loads with the opposite sign.
-      bool loaded = false;
-      const auto wrenches = [&](const MarkerKinematics* markers, Wrench* out) {
-        ForceRows rows(n);
-        rows.recall(work.quarter_turns.data() + record.first_angle);
-        rows.set_reaction({Vector3::Zero(), Vector3::Zero()});
-        forces_[i]->T::evaluate(work.time, connector::Views<T>(markers, n), rows);
-        loaded |= rows.loaded();
-        for (int m = 0; m < n; ++m) {
-          out[m] = {-rows.load(m).force, -rows.load(m).torque};
-          for (int r = 0; r < rows.count(); ++r) {
-            out[m].force += work.tension[first + r] * rows.wrench(r, m).force;
-            out[m].torque += work.tension[first + r] * rows.wrench(r, m).torque;
-          }
+    for_each_named(forces_, work.time,
+                   [&](std::size_t i) { add_tangent_of(*forces_[i], records_[i], work, blocks, weights); });
+  }
+  /// The same for one element.
+  static void add_tangent_of(const T& force, const ConnectorRecord& record, Workspace& work,
+                             const BlockStructure& blocks, const TangentWeights& weights) {
+    const int n = record.marker_count, first = record.first_row - static_cast<int>(work.residual.size());
+    if (n > kMaxMarkers) return;  // it acts by rows, whose damping is theirs
+    // Wrench on the left-hand side: tensions as they are now, loads with the opposite sign.
+    bool loaded = false;
+    const auto wrenches = [&](const MarkerKinematics* markers, Wrench* out) {
+      ForceRows rows(n);
+      rows.recall(work.quarter_turns.data() + record.first_angle);
+      rows.set_reaction({Vector3::Zero(), Vector3::Zero()});
+      force.T::evaluate(work.time, connector::Views<T>(markers, n), rows);
+      loaded |= rows.loaded();
+      for (int m = 0; m < n; ++m) {
+        out[m] = {-rows.load(m).force, -rows.load(m).torque};
+        for (int r = 0; r < rows.count(); ++r) {
+          out[m].force += work.tension[first + r] * rows.wrench(r, m).force;
+          out[m].torque += work.tension[first + r] * rows.wrench(r, m).torque;
         }
-      };
-      ConstraintRows::Stiffness K;
-      MarkerKinematics here[kMaxMarkers];
-      for (int m = 0; m < n; ++m) here[m] = work.markers[record.slots[m].marker];
-      Wrench load[kMaxMarkers];
-      wrenches(here, load);
-      if (weights.position != 0) {
-        K.setZero(6 * n, 6 * n);
-        connector::difference(work, record, Level::position, wrenches, K);
-        for (int m = 0; m < n; ++m)
-          connector::add_load_stiffness(work, blocks, record.slots[m], load[m], weights.position);
-        connector::add_marker_stiffness(work, blocks, record, K, weights.position);
       }
-      if (weights.velocity != 0 && (loaded || connector::kRowsOf<T> == 0)) {
-        K.setZero(6 * n, 6 * n);
-        connector::difference(work, record, Level::velocity, wrenches, K);
-        connector::add_marker_stiffness(work, blocks, record, K, weights.velocity);
-      }
-    });
+    };
+    ConstraintRows::Stiffness K;
+    MarkerKinematics here[kMaxMarkers];
+    for (int m = 0; m < n; ++m) here[m] = work.markers[record.slots[m].marker];
+    Wrench load[kMaxMarkers];
+    wrenches(here, load);
+    if (weights.position != 0) {
+      K.setZero(6 * n, 6 * n);
+      connector::difference(work, record, Level::position, wrenches, K);
+      for (int m = 0; m < n; ++m)
+        connector::add_load_stiffness(work, blocks, record.slots[m], load[m], weights.position);
+      connector::add_marker_stiffness(work, blocks, record, K, weights.position);
+    }
+    if (weights.velocity != 0 && (loaded || connector::kRowsOf<T> == 0)) {
+      K.setZero(6 * n, 6 * n);
+      connector::difference(work, record, Level::velocity, wrenches, K);
+      connector::add_marker_stiffness(work, blocks, record, K, weights.velocity);
+    }
   }
 
   void react(Workspace& work, const BlockStructure&, const double* lambda) const override {

@@ -22,10 +22,7 @@ class LinearizedForceBatch final : public ForceBatch {
       ForceRows memory(records_[i].marker_count);
       memory.recall(work.quarter_turns.data() + records_[i].first_angle);
       connector::Views<T> views(work.markers.data(), records_[i]);
-      const Linear linear(*forces_[i], work.time, views, memory);
-      ForceBatchOf<Linear> alone;
-      alone.add(linear, records_[i], {});
-      alone.add_tangent(work, blocks, weights);
+      ForceBatchOf<Linear>::add_tangent_of({*forces_[i], work.time, views, memory}, records_[i], work, blocks, weights);
     });
   }
   void react(Workspace&, const BlockStructure&, const double*) const override {}

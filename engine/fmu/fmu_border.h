@@ -61,7 +61,11 @@ class Component {
   const FmuInstance::Intermediate intermediate_;
   bool tell_intermediate(double time) {
     mode = kIntermediate;
-    const bool ends = intermediate_(time);
+    bool ends = false;
+    try {
+      ends = intermediate_(time);
+    } catch (...) {  // NOLINT: as in tell()
+    }
     mode = kStep;
     return ends;
   }

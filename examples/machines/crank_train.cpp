@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <optional>
 
 #include "examples/support/machine_report.h"
 
@@ -92,9 +91,9 @@ int main() {
 
   // 3. From rest; two cycles at speed; the stresses meanwhile.
   StressObserver stress(crank);
-  std::optional<FatigueRecorder> fatigue;
+  FatigueRecorder fatigue(crank);
   const auto observe = [&](Simulation& run) {
-    run.observe(stress, every(kSample)), run.observe(fatigue.emplace(crank), every(kSample));
+    run.observe(stress, every(kSample)), run.observe(fatigue, every(kSample));
   };
   const auto draw = [&](Run& page) {  // flanges, which hide nothing, instead of pulley and flywheel
     page.draw(piston, visual::cylinder(kBore / 2, 0.05).at({}, bore)), page.draw(shell, visual::cylinder(0.025, 0.018));
@@ -137,7 +136,7 @@ int main() {
   std::printf("off the rigid slider-crank, rms: piston %.3f mm, its force %.0f of %.0f N, bearings %.0f of %.0f N\n",
               1e3 * off[0], off[1], largest[1], off[2], largest[2]);
   std::fputs(stress.report(1).c_str(), stdout);
-  const Table cycles = fatigue->table(  // 42CrMo4, ground; the mean by Goodman's line
+  const Table cycles = fatigue.table(  // 42CrMo4, ground; the mean by Goodman's line
       {.curve = {.range = 6e8, .exponent = 8, .exponent_below = 15, .tensile_strength = 1e9}});
   const std::vector<double> damage = cycles.column("damage");
   const int worst = static_cast<int>(std::max_element(damage.begin(), damage.end()) - damage.begin());

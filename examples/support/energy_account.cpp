@@ -41,36 +41,24 @@ double damping_power(const Body& body, Snapshot& now) {
 }  // namespace
 
 EnergyAccount::EnergyAccount(const SystemGraph& graph, std::vector<Sensor> more)
-    : graph_(graph), more_(std::move(more)) {}
-
-double EnergyAccount::power(Snapshot& now) const {
-  double sum = 0;
-  for (const SystemGraph::ForceEntry& entry : graph_.forces())
-    for (int m = 0; m < static_cast<int>(entry.markers.size()); ++m) {
-      // States of controllers and of oil are coordinates without energy.
-      const auto* states = dynamic_cast<const PlacelessBody*>(entry.markers[m].body);
-      if (states && !states->has_energy()) continue;
-      Vector6 wrench;
-      applied_force(*entry.force, m).evaluate(now, {wrench.data(), 6});
-      const MarkerKinematics k = now.marker(entry.markers[m]);
-      sum += wrench.head<3>().dot(k.v) + wrench.tail<3>().dot(k.w);
-    }
-  for (const SystemGraph::ConstraintEntry& entry : graph_.constraints())
-    if (dynamic_cast<const CoordinateDrive*>(entry.constraint)) sum += lithe::power(*entry.constraint).value(now);
-  for (const Sensor& sensor : more_) sum += sensor.value(now);
-  for (const SystemGraph::BodyEntry& entry : graph_.bodies()) sum -= damping_power(*entry.body, now);
-  return sum;
+    : graph_(graph), gains_(std::move(more)) {
+  for (const SystemGraph::ForceEntry& entry : graph.forces()) gains_.push_back(lithe::power(*entry.force));
+  for (const SystemGraph::ConstraintEntry& entry : graph.constraints())
+    if (dynamic_cast<const CoordinateDrive*>(entry.constraint)) gains_.push_back(lithe::power(*entry.constraint));
+  for (const SystemGraph::BodyEntry& entry : graph.bodies())
+    if (!dynamic_cast<const Ground*>(entry.body)) stored_.push_back(total_energy(*entry.body));
 }
 
 void EnergyAccount::observe(Snapshot& now) {
-  double energy = 0;
-  for (const SystemGraph::BodyEntry& entry : graph_.bodies())
-    if (!dynamic_cast<const Ground*>(entry.body)) energy += total_energy(*entry.body).value(now);
+  double energy = 0, power = 0;
+  for (const Sensor& sensor : stored_) energy += sensor.value(now);
+  for (const Sensor& sensor : gains_) power += sensor.value(now);
+  for (const SystemGraph::BodyEntry& entry : graph_.bodies()) power -= damping_power(*entry.body, now);
   if (!times_.empty() && now.time() <= times_.back()) {  // an event: what begins there
-    powers_.back() = power(now);
+    powers_.back() = power;
     return;
   }
-  times_.push_back(now.time()), energies_.push_back(energy), powers_.push_back(power(now));
+  times_.push_back(now.time()), energies_.push_back(energy), powers_.push_back(power);
 }
 
 EnergyAccount::Sum EnergyAccount::sum() const {

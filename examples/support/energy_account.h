@@ -22,10 +22,8 @@ class EnergyAccount final : public lithe::Observer {
   Sum sum() const;
 
  private:
-  double power(lithe::Snapshot& now) const;
-
   const lithe::SystemGraph& graph_;
-  const std::vector<lithe::Sensor> more_;
+  std::vector<lithe::Sensor> gains_, stored_;  // W, J
   std::vector<double> times_, energies_, powers_;
 };
 

@@ -117,13 +117,14 @@ RollingBearing::Loads RollingBearing::loads(const Vector6& at, std::vector<Rolli
   const Vector5 e = at.head<5>();
   for (int j = 0; j < layout_.count; ++j) {
     const ElementPlane plane(at[5] + 2 * std::numbers::pi * j / layout_.count);
-    const PlaneLoad one = in_plane(plane.motion * e);
+    const Vector3 motion = plane.motion * e;
+    const PlaneLoad one = in_plane(motion);
     if (each) each->push_back(one.element);
     if (one.element.force == 0) continue;
     sum.energy += one.energy;
     sum.force.head<5>() += plane.motion.transpose() * one.force;
-    sum.force[5] += one.force.dot(plane.turned * e);
-    const Vector3 motion = plane.motion * e, turning = plane.turned * e;
+    const Vector3 turning = plane.turned * e;
+    sum.force[5] += one.force.dot(turning);
     sum.stiffness.topLeftCorner<5, 5>() += plane.motion.transpose() * one.stiffness * plane.motion;
     sum.stiffness.topRightCorner<5, 1>() +=
         plane.motion.transpose() * (one.stiffness * turning) + plane.turned.transpose() * one.force;

@@ -242,10 +242,9 @@ VectorX ControlDiagram::start() const {
   return z;
 }
 
-std::vector<Marker> ControlDiagram::markers(const Body& states) const {
+std::vector<Marker> ControlDiagram::markers(const FirstOrderStates& states) const {
   std::vector<Marker> markers = CoordinateSet(program_.coordinates).markers();
-  const int points = std::max(1, (static_cast<int>(program_.states.size()) + 2) / 3);
-  for (int i = 0; i < points; ++i) markers.push_back({&states, i});
+  for (int i = 0; i < states.point_count(); ++i) markers.push_back(states.point(i));
   return markers;
 }
 

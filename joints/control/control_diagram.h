@@ -9,6 +9,7 @@
 #include "engine/model/joint_coordinate.h"
 #include "engine/model/motion_law.h"
 #include "joints/control/control_program.h"
+#include "joints/forces/first_order_states.h"
 
 namespace lithe {
 
@@ -120,7 +121,7 @@ class ControlDiagram {
   /// The states at the start, as FirstOrderStates takes them.
   VectorX start() const;
   /// Those of the coordinates, then the points of the states.
-  std::vector<Marker> markers(const Body& states) const;
+  std::vector<Marker> markers(const FirstOrderStates& states) const;
   const ControlProgram& program() const { return program_; }
 
  private:

@@ -6,18 +6,14 @@
 #include "engine/base/number_text.h"
 #include "engine/model/marker_motions.h"
 #include "engine/run/simulation.h"
+#include "joints/forces/coordinate_effort.h"
 
 namespace lithe {
-namespace {
-
-int point_count(const ControlProgram& program) {
-  return std::max(1, (static_cast<int>(program.states.size()) + 2) / 3);
-}
-
-}  // namespace
 
 ControlForce::ControlForce(Parameters parameters)
-    : program_(parameters.diagram.program()), coordinates_(program_.coordinates), points_(point_count(program_)) {
+    : program_(parameters.diagram.program()),
+      coordinates_(program_.coordinates),
+      points_(FirstOrderStates::points_for(static_cast<int>(program_.states.size()))) {
   program_.sort();
   if (marker_count() > kMaxMarkers)
     throw SceneError(std::to_string(coordinates_.count()) + " coordinates and " +
@@ -44,17 +40,9 @@ void ControlForce::act(std::span<const MarkerView> markers, const double* rates,
   for (std::size_t i = 0; i < program_.states.size(); ++i)
     rows.add_load(markers[2 * static_cast<std::size_t>(coordinates_.count()) + i / 3],
                   force(rates[i] * Vector3::Unit(static_cast<int>(i % 3))));
-  for (std::size_t k = 0; k < program_.outputs.size(); ++k) {
-    const auto at = 2 * static_cast<std::size_t>(program_.outputs[k].coordinate);
-    const MeasuredCoordinate x = coordinates_.measure(program_.outputs[k].coordinate, markers, rows);
-    const double by_value = own[2 * k], by_rate = own[2 * k + 1], in_row = by_value * x.value + by_rate * x.rate;
-    Wrench* W = rows.open();
-    std::fill_n(W, markers.size(), Wrench{Vector3::Zero(), Vector3::Zero()});
-    W[at] = x.on_A, W[at + 1] = x.on_B;
-    rows.finish(-in_row, -by_value, -by_rate);
-    rows.add_load(markers[at], (efforts[k] - in_row) * x.on_A);
-    rows.add_load(markers[at + 1], (efforts[k] - in_row) * x.on_B);
-  }
+  for (std::size_t k = 0; k < program_.outputs.size(); ++k)
+    push_coordinate(coordinates_, program_.outputs[k].coordinate, {efforts[k], own[2 * k], own[2 * k + 1]}, markers,
+                    rows);
 }
 
 void ControlForce::evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const {
@@ -194,7 +182,7 @@ void ControlForce::settle(const System& system, State& state, const ControlProgr
   const auto slice = std::find_if(slices.begin(), slices.end(), [&](const auto& s) { return s.body == body; });
   const ControlProgram::Relay* const first = relay;  // it lies at its level, but for round-off
   for (std::size_t tried = 0; tried <= program_.relays.size(); ++tried) {
-    if (relay) state.v[slice->v + 6 * (relay->state / 3) + relay->state % 3] = on ? 1 : 0;
+    if (relay) state.v[slice->v + FirstOrderStates::place(relay->state)] = on ? 1 : 0;
     Snapshot now(system, state);
     Point at;
     read(now, at);

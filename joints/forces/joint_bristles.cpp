@@ -56,4 +56,13 @@ VectorX JointBristles::start(double load, const Vector3& deflection) {
 
 template std::unique_ptr<ForceBatch> make_force_batch<JointBristles>();
 
+JointBristles& add_joint_bristles(SystemGraph& graph, Located name, std::vector<JointCoordinate> coordinates,
+                                  const FirstOrderStates& states, JointBristles::Parameters parameters) {
+  std::vector<Marker> markers = CoordinateSet(coordinates).markers();
+  if (markers.empty() && parameters.joint) markers = parameters.joint->markers();
+  markers.insert(markers.end(), {states.point(0), states.point(1)});
+  parameters.coordinates = std::move(coordinates);
+  return graph.add<JointBristles>(std::move(name), std::move(markers), std::move(parameters));
+}
+
 }  // namespace lithe

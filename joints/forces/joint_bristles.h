@@ -4,6 +4,7 @@
 #include "engine/model/force_element.h"
 #include "engine/model/system_graph.h"
 #include "joints/forces/bristle_law.h"
+#include "joints/forces/first_order_states.h"
 #include "joints/forces/joint_surface.h"
 
 namespace lithe {
@@ -57,19 +58,11 @@ extern template std::unique_ptr<ForceBatch> make_force_batch<JointBristles>();
 
 /// On one coordinate, or on an angle and the displacement along its axis. `states`: a FirstOrderStates of its own, of
 /// four.
-template <class States>
 JointBristles& add_joint_bristles(SystemGraph& graph, Located name, std::vector<JointCoordinate> coordinates,
-                                  const States& states, JointBristles::Parameters parameters) {
-  std::vector<Marker> markers = CoordinateSet(coordinates).markers();
-  if (markers.empty() && parameters.joint) markers = parameters.joint->markers();
-  markers.insert(markers.end(), {states.point(0), states.point(1)});
-  parameters.coordinates = std::move(coordinates);
-  return graph.add<JointBristles>(std::move(name), std::move(markers), std::move(parameters));
-}
+                                  const FirstOrderStates& states, JointBristles::Parameters parameters);
 /// Of a ball joint.
-template <class States>
-JointBristles& add_ball_bristles(SystemGraph& graph, Located name, const States& states,
-                                 JointBristles::Parameters parameters) {
+inline JointBristles& add_ball_bristles(SystemGraph& graph, Located name, const FirstOrderStates& states,
+                                        JointBristles::Parameters parameters) {
   return add_joint_bristles(graph, std::move(name), {}, states, std::move(parameters));
 }
 

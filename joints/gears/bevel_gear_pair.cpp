@@ -75,8 +75,7 @@ void BevelGearPair::evaluate(double, std::span<const MarkerView> markers, ForceR
   const S play = (m.dot(e) + (atan2(size, z_A.dot(z_B)) - p.shaft_angle) * R) * sine + 0.5 * p.backlash;
   const S phase = (moved_A * cosine - lead * 0.5) / geometry_.base_pitch + p.teeth.phase;
 
-  const auto value = [](const Vector3S& v) { return Vector3(v[0].value, v[1].value, v[2].value); };
-  const Vector3 along = value(t), away = value(m), on_line = value(line).normalized();
+  const Vector3 along = ToothMesh::value(t), away = ToothMesh::value(m), on_line = ToothMesh::value(line).normalized();
   const Vector3 pitch_point = markers[0].p + apex_A_ * markers[0].z() + R * on_line;
   const auto add = [&](double way, const S& on) {
     const Vector3 n = way * cosine * along + sine * away;

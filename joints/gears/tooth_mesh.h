@@ -31,6 +31,7 @@ class ToothMesh {
  public:
   static constexpr int kRows = 12;
   using Coordinate = Dual<12>;  // with derivatives by the motions of both markers
+  static Vector3 value(const Eigen::Matrix<Coordinate, 3, 1>& v) { return {v[0].value, v[1].value, v[2].value}; }
 
   /// One side of the teeth at one state; vectors in world axes.
   struct Flank {

@@ -45,11 +45,10 @@ void ToothedGearPair::evaluate(double, std::span<const MarkerView> markers, Forc
   const double side = r_b < 0 ? -1 : 1;
   const S cosine = std::abs(r_b) / apart, sine = sqrt(1.0 - cosine * cosine);
   const Eigen::Matrix<S, 3, 1> along = tangent * (side * cosine), away = radial * (side * sine), tilted = B.z() - A.z();
-  const auto value = [](const auto& v) { return Vector3(v[0].value, v[1].value, v[2].value); };
   const Vector3 pitch_point = markers[0].p + division * (markers[1].p - markers[0].p);
   const auto add = [&](double way, const S& on) {
     const Eigen::Matrix<S, 3, 1> normal = along * way + away;
-    const Vector3 n = value(normal);
+    const Vector3 n = ToothMesh::value(normal);
     mesh_.add({lead * way - play, normal.dot(tilted), on, pitch_point, n, markers[0].z().cross(n)}, markers[0],
               markers[1], rows);
   };

@@ -114,7 +114,7 @@ HydraulicCylinder::Instant HydraulicCylinder::at(double time, std::span<const Ma
 
 void HydraulicCylinder::evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const {
   const Instant now = at(time, markers);
-  const auto& [cap, rod] = std::pair(now.cap, now.rod);
+  const Instant::Chamber &cap = now.cap, &rod = now.rod;
   const double speed = now.length.rate;
   rows.add({now.length.on_A, now.length.on_B, {Vector3::Zero(), Vector3::Zero()}}, now.stop + p_.friction * speed,
            now.stop_by_length, now.stop_by_speed + p_.friction,

@@ -1,7 +1,8 @@
 #include "models/fmu/fmu_force_internal.h"
 
-#include "bodies/first_order_states.h"
 #include "engine/assembly/linearized_batch.h"
+#include "joints/forces/coordinate_effort.h"
+#include "joints/forces/first_order_states.h"
 
 namespace lithe {
 
@@ -23,17 +24,8 @@ void FmuWires::act(std::span<const MarkerView> markers, const VectorX& rates, in
   for (int i = 0; i < states; ++i)
     rows.add_load(markers[static_cast<std::size_t>(2 * coordinates.count() + i / 3)],
                   force(rates[i] * Vector3::Unit(i % 3)));
-  for (const Out& out : outputs) {
-    const MeasuredCoordinate x = coordinates.measure(out.coordinate, markers, rows);
-    const double y = rates[states + out.place], own = out.by_value * x.value + out.by_rate * x.rate;
-    const auto at = 2 * static_cast<std::size_t>(out.coordinate);
-    Wrench* W = rows.open();
-    std::fill_n(W, markers.size(), Wrench{Vector3::Zero(), Vector3::Zero()});
-    W[at] = x.on_A, W[at + 1] = x.on_B;
-    rows.finish(-own, -out.by_value, -out.by_rate);
-    rows.add_load(markers[at], (y - own) * x.on_A);
-    rows.add_load(markers[at + 1], (y - own) * x.on_B);
-  }
+  for (const Out& out : outputs)
+    push_coordinate(coordinates, out.coordinate, {rates[states + out.place], out.by_value, out.by_rate}, markers, rows);
 }
 
 void FmuForce::evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const {

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <set>
 
-#include "bodies/first_order_states.h"
 #include "engine/archive/archive.h"
 #include "engine/model/marker_motions.h"
 #include "engine/run/simulation.h"
+#include "joints/forces/first_order_states.h"
 #include "models/fmu/fmu_force_internal.h"
 
 namespace lithe {

@@ -4,13 +4,13 @@
 #include <cmath>
 #include <complex>
 
-#include "bodies/first_order_states.h"
 #include "engine/analysis/state_space.h"
 #include "engine/archive/archive.h"
 #include "engine/base/dense.h"
 #include "engine/base/spline.h"
 #include "engine/run/simulation.h"
 #include "joints/control/control_force.h"
+#include "joints/forces/first_order_states.h"
 #include "joints/prismatic_joint.h"
 #include "tests/joints/mechanisms.h"
 #include "tests/support/joint_checks.h"

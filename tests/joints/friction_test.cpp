@@ -10,6 +10,7 @@
 #include "joints/forces/joint_friction.h"
 #include "joints/forces/point_force.h"
 #include "joints/prismatic_joint.h"
+#include "tests/joints/friction_checks.h"
 #include "tests/joints/mechanisms.h"
 #include "tests/support/joint_checks.h"
 #include "tests/support/pairs.h"
@@ -26,16 +27,7 @@ TEST(JointFriction, TakesPowerAndKnowsItsDerivatives) {
     {
       SystemGraph graph;
       auto& pin = graph.add<RevoluteJoint>("pin", pair.draw(graph, {0, 0, 0}));
-      auto& rub = graph.add<JointFriction>("rub", {pin.angle()},
-                                           {.joint = &pin,
-                                            .coefficient = 0.2,
-                                            .static_coefficient = 0.3,
-                                            .stribeck_speed = 2,
-                                            .creep_speed = 3,
-                                            .viscous = 0.1,
-                                            .radius = 0.4,
-                                            .bending_arm = 0.6,
-                                            .preload = 2});
+      auto& rub = graph.add<JointFriction>("rub", {pin.angle()}, coarse_friction(pin));
       check_friction(graph, rub, 1e-7);
     }
     SystemGraph graph;

@@ -5,12 +5,12 @@
 
 #include <cmath>
 
-#include "bodies/first_order_states.h"
 #include "engine/analysis/linearization.h"
 #include "engine/archive/archive.h"
 #include "engine/observe/recorder.h"
 #include "engine/run/simulation.h"
 #include "joints/control/control_force.h"
+#include "joints/forces/first_order_states.h"
 #include "joints/forces/point_force.h"
 #include "joints/prismatic_joint.h"
 #include "tests/joints/mechanisms.h"

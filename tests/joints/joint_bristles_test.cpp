@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 
-#include "bodies/first_order_states.h"
 #include "engine/assembly/evaluator.h"
 #include "engine/observe/recorder.h"
 #include "engine/run/simulation.h"
@@ -9,6 +8,7 @@
 #include "joints/cylindrical_joint.h"
 #include "joints/forces/coordinate_motor.h"
 #include "joints/forces/coordinate_spring.h"
+#include "joints/forces/first_order_states.h"
 #include "joints/forces/joint_bristles.h"
 #include "joints/prismatic_joint.h"
 #include "joints/spherical_joint.h"

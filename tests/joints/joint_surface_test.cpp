@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "bodies/first_order_states.h"
 #include "joints/cylindrical_joint.h"
+#include "joints/forces/first_order_states.h"
 #include "joints/forces/joint_bristles.h"
 #include "joints/forces/joint_friction.h"
 #include "joints/forces/point_force.h"
@@ -20,43 +20,32 @@ namespace {
 
 constexpr double kGravity = 9.81;
 
-JointFriction::Parameters coarse(const Constraint& joint) {
-  return {.joint = &joint,
-          .coefficient = 0.2,
-          .static_coefficient = 0.3,
-          .stribeck_speed = 2,
-          .creep_speed = 3,
-          .viscous = 0.1,
-          .radius = 0.4,
-          .bending_arm = 0.6,
-          .preload = 2};
-}
-
 TEST(JointSurface, FrictionKnowsItsDerivativesInAllDirections) {
   for (const Pair& pair : pairs()) {
     SCOPED_TRACE(pair.name);
     {
       SystemGraph graph;
       auto& sleeve = graph.add<CylindricalJoint>("sleeve", pair.draw(graph, {0, 0, 0.3}));
-      graph.add<JointFriction>("rub", {sleeve.angle(), sleeve.displacement()}, coarse(sleeve));
+      graph.add<JointFriction>("rub", {sleeve.angle(), sleeve.displacement()}, coarse_friction(sleeve));
       check_friction_tangent(graph);
     }
     {
       SystemGraph graph;
       auto& screw = graph.add<ScrewJoint>("screw", pair.draw(graph, {0, 0, 0.3}), {.lead = 0.2});
-      graph.add<JointFriction>("rub", {screw.angle(), screw.displacement()}, coarse(screw));
+      graph.add<JointFriction>("rub", {screw.angle(), screw.displacement()}, coarse_friction(screw));
       check_friction_tangent(graph);
     }
     {
       SystemGraph graph;
       auto& ball = graph.add<SphericalJoint>("ball", pair.draw(graph, {0, 0, 0}));
-      graph.add<JointFriction>("rub", ball.markers(), coarse(ball));
+      graph.add<JointFriction>("rub", ball.markers(), coarse_friction(ball));
       check_friction_tangent(graph);
     }
     for (const bool first : {true, false}) {
       SystemGraph graph;
       auto& cross = graph.add<UniversalJoint>("cross", pair.draw(graph, {0, 0, 0}));
-      auto& rub = graph.add<JointFriction>("rub", {first ? cross.first_angle() : cross.second_angle()}, coarse(cross));
+      auto& rub =
+          graph.add<JointFriction>("rub", {first ? cross.first_angle() : cross.second_angle()}, coarse_friction(cross));
       check_friction(graph, rub, 1e-7);
     }
   }

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "bodies/first_order_states.h"
 #include "bodies/rigid_body.h"
+#include "joints/forces/first_order_states.h"
 #include "joints/tyre/tyre.h"
 #include "models/read_tir.h"
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/fmu/fmu_instance.h"
 #include "integrators/sundials_internal.h"
 #include "lithe/lithe.h"
 

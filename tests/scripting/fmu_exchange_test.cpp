@@ -7,10 +7,10 @@
 #include <filesystem>
 #include <random>
 
-#include "engine/fmu/fmu_instance.h"
 #include "lithe/lithe.h"
 #include "tests/scripting/command.h"
 #include "tests/scripting/exchange_importers.h"
+#include "tests/scripting/exchange_instances.h"
 #include "tests/scripting/fmu_importer.h"
 #include "tests/support/message_of.h"
 
@@ -26,68 +26,6 @@ namespace {
 using Form = ImportedInstance::Form;
 
 constexpr int kDiscard = 2, kError = 3;  // of both standards
-
-std::unique_ptr<Integrator> runge_kutta_8() {
-  return std::make_unique<ExplicitRungeKutta>(ExplicitRungeKutta::Parameters{
-      .method = ExplicitRungeKutta::Method::dormand_prince8, .tolerance = {1e-12, 1e-13}});
-}
-
-/// A scene as its own importer sees it, without a library between: the same calls as ImportedInstance.
-struct Direct {
-  explicit Direct(const FmuModel& model) : instance(model, FmuInstance::Form::model_exchange) { instance.begin(0); }
-  int set_time(double time) { return instance.set_time(time), 0; }
-  int set_states(std::span<const double> x) { return instance.set_states(x), 0; }
-  int states(std::span<double> x) { return copy(instance.states(), x); }
-  int derivatives(std::span<double> x) { return copy(instance.derivatives(), x); }
-  int indicators(std::span<double> x) { return instance.indicators(x), 0; }
-  int complete_step(bool& event) { return event = instance.complete_step(), 0; }
-  int update(bool& changed) { return changed = instance.update(), 0; }
-  int call(const std::string&) { return 0; }
-  static int copy(const VectorX& from, std::span<double> to) {
-    return std::copy(from.begin(), from.end(), to.begin()), 0;
-  }
-  FmuInstance instance;
-};
-
-/// The native run, with the inputs set so; all sensors at the times.
-struct Native {
-  SystemGraph graph;
-  std::vector<Sensor> sensors;
-  System system;
-  std::unique_ptr<Integrator> method = runge_kutta_8();
-  Simulation simulation;
-  State state;
-
-  explicit Native(const StudyScene& scene)
-      : graph({.gravity = scene.gravity}),
-        sensors(scene.draw(graph)),
-        system(assemble(graph)),
-        simulation(system, *method),
-        state(system.initial_state()) {}
-  Values at(double time) {
-    simulation.run(state, time);
-    Snapshot now(system);
-    now.evaluate(state, Accelerations::solved);
-    Values values;
-    for (const Sensor& sensor : sensors)
-      for (std::size_t c = 0; c < sensor.columns().size(); ++c)
-        values.push_back(sensor.value(now, static_cast<int>(c)));
-    return values;
-  }
-  Values x() const {
-    Values all(state.q.begin(), state.q.end());
-    all.insert(all.end(), state.v.begin(), state.v.end());
-    return all;
-  }
-};
-
-double difference(const Values& a, const Values& b, std::size_t count = 1000) {
-  EXPECT_EQ(a.size(), b.size());
-  double largest = 0;
-  for (std::size_t i = 0; i < std::min(count, a.size()); ++i)
-    largest = std::max(largest, std::abs(a[i] - b[i]) / std::max(1.0, std::abs(b[i])));
-  return largest;
-}
 
 struct Case {
   const char* file;
@@ -309,24 +247,6 @@ TEST(FmuExchange, OfARigidPendulumIsTheNativeMotionByBothStandards) {
   drive({"tests/scripting/fmu_pendulum.cpp", pendulum::scene(), "target", 0.2, 3, 1e-3, 1e-9, 1e-10});
 }
 
-FmuModel model_of(const StudyScene& scene) { return {scene, runge_kutta_8, "token"}; }
-
-unsigned reference(const FmuInstance& instance, const std::string& name) {
-  const auto& all = instance.variables();
-  const auto found = std::find_if(all.begin(), all.end(), [&](const FmuVariable& v) { return v.name == name; });
-  EXPECT_NE(found, all.end()) << name;
-  return static_cast<unsigned>(found - all.begin());
-}
-
-/// All that sensors of an instance tell.
-Values outputs_of(FmuInstance& instance) {
-  Values all;
-  for (std::size_t i = 0; i < instance.variables().size(); ++i)
-    if (instance.variables()[i].role == FmuVariable::Role::output)
-      all.push_back(instance.get(static_cast<unsigned>(i)));
-  return all;
-}
-
 TEST(FmuExchange, DerivativesOfDerivativesAreThoseOfAPendulum) {
   // I α̇ = torque - k α - m g l cos α + 5 (target - α) + … about the pin, I = 0.03 + 1 · 0.3².
   const FmuModel model = model_of(pendulum::scene());
@@ -367,161 +287,6 @@ TEST(FmuExchange, DerivativesOfDerivativesAreThoseOfAPendulum) {
   for (std::size_t i = 0; i < 3; ++i) r += left[i] * from_right[i];
   EXPECT_GT(std::abs(l), 1);
   EXPECT_NEAR(l, r, 1e-8 * std::abs(l));
-}
-
-/// A four-bar linkage in space, its three redundant rows and all: crank 0.2, coupler 0.5, rocker 0.4, ground 0.5 m.
-struct Linkage {
-  static constexpr double kCrank = 0.2, kCoupler = 0.5, kRocker = 0.4, kGround = 0.5;
-  struct Pin {
-    int a, b;            // bodies, -1: ground
-    Vector3 on_a, on_b;  // in their axes
-  };
-  std::vector<Pin> pins;
-  double friction = 0;  // coefficient, in the crank's pin
-
-  StudyScene scene() {
-    // The coupler's end is at 0.5 m from A and 0.4 m from C.
-    const double d = kGround - kCrank, along = (d * d + kCoupler * kCoupler - kRocker * kRocker) / (2 * d);
-    const Vector3 O{0, 0, 0}, A{kCrank, 0, 0}, C{kGround, 0, 0},
-        B{kCrank + along, std::sqrt(kCoupler * kCoupler - along * along), 0};
-    // Rates with which the loop stays closed: ω₁ z × (A - O) + ω₂ z × (B - A) = ω₃ z × (B - C).
-    constexpr double kRate = 15;  // rad/s, of the crank
-    const Vector3 AB = B - A, CB = B - C, of_A{0, kRate * kCrank, 0}, z{0, 0, 1};
-    const double coupler_rate = -kRate * kCrank * CB[1] / (AB[0] * CB[1] - AB[1] * CB[0]);
-    const double rocker_rate = coupler_rate * AB[1] / CB[1];
-    return {
-        .name = "linkage", .gravity = {0, 0, 0}, .draw = [=, this](SystemGraph& graph) -> std::vector<Sensor> {
-          pins.clear();
-          const auto bar = [&](const char* name, const Vector3& from, const Vector3& to, double mass, double rate,
-                               const Vector3& of_from) -> RigidBody& {
-            const Vector3 axis = to - from;
-            const double inertia = mass * axis.squaredNorm() / 12;
-            return graph.add<RigidBody>(name, {.mass = mass,
-                                               .inertia = {0.1 * inertia, inertia, inertia},
-                                               .position = 0.5 * (from + to),
-                                               .orientation = rotation_about(z, std::atan2(axis[1], axis[0])),
-                                               .velocity = of_from + rate * z.cross(0.5 * axis),
-                                               .angular_velocity = rate * z});
-          };
-          auto& crank = bar("crank", O, A, 1, kRate, O);
-          auto& coupler = bar("coupler", A, B, 0.5, coupler_rate, of_A);
-          auto& rocker = bar("rocker", C, B, 0.8, rocker_rate, O);
-          const auto pin = [&](const char* name, RigidBody* a, int number_a, const Vector3& on_a, RigidBody& b,
-                               int number_b, const Vector3& on_b) {
-            pins.push_back({number_a, number_b, on_a, on_b});
-            return &graph.add<RevoluteJoint>(name, {a ? a->marker(on_a) : graph.ground().marker(on_a), b.marker(on_b)});
-          };
-          const Vector3 a{kCrank / 2, 0, 0}, b{kCoupler / 2, 0, 0}, c{kRocker / 2, 0, 0};
-          auto* main = pin("main", nullptr, -1, O, crank, 0, -a);
-          pin("elbow", &crank, 0, a, coupler, 1, -b);
-          pin("head", &coupler, 1, b, rocker, 2, c);
-          pin("foot", nullptr, -1, C, rocker, 2, -c);
-          if (friction > 0)
-            graph.add<JointFriction>("rub", {main->angle()},
-                                     {.joint = main, .coefficient = friction, .creep_speed = 0.05, .radius = 0.02});
-          return {total_energy("energy"), position(rocker.marker(c), "head"), coordinate(main->angle(), "turned"),
-                  joint_reaction(*main, "main")};
-        }};
-  }
-  /// Largest distance between the two sides of a pin, from states alone.
-  double gap(const Values& x) const {
-    const auto place = [&](int body, const Vector3& on) -> Vector3 {
-      if (body < 0) return on;
-      const double* q = x.data() + 7 * body;
-      const Eigen::Map<const Vector4> e(q + 3);
-      return Eigen::Map<const Vector3>(q) + rotation_matrix(e / e.norm()) * on;
-    };
-    double largest = 0;
-    for (const Pin& p : pins)
-      largest = std::max(largest, (place(p.a, p.on_a) - place(p.b, p.on_b)).cwiseAbs().maxCoeff());
-    return largest;
-  }
-};
-
-TEST(FmuExchange, AClosedLoopWithRedundantRowsStaysClosedOverAHundredThousandSteps) {
-  Linkage linkage;
-  const FmuModel model = model_of(linkage.scene());
-  Direct one(model);
-  const auto n = static_cast<int>(one.instance.states().size());
-  const unsigned energy = reference(one.instance, "energy"), head = reference(one.instance, "head_x");
-  const double begins = one.instance.get(energy);
-  Importer importer(one, n, 0);
-  double largest = 0, norm = 0, lost = 0;
-  constexpr double kStep = 1e-3;
-  for (int i = 1; i <= 100000; ++i) {
-    importer.step(i * kStep - importer.time());
-    if (i % 7 == 0) {
-      largest = std::max(largest, linkage.gap(importer.states()));
-      for (int body = 0; body < 3; ++body)
-        norm = std::max(norm, std::abs(Eigen::Map<const Vector4>(importer.states().data() + 7 * body + 3).norm() - 1));
-    }
-    if (i == 2000) {
-      Native native(linkage.scene());
-      const Values exact = native.at(i * kStep);
-      EXPECT_GT(std::abs(exact[4]), 8 * M_PI) << "whole turns are counted";
-      for (unsigned k = 0; k < 4; ++k) EXPECT_NEAR(one.instance.get(head + k), exact[1 + k], 1e-6);
-    }
-    if (i % 1000 == 0) lost = std::max(lost, std::abs(one.instance.get(energy) / begins - 1));
-  }
-  std::printf("gaps to %.1e m, norms to %.1e, energy to %.1e, %ld corrections\n", largest, norm, lost,
-              importer.corrections);
-  EXPECT_LT(largest, 1e-8);
-  EXPECT_LT(norm, 1e-8);
-  EXPECT_LT(lost, 1e-5);
-  EXPECT_GT(importer.corrections, 10);
-}
-
-TEST(FmuExchange, CvodeKeepsALoopClosed) {
-  Linkage linkage;
-  const FmuModel model = model_of(linkage.scene());
-  Native native(linkage.scene());
-  const Values exact = native.at(2);
-  // Above 1e-10 the importer's own errors are allowed for, as it has told its tolerance.
-  for (const auto& [tolerance, gap, error] : {std::array{1e-10, 1e-8, 1e-6}, {1e-7, 1e-6, 1e-4}}) {
-    FmuInstance instance(model, FmuInstance::Form::model_exchange);
-    instance.begin(0, tolerance);
-    CvodeImporter importer(instance, tolerance);
-    double largest = 0;
-    importer.run(2, [&](const VectorX& x) { largest = std::max(largest, linkage.gap({x.begin(), x.end()})); });
-    const double off = difference(outputs_of(instance), exact, 5);
-    std::printf("CVODE at %.0e: %ld steps, %ld corrections, gaps to %.1e m, %.1e off the native run\n", tolerance,
-                importer.steps, importer.corrections, largest, off);
-    EXPECT_LT(largest, gap);
-    EXPECT_LT(off, error);
-    EXPECT_LT(10 * importer.corrections, importer.steps) << "its order would never grow";
-  }
-}
-
-TEST(FmuExchange, ALoopThatRubsIsTheNativeMotionAndRollsBackBitForBit) {
-  Linkage linkage{.pins = {}, .friction = 0.3};
-  const FmuModel model = model_of(linkage.scene());
-  Direct one(model), two(model);
-  const auto n = static_cast<int>(one.instance.states().size());
-  Importer importer(one, n, 0), other(two, n, 0);
-  importer.run(0.5, 2e-4);
-  Native native(linkage.scene());
-  const Values exact = native.at(0.5), values = outputs_of(one.instance);
-  EXPECT_LT(difference(values, exact), 1e-6);
-  std::mt19937 random(3);
-  for (int trial = 0; trial < 20; ++trial) {
-    const std::vector<unsigned char> saved = one.instance.save(1);
-    const double time = importer.time();
-    const int steps = 1 + static_cast<int>(random() % 40);
-    const auto go = [&](Importer<Direct>& by, Direct& instance) {
-      by.go_on_from(time);
-      Values all = outputs_of(instance.instance);
-      for (int i = 0; i < steps; ++i) by.step(1e-3);
-      const Values end = outputs_of(instance.instance);
-      all.insert(all.end(), end.begin(), end.end());
-      all.insert(all.end(), by.states().begin(), by.states().end());
-      return all;
-    };
-    const Values forth = go(importer, one);
-    one.instance.load(saved.data(), saved.size());
-    ASSERT_EQ(go(importer, one), forth) << trial;
-    two.instance.load(saved.data(), saved.size());
-    ASSERT_EQ(go(other, two), forth) << trial;
-  }
 }
 
 TEST(FmuExchange, AMotionGivenByTimeIsHonouredFromAnyStart) {

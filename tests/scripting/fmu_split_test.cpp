@@ -4,8 +4,7 @@
 
 #include <cmath>
 
-#include "engine/fmu/fmu_instance.h"
-#include "lithe/lithe.h"
+#include "tests/scripting/exchange_instances.h"
 
 namespace lithe::test {
 namespace {
@@ -51,13 +50,8 @@ FmuModel model(std::string name, std::function<std::vector<Sensor>(SystemGraph&)
 /// An FMU by the names of its variables.
 struct Part {
   explicit Part(const FmuModel& of) : instance(of) { instance.begin(0); }
-  unsigned place(const std::string& name) const {
-    for (unsigned i = 0; i < instance.variables().size(); ++i)
-      if (instance.variables()[i].name == name) return i;
-    throw std::runtime_error(name);
-  }
-  double get(const std::string& name) { return instance.get(place(name)); }
-  void set(const std::string& name, double value) { instance.set(place(name), value, false); }
+  double get(const std::string& name) { return instance.get(reference(instance, name)); }
+  void set(const std::string& name, double value) { instance.set(reference(instance, name), value, false); }
   FmuInstance instance;
 };
 

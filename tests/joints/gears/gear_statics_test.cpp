@@ -153,6 +153,22 @@ TEST(ToothedGearPair, RefusesCentresAtWhichItDoesNotMesh) {
 
 /// Under a torque with the other gear held: F_t at the mean radius; of F_t tan α the cone angle's cosine radially and
 /// its sine along the axis, away from the apex on either gear. The moment about the held axis is that of the ratio.
+TEST(ToothedGearPair, RefusesAStateWithinItsBaseCircles) {
+  GearScene scene({.gears = small()}, 1e-3, 1e-3, 0, 0);
+  const System system = assemble(scene.graph);
+  const GearGeometry g(small());
+  const double base = g.A.base_radius + g.B.base_radius;
+  for (const double apart : {1.001 * base, 0.999 * base}) {
+    State state = system.initial_state();
+    state.q[system.layout().bodies().back().q] = apart;
+    const auto look = [&] { Snapshot(system, state).marker(scene.A.body->marker()); };
+    if (apart > base)
+      EXPECT_NO_THROW(look());
+    else
+      expect_says(message_of<SimulationError>(look), {"within the base circles", "mesh", "bearings"});
+  }
+}
+
 TEST(BevelGearPair, PushesBothConesFromTheirApex) {
   const double shaft_angle = 80 * kPi / 180, T = 20;
   const Matrix3 across = rotation_about({1, 0, 0}, -shaft_angle);  // z of B in the yz plane, towards +y

@@ -1,7 +1,7 @@
 // F21: a car on a slope with its brakes on. Slip is a quotient of speeds: at rest it is 0/0. Regularised, it lets the
 // car creep, or makes its brakes so stiff that explicit methods chatter; deflections of the carcass hold it.
-#include "bodies/first_order_states.h"
 #include "bodies/rigid_body.h"
+#include "joints/forces/first_order_states.h"
 #include "joints/tyre/tyre.h"
 #include "models/read_tir.h"
 #include "tools/stability/bench.h"

@@ -1,7 +1,7 @@
 // F24: a load held between two columns of oil in a cylinder: it hardly moves, and its oil sets the step of explicit
 // methods.
-#include "bodies/first_order_states.h"
 #include "bodies/rigid_body.h"
+#include "joints/forces/first_order_states.h"
 #include "joints/hydraulics/hydraulic_cylinder.h"
 #include "joints/prismatic_joint.h"
 #include "tools/stability/bench.h"

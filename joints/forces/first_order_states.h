@@ -25,7 +25,8 @@ class FirstOrderStates final : public PlacelessBody {
   explicit FirstOrderStates(Parameters parameters);
 
   /// One at least.
-  int point_count() const { return std::max(1, (static_cast<int>(start_.size()) + 2) / 3); }
+  static int points_for(int states) { return std::max(1, (states + 2) / 3); }
+  int point_count() const { return points_for(static_cast<int>(start_.size())); }
   Marker point(int i) const { return {this, i}; }
   /// Where state i stands in the body's velocities.
   static int place(int i) { return 6 * (i / 3) + i % 3; }

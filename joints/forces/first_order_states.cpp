@@ -1,4 +1,4 @@
-#include "bodies/first_order_states.h"
+#include "joints/forces/first_order_states.h"
 #include "engine/assembly/batch_of.h"
 
 namespace lithe {
