@@ -6,10 +6,12 @@
 
 namespace lithe {
 
+class SpanField;
+
 /// A marker between two nodes.
 class BetweenNodes final : public MarkerBetween {
  public:
-  /// K by central differences of what the wrench does at both nodes.
+  /// By d with central differences of what the wrench does at both nodes, by the turns of their axes exactly.
   void add_load_stiffness(const Vector3& force, const Vector3& torque, Eigen::Matrix<double, 12, 12>& K) const override;
 
   const BeamSpan* span = nullptr;
@@ -20,8 +22,8 @@ class BetweenNodes final : public MarkerBetween {
   Matrix3 A = Matrix3::Identity(), B = Matrix3::Identity();  // axes of the nodes
 
  private:
-  BeamSpan::Vector12 at_nodes(const Vector6& d_moved, const Matrix3& A_moved, const Matrix3& B_moved,
-                              const Vector3& force, const Vector3& torque) const;
+  /// What a wrench at the marker does at both nodes, all in the nodes' axes (the wrench in those of the first).
+  BeamSpan::Vector12 at_nodes(const SpanField& field, const Vector3& force_A, const Vector3& torque_A) const;
 };
 
 struct Beam::Cache : BodyCache {

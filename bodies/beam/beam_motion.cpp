@@ -35,34 +35,43 @@ Matrix6 turned(const Matrix3& A, const Block& K, const Matrix3& B) {
 
 }  // namespace
 
-Vector12 BetweenNodes::at_nodes(const Vector6& d_moved, const Matrix3& A_moved, const Matrix3& B_moved,
-                                const Vector3& force, const Vector3& torque) const {
-  const SpanField field(share, d_moved);
-  const Matrix3 R = A_moved * field.pose().R;
+Vector12 BetweenNodes::at_nodes(const SpanField& field, const Vector3& force_A, const Vector3& torque_A) const {
+  const Matrix3 to_section = field.pose().R.transpose();
   Vector6 f;
-  f.head<3>() = R.transpose() * force;
-  f.tail<3>() = R.transpose() * torque + offset.cross(Vector3(f.head<3>()));
-  Vector12 out = field.shapes().transpose() * f;
-  out.segment<3>(0) = A_moved * out.segment<3>(0).eval();
-  out.segment<3>(6) = B_moved * out.segment<3>(6).eval();
-  return out;
+  f.head<3>() = to_section * force_A;
+  f.tail<3>() = to_section * torque_A + offset.cross(Vector3(f.head<3>()));
+  return field.shapes().transpose() * f;
 }
 
 void BetweenNodes::add_load_stiffness(const Vector3& force, const Vector3& torque, Matrix12& K) const {
   const double turn = 1e-5, shift = turn * span->length();
+  const Vector3 force_A = A.transpose() * force, torque_A = A.transpose() * torque;
   const se3::Blocks inverse = se3::blocks(se3::right_inverse_at(d), d);
-  for (int i = 0; i < 12; ++i) {
-    const double step = i % 6 < 3 ? shift : turn;
-    Vector6 twist = Vector6::Unit(i % 6);
-    if (i % 6 < 3) twist.head<3>() = (i < 6 ? A : B).row(i % 6).transpose();
-    Vector6 d_rate = inverse * twist;
-    if (i < 6) d_rate = -(inverse.turned_back() * twist);
-    const auto moved = [&](double by) -> Vector12 {
-      const Matrix3 turned = rotation_exp(Vector3(by * twist.tail<3>()));
-      return at_nodes(d + by * d_rate, i < 6 ? Matrix3(A * turned) : A, i < 6 ? B : Matrix3(B * turned), force, torque);
-    };
-    K.col(i) += (moved(step) - moved(-step)) / (2 * step);
+  // 1. In the nodes' axes, by d: differences. What a turn of the first node does to the wrench in its axes: exact.
+  Eigen::Matrix<double, 12, 6> by_d;
+  for (int i = 0; i < 6; ++i) {
+    const Vector6 step = (i < 3 ? shift : turn) * Vector6::Unit(i);
+    by_d.col(i) = (at_nodes(SpanField(share, d + step), force_A, torque_A) -
+                   at_nodes(SpanField(share, d - step), force_A, torque_A)) /
+                  (2 * step[i]);
   }
+  const SpanField field(share, d);
+  Matrix12 by_ends;
+  for (int i = 0; i < 6; ++i) {
+    const Vector6 twist = Vector6::Unit(i);
+    by_ends.col(i) = -(by_d * (inverse.turned_back() * twist));
+    by_ends.col(6 + i) = by_d * (inverse * twist);
+    if (i >= 3)
+      by_ends.col(i) += at_nodes(field, force_A.cross(Vector3::Unit(i - 3)), torque_A.cross(Vector3::Unit(i - 3)));
+  }
+  // 2. Those axes turn.
+  const Vector12 load = at_nodes(field, force_A, torque_A);
+  by_ends.block<3, 3>(0, 3) -= skew(load.segment<3>(0));
+  by_ends.block<3, 3>(6, 9) -= skew(load.segment<3>(6));
+  K.topLeftCorner<6, 6>() += turned(A, by_ends.topLeftCorner<6, 6>(), A);
+  K.topRightCorner<6, 6>() += turned(A, by_ends.topRightCorner<6, 6>(), B);
+  K.bottomLeftCorner<6, 6>() += turned(B, by_ends.bottomLeftCorner<6, 6>(), A);
+  K.bottomRightCorner<6, 6>() += turned(B, by_ends.bottomRightCorner<6, 6>(), B);
 }
 
 Beam::Cache::Cache(const Beam& beam)

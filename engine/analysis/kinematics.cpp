@@ -5,6 +5,7 @@
 
 #include "engine/analysis/free_motions.h"
 #include "engine/archive/archive.h"
+#include "engine/assembly/evaluator.h"
 #include "engine/base/checks.h"
 #include "engine/base/error.h"
 #include "engine/base/number_text.h"

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "engine/analysis/perturbation.h"
 #include "engine/base/checks.h"
 #include "engine/base/log.h"
 #include "engine/base/number_text.h"

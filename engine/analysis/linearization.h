@@ -4,10 +4,17 @@
 #include <vector>
 
 #include "engine/analysis/left_out.h"
-#include "engine/analysis/perturbation.h"
 #include "engine/observe/observer.h"
 
 namespace lithe {
+
+/// The axes in which small motions (ρ, φ, δη) of a body are expressed, v = (u, ω) its velocity in the same axes:
+///   body    δp = A ρ, turn φ in body axes:  δu = ρ̇ + ω × ρ + u × φ,  δω = φ̇ + ω × φ
+///   world   δp = ρ,   turn φ in world axes: δu = ρ̇,                  δω = φ̇ - ω × φ
+/// A motion is steady, and linear equations have constant coefficients, in body axes if the mechanism turns as one
+/// (carousel, rotor and all it carries on isotropic bearings), in world axes if bodies of revolution spin and nothing
+/// else moves but straight ahead (rotors on any bearing, a bicycle).
+enum class PerturbationAxes { body, world };
 
 /// A free small motion of the whole mechanism: q = base ⊕ Re(a shape e^{s t}).
 struct Mode {

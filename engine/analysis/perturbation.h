@@ -3,19 +3,12 @@
 #include <optional>
 
 #include "engine/analysis/free_motions.h"
+#include "engine/analysis/linearization.h"
 #include "engine/assembly/evaluator.h"
 #include "engine/model/state.h"
 #include "engine/observe/sensors.h"
 
 namespace lithe {
-
-/// The axes in which small motions (ρ, φ, δη) of a body are expressed, v = (u, ω) its velocity in the same axes:
-///   body    δp = A ρ, turn φ in body axes:  δu = ρ̇ + ω × ρ + u × φ,  δω = φ̇ + ω × φ
-///   world   δp = ρ,   turn φ in world axes: δu = ρ̇,                  δω = φ̇ - ω × φ
-/// A motion is steady, and linear equations have constant coefficients, in body axes if the mechanism turns as one
-/// (carousel, rotor and all it carries on isotropic bearings), in world axes if bodies of revolution spin and nothing
-/// else moves but straight ahead (rotors on any bearing, a bicycle).
-enum class PerturbationAxes { body, world };
 
 /// The equations of motion near a state, as functions of small changes in the axes above: what linearize() differences.
 class Perturbation {

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "engine/analysis/perturbation.h"
 #include "engine/base/error.h"
 
 namespace lithe {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/assembly/evaluator.h"
 #include "engine/base/error.h"
 #include "engine/base/number_text.h"
 #include "engine/motion/projection.h"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/assembly/evaluator.h"
 #include "engine/gradient/differences.h"
 
 namespace lithe {

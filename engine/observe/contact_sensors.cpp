@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine/assembly/evaluator.h"
 #include "engine/contact/contact_forces.h"
 
 namespace lithe {

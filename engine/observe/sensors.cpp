@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine/assembly/evaluator.h"
 #include "engine/model/deformable_body.h"
 #include "engine/model/marker_motions.h"
 #include "engine/model/placeless_body.h"

@@ -2,14 +2,16 @@
 
 #include <memory>
 
-#include "engine/assembly/evaluator.h"
 #include "engine/assembly/system.h"
 #include "engine/model/marker.h"
 #include "engine/model/state.h"
 
 namespace lithe {
 
+class ContactForces;
+class Evaluator;
 class LeastNorm;
+struct BodyEnergy;
 
 /// Those of a snapshot: as the integrator left them in the state, or solved for at (t, q, v):
 ///   M v̇ + Gᵀλ = f,  G v̇ = γ
@@ -34,20 +36,20 @@ class Snapshot {
   double time() const { return state_.time; }
   /// As the integrator left it, possibly without lambda: use multipliers().
   const State& state() const { return state_; }
-  const System& system() const { return evaluator_.system(); }
+  const System& system() const { return *system_; }
   /// Evaluated at the state. Do not factorise or evaluate it again: that invalidates the snapshot for later observers.
-  Evaluator& evaluator() { return evaluator_; }
+  Evaluator& evaluator() { return *evaluator_; }
 
   /// Position, axes, velocity of a marker. Throws SceneError for a marker of another system.
   MarkerKinematics marker(const Marker& marker);
   /// q, v and what its evaluation keeps, of a body. Throws SceneError for a body of another system.
   BodyState body_state(const Body& body);
   /// Of all bodies and forces (theirs counts as elastic), joules.
-  BodyEnergy energy() { return evaluator_.energy(); }
+  BodyEnergy energy();
   /// The quarter turns of the angles that a joint or force measures, as ConnectorRows::recall() takes them.
   const double* quarter_turns_of(const Connector& connector) const;
   /// Null: the scene has no contacts.
-  ContactForces* contacts() { return evaluator_.contacts(); }
+  ContactForces* contacts();
   /// v_dot of the whole system.
   const VectorX& accelerations() { return solve() ? v_dot_ : state_.v_dot; }
   /// (v_dot, w_dot) = J v_body_dot + bias, world axes.
@@ -60,7 +62,8 @@ class Snapshot {
  private:
   bool solve();
 
-  Evaluator evaluator_;
+  const System* system_;
+  std::unique_ptr<Evaluator> evaluator_;  // only declared here: sensors include this header, and few need more
   State state_;
   bool solves_ = false, solved_ = false;  // v_dot_ and lambda_ are to be used; they are there
   VectorX v_dot_, lambda_;

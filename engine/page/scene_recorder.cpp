@@ -1,3 +1,4 @@
+#include "engine/assembly/evaluator.h"
 #include "engine/base/number_text.h"
 #include "engine/contact/contact_forces.h"
 #include "engine/model/marker_motions.h"

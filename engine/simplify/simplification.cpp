@@ -1,6 +1,7 @@
 #include "engine/simplify/simplification.h"
 
 #include "engine/simplify/simplification_internal.h"
+#include "engine/simplify/stand_in.h"
 
 namespace lithe {
 namespace {

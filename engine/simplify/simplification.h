@@ -5,9 +5,10 @@
 #include <vector>
 
 #include "engine/assembly/system.h"
-#include "engine/simplify/stand_in.h"
 
 namespace lithe {
+
+class PlanarStandIn;
 
 struct SimplificationOptions {
   bool weld = true;  // rigid bodies that fixed joints tie become one

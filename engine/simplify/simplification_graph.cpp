@@ -3,6 +3,7 @@
 #include "engine/base/log.h"
 #include "engine/model/rigid_frame_body.h"
 #include "engine/simplify/simplification_internal.h"
+#include "engine/simplify/stand_in.h"
 
 namespace lithe {
 

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/output/partial_file.h"
+#include "engine/study/model_run.h"
 #include "engine/study/study_run.h"
 #include "engine/study/text_table.h"
 

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "engine/study/certificate.h"
+#include "engine/study/model_run.h"
 #include "engine/study/study_run.h"
 #include "engine/study/text_table.h"
 

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "engine/analysis/linearization.h"
+#include "engine/assembly/evaluator.h"
 #include "engine/base/number_text.h"
 #include "engine/motion/projection.h"
 #include "engine/study/doctor_internal.h"

@@ -6,6 +6,7 @@
 #include <ctime>
 
 #include "engine/analysis/free_motions.h"
+#include "engine/assembly/evaluator.h"
 #include "engine/base/number_text.h"
 #include "engine/model/marker_motions.h"
 #include "engine/run/simulation.h"

@@ -1,6 +1,7 @@
 #include "engine/study/model_run.h"
 
 #include "engine/assembly/batch_of.h"
+#include "engine/assembly/evaluator.h"
 #include "engine/base/number_text.h"
 #include "engine/motion/projection.h"
 #include "engine/run/simulation.h"

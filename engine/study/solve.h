@@ -3,8 +3,11 @@
 #include <string>
 #include <vector>
 
+#include "engine/model/deformable_body.h"
+#include "engine/motion/make_integrator.h"
+#include "engine/observe/sensors.h"
+#include "engine/output/table.h"
 #include "engine/study/certificate.h"
-#include "engine/study/model_run.h"
 
 namespace lithe {
 

@@ -26,7 +26,8 @@ struct Pass {
   double cost;  // s of CPU, records and account included
 };
 
-Pass pass(SystemGraph& graph, const System& system, const Machine& machine, Integrator& integrator, Run* page) {
+Pass pass(SystemGraph& graph, const System& system, const Machine& machine, Integrator& integrator, double duration,
+          Run* page) {
   for (Input* input : graph.inputs()) input->reset();
   State state = machine.start ? machine.start(system) : system.initial_state();
   Recorder recorder(machine.sensors);
@@ -37,29 +38,29 @@ Pass pass(SystemGraph& graph, const System& system, const Machine& machine, Inte
   simulation.observe(account, every_step());
   if (page) simulation.observe(*page, every(machine.interval));
   const double begun = cpu_seconds();
-  simulation.run(state, machine.duration);
+  simulation.run(state, duration);
   const double cost = cpu_seconds() - begun;
   if (page) page->add(simulation.events());
   return {recorder.table(), account.sum(), simulation.statistics(), cost};
 }
 
-/// The largest of two tables of the same sensors, in parts of the largest change of each in the first one.
+/// The largest of two tables of the same sensors, in parts of the largest change of each in the first one; the second
+/// may be shorter.
 struct Difference {
   double share = 0;
   std::string sensor = "none";
 };
 Difference difference(const std::vector<Sensor>& sensors, const Table& a, const Table& b) {
   Difference most;
-  const int width = static_cast<int>(a.columns.size()), rows = a.row_count();
-  Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> x(a.values.data(), rows,
-                                                                                             width),
-      y(b.values.data(), rows, width);
+  const int width = static_cast<int>(a.columns.size()), rows = b.row_count();
+  using Rows = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
+  const Rows x(a.values.data(), a.row_count(), width), y(b.values.data(), rows, width);
   int column = 1;
   for (const Sensor& sensor : sensors) {
     const int columns = static_cast<int>(sensor.columns().size());
     const auto of_a = x.middleCols(column, columns), of_b = y.middleCols(column, columns);
     const double change = (of_a.rowwise() - of_a.row(0)).rowwise().norm().maxCoeff();
-    const double share = (of_b - of_a).rowwise().norm().maxCoeff() / change;
+    const double share = (of_b - of_a.topRows(rows)).rowwise().norm().maxCoeff() / change;
     if (!(share <= most.share)) most = {share, sensor.name()};
     column += columns;
   }
@@ -108,14 +109,15 @@ Outcome run(SystemGraph& graph, const Machine& machine) {
   Run page(system, machine.sensors, {.name = machine.name, .coordinates = false});
   if (machine.draw) machine.draw(page);
   Automatic automatic({.tolerance = machine.tolerance});
-  const Pass first = pass(graph, system, machine, automatic, &page);
+  const Pass first = pass(graph, system, machine, automatic, machine.duration, &page);
   write_page(page, page_path, {.title = machine.title});
   const double size = 1e-6 * static_cast<double>(std::filesystem::file_size(page_path));
 
   const std::unique_ptr<Integrator> other =
       machine.second ? machine.second(machine.tolerance)
                      : std::make_unique<Radau>(Radau::Parameters{.tolerance = machine.tolerance});
-  const Pass second = pass(graph, system, machine, *other, nullptr);
+  const double compared = machine.compared > 0 ? machine.compared : machine.duration;
+  const Pass second = pass(graph, system, machine, *other, compared, nullptr);
   const Difference apart = difference(machine.sensors, first.table, second.table);
 
   const double missing = first.energy.missing(), cost = first.cost / machine.duration;
@@ -129,8 +131,8 @@ Outcome run(SystemGraph& graph, const Machine& machine) {
               machine.tolerance.relative, first.statistics.steps, cost, 1 / cost);
   std::printf("energy: change %.6g J, work %.6g J, missing %.1e of %.4g J turned over\n", first.energy.change,
               first.energy.work, missing, first.energy.turned_over);
-  std::printf("%s: %ld steps, differs by %.1e of its change (%s), energy missing %.1e\n", other->name().c_str(),
-              second.statistics.steps, apart.share, apart.sensor.c_str(), second.energy.missing());
+  std::printf("%s, %.3g s: %ld steps, differs by %.1e of its change (%s), energy missing %.1e\n", other->name().c_str(),
+              compared, second.statistics.steps, apart.share, apart.sensor.c_str(), second.energy.missing());
   std::printf("page: %s, %.2f MB\n", page_path.c_str(), size);
   bool met = true;
   std::string may_leave = "no body has models to choose from";

@@ -20,6 +20,7 @@ struct Machine {
   double agreement = 1e-3;                             // of both methods, in parts of the largest change of each sensor
   double balance = 1e-3;                               // of the energy account, in parts of what was turned over
   lithe::MakeIntegratorBy<lithe::Tolerance> second{};  // none: Radau
+  double compared = 0;                                 // s of the run that the second method repeats; 0: all
   std::function<lithe::State(const lithe::System&)> start{};  // none: as drawn, from rest
   std::function<void(lithe::Simulation&)> prepare{};  // before each run, inputs as drawn: events, samples of inputs
   std::function<void(lithe::Run&)> draw{};            // shapes of bodies on the page

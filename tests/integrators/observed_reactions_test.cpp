@@ -4,6 +4,7 @@
 #include "bodies/flexible/elements/meshes.h"
 #include "bodies/flexible/flexible_body.h"
 #include "bodies/rigid_body.h"
+#include "engine/assembly/evaluator.h"
 #include "engine/observe/recorder.h"
 #include "engine/run/simulation.h"
 #include "integrators/automatic.h"

@@ -7,14 +7,25 @@ set(LITHE_LIBRARIES models integrators joints bodies engine)  # users first: the
 set(header_globs ${LITHE_LIBRARIES})
 list(TRANSFORM header_globs REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/\\1/*.h")
 file(GLOB_RECURSE public_headers CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} ${header_globs})
-# What no scene names, and would pay for with each compile: factors, kernels, the insides of contact and of assembly.
-list(FILTER public_headers EXCLUDE REGEX "^engine/(factor|forward)/|^engine/base/(dense(_inverse)?|temporary_folder)\\.h$")
-list(FILTER public_headers EXCLUDE REGEX
-     "^engine/(analysis/static_equations|assembly/(find_rigid_scene|least_norm|moment_check|redundancy)|cones/(cone_interior|cone_newton|dense_cones|friction_block)|contact/(contact_correction|contact_forces|contact_places|contact_rows|rigid_contacts)|gradient/(differences|parameter_derivative|recorded_run|sample_weights|sensor_derivative|static_derivative|tangent_equations)|fmu/(fmi2_border|fmi3_border|fmu_border|fmu_instance)|motion/(chart_maps|kept_factor|singular_pose)|run/(followed_inputs|island_run)|simplify/rows_in_plane)\\.h$")
-# Nor do users need what the readers and reductions are made of.
-list(FILTER public_headers EXCLUDE REGEX
-     "/(dof_table|fixed_columns|matrix_entries|ansys_archive|nastran_deck|shape_functions|elastic_problem|static_modes|general_inertia|eigen_modes|quadratic_deflection)\\.h$")
-list(FILTER public_headers EXCLUDE REGEX "_internal\\.h$|(^|/)detail/|^bodies/flexible/readers/text_file\\.h$")
+# What no scene names, and would pay for with each compile: factors, kernels, the insides of assembly, contact and runs,
+# what the readers and reductions are made of.
+foreach(internal
+    assembly/.* cones/.* contact/.* factor/.* fmu/.* forward/.* base/dense.* base/temporary_folder
+    analysis/perturbation analysis/static_equations
+    gradient/differences gradient/event_derivative gradient/event_landing gradient/moved_drawing
+    gradient/parameter_derivative gradient/parameter_terms gradient/recorded_run gradient/repeated_steps
+    gradient/row_rates gradient/sample_weights gradient/sensor_derivative gradient/static_derivative
+    gradient/tangent_equations
+    motion/chart_maps motion/kept_factor motion/singular_pose motion/step_derivative
+    plugin/.*_from_c plugin/.*_to_c run/driven_oscillator run/event_finder run/followed_inputs run/island_run
+    simplify/rows_in_plane simplify/stand_in study/model_error study/model_run study/recorded_wrench)
+  list(FILTER public_headers EXCLUDE REGEX "^engine/${internal}\\.h$")
+endforeach()
+foreach(internal dof_table fixed_columns matrix_entries ansys_archive nastran_deck shape_functions elastic_problem
+    static_modes general_inertia eigen_modes quadratic_deflection readers/text_file)
+  list(FILTER public_headers EXCLUDE REGEX "/${internal}\\.h$")
+endforeach()
+list(FILTER public_headers EXCLUDE REGEX "_internal\\.h$|(^|/)detail/")
 list(SORT public_headers)
 list(TRANSFORM public_headers REPLACE "(.+)" "#include \"\\1\"" OUTPUT_VARIABLE include_lines)
 list(JOIN include_lines "\n" LITHE_INCLUDES)

@@ -1,5 +1,6 @@
 // Inputs and outputs of a linearized mechanism: against closed forms and differences of the equations themselves.
 #include "engine/analysis/state_space.h"
+#include "engine/analysis/perturbation.h"
 
 #include <gtest/gtest.h>
 

@@ -4,6 +4,7 @@
 #include "bodies/flexible/flexible_body.h"
 #include "bodies/point_mass.h"
 #include "bodies/rigid_body.h"
+#include "engine/assembly/evaluator.h"
 #include "engine/model/system_graph.h"
 #include "engine/model/world_placement.h"
 #include "engine/observe/snapshot.h"
