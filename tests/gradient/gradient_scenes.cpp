@@ -6,7 +6,7 @@
 #include "joints/forces/spring_damper.h"
 #include "joints/revolute_joint.h"
 #include "joints/spherical_joint.h"
-#include "tests/reference/squeezer.h"
+#include "tools/scenes/squeezer.h"
 
 namespace lithe::test {
 namespace {
@@ -14,8 +14,8 @@ namespace {
 const Matrix3 kAlongY = rotation_about({1, 0, 0}, -M_PI / 2);
 
 std::vector<Sensor> draw_measured(SystemGraph& graph, const SweepPoint& p) {
-  const SqueezerPoints at = draw_squeezer(
-      graph, kSqueezerStart,
+  const scenes::SqueezerPoints at = scenes::draw_squeezer(
+      graph, scenes::kSqueezerStart,
       {.mass = p["mass"], .stiffness = p["stiffness"], .natural_length = p["natural_length"], .torque = p["torque"]});
   return {position(at.F, "F"), position(at.E, "E"), position(at.G, "G"), position(at.H, "H")};
 }

@@ -3,18 +3,18 @@
 #include <gtest/gtest.h>
 
 #include "tests/reference/accuracy.h"
-#include "tests/reference/squeezer.h"
+#include "tools/scenes/squeezer.h"
 
 namespace lithe::test::r03_andrews_test {
 namespace {
 
 constexpr double kTorque = 0.033;  // N m, on the crank
 
-using Angles = SqueezerAngles;
+using Angles = scenes::SqueezerAngles;
 Angles angles(std::span<const double> row) { return {row[0], row[1], row[2], row[3], row[4], row[5], row[6]}; }
 
 Scene squeezer(const Angles& at) {
-  return Scene(Vector3::Zero(), [&](SystemGraph& graph) { draw_squeezer(graph, at, {.torque = kTorque}); });
+  return Scene(Vector3::Zero(), [&](SystemGraph& graph) { scenes::draw_squeezer(graph, at, {.torque = kTorque}); });
 }
 
 /// Angle of a body's x axis in the plane less `expected`, whole turns left out.

@@ -8,6 +8,7 @@
 #include "bodies/flexible/flexible_body.h"
 #include "bodies/rigid_body.h"
 #include "engine/output/csv.h"
+#include "engine/study/model_run.h"
 #include "integrators/solve.h"
 #include "joints/contact/contact.h"
 #include "joints/coordinate_drive.h"

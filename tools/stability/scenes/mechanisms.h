@@ -3,55 +3,17 @@
 #include <string>
 #include <vector>
 
-#include "bodies/rigid_body.h"
 #include "joints/prismatic_joint.h"
 #include "joints/revolute_joint.h"
+#include "tools/scenes/parts.h"
 #include "tools/stability/bench.h"
 
 /// Mechanisms of the rigid benchmarks, with hinges in space as an engineer draws them: their rows are redundant.
 namespace lithe::lab {
 
-/// A rotation with the given z axis (world), the x axis in the plane of z and `towards`.
-inline Matrix3 axes_with_z(const Vector3& z, const Vector3& towards = Vector3(1, 0.1, 0.01)) {
-  Matrix3 R;
-  R.col(2) = z.normalized();
-  R.col(0) = (towards - towards.dot(R.col(2)) * R.col(2)).normalized();
-  R.col(1) = R.col(2).cross(R.col(0));
-  return R;
-}
-
-/// A rigid body whose markers are placed by world points and axes at the start.
-struct Part {
-  RigidBody& body;
-  Vector3 position;
-  Matrix3 orientation;
-  Marker at(const Vector3& point, const Matrix3& axes = Matrix3::Identity()) const {
-    return body.marker(Vector3(orientation.transpose() * (point - position)), Matrix3(orientation.transpose() * axes));
-  }
-};
-
-/// Uniform straight rod from a to b with its ends' velocities, x axis along it; `side` of its square section, m; 0:
-/// slender, with a little inertia along that nothing excites.
-inline Part rod(SystemGraph& graph, const std::string& name, const Vector3& a, const Vector3& b, double mass,
-                double side = 0, const Vector3& velocity_a = Vector3::Zero(),
-                const Vector3& velocity_b = Vector3::Zero()) {
-  const Vector3 d = b - a, omega = d.cross(velocity_b - velocity_a) / d.squaredNorm();
-  Matrix3 R;
-  R.col(0) = d.normalized();
-  const Vector3 z = std::abs(R(2, 0)) < 0.9 ? Vector3::UnitZ() : Vector3::UnitX();
-  R.col(2) = (z - z.dot(R.col(0)) * R.col(0)).normalized();
-  R.col(1) = R.col(2).cross(R.col(0));
-  const double along = side > 0 ? mass * side * side / 6 : mass * d.squaredNorm() / 1200;
-  const double across = mass * (d.squaredNorm() + side * side) / 12;
-  const Vector3 position = (a + b) / 2;
-  auto& body = graph.add<RigidBody>(name, {.mass = mass,
-                                           .inertia = {along, across, across},
-                                           .position = position,
-                                           .orientation = R,
-                                           .velocity = (velocity_a + velocity_b) / 2,
-                                           .angular_velocity = Vector3(R.transpose() * omega)});
-  return {body, position, R};
-}
+using scenes::axes_with_z;
+using scenes::Part;
+using scenes::rod;
 
 /// R12: planar four-bar of 3-D hinges, 20 rows of rank 17. Bodies: crank O-A, coupler A-B, rocker D-B.
 class FourBar : public Bench {
@@ -118,11 +80,9 @@ class SliderCrank : public Bench {
                 const double speed = -of.speed * sine * (equal ? 2 : 1 + cosine / along);
                 const Vector3 O(0, 0, 0), pin(cosine, sine, 0), end(x, 0, 0);
                 const Vector3 v_pin = of.speed * Vector3(-sine, cosine, 0), v_end(speed, 0, 0);
-                const Part crank = lab::rod(graph, "crank", O, pin, of.crank_mass, 0, O, v_pin);
-                const Part link = lab::rod(graph, "rod", pin, end, of.rod_mass, 0, v_pin, v_end);
-                auto& body = graph.add<RigidBody>(
-                    "slider", {.mass = of.slider_mass, .inertia = {1, 1, 1}, .position = end, .velocity = v_end});
-                const Part slider{body, end, Matrix3::Identity()};
+                const Part crank = scenes::rod(graph, "crank", O, pin, of.crank_mass, 0, O, v_pin);
+                const Part link = scenes::rod(graph, "rod", pin, end, of.rod_mass, 0, v_pin, v_end);
+                const Part slider(graph, "slider", of.slider_mass, {1, 1, 1}, end, Matrix3::Identity(), v_end);
                 const Matrix3 along_x = axes_with_z({1, 0, 0}, {0, 1, 0});
                 graph.add<RevoluteJoint>("main bearing", {graph.ground().marker(), crank.at(O)});
                 graph.add<RevoluteJoint>("crank pin", {crank.at(pin), link.at(pin)});

@@ -1,8 +1,5 @@
 // S28: published vectors are right to fewer digits than they print: an error curve against them flattens.
-#include "bodies/rigid_body.h"
-#include "joints/forces/point_force.h"
-#include "joints/forces/spring_damper.h"
-#include "joints/revolute_joint.h"
+#include "tools/scenes/squeezer.h"
 #include "tools/stability/bench.h"
 #include "tools/stability/scenes/candidates.h"
 
@@ -43,10 +40,11 @@ double largest_relative(const Vector& actual, const Vector& expected) {
   return worst;
 }
 
-/// R03: Andrews' squeezer, each body's x axis at the sum of the problem's angles that turns it.
+/// R03: Andrews' squeezer.
 class Squeezer : public Bench {
  public:
-  Squeezer() : Bench(Vector3::Zero(), draw) {}
+  Squeezer()
+      : Bench(Vector3::Zero(), [](SystemGraph& graph) { scenes::draw_squeezer(graph, scenes::kSqueezerStart); }) {}
 
   /// β, Θ, γ, Φ, δ, Ω, ε, whole turns of the crank as in the reference.
   Vector angles() const {
@@ -59,54 +57,6 @@ class Squeezer : public Bench {
     double K[7];
     for (int i = 0; i < 7; ++i) K[i] = sums[i] + std::remainder(turned(i) - sums[i], 2 * M_PI);
     return {K[0], K[1] - K[0], K[2], K[3] - K[4], K[4], K[5] - K[6], K[6]};
-  }
-
- private:
-  static Vector3 along(double a) { return {std::cos(a), std::sin(a), 0}; }
-  static Vector3 back(double a) { return {std::sin(a), -std::cos(a), 0}; }
-  static void draw(SystemGraph& graph) {
-    constexpr double b = -0.0617138900142764496358948458001, th = 0, ga = 0.455279819163070380255912382449,
-                     ph = 0.222668390165885884674473185609, de = 0.487364979543842550225598953530, om = -ph,
-                     ep = 1.23054744454982119249735015568;
-    const Vector3 O(0, 0, 0), A(-0.06934, -0.00227, 0), B(-0.03635, 0.03273, 0), C(0.014, 0.072, 0);
-    const Vector3 F = 0.007 * along(b), E = F - 0.028 * along(b + th), D = B + 0.02 * along(ga) + 0.018 * back(ga);
-    const Vector3 G = A + 0.04 * along(de), H = A + 0.04 * back(ep);
-    struct Link {
-      RigidBody& body;
-      Vector3 center;
-      Matrix3 axes;
-      Marker at(const Vector3& p) const {
-        return body.marker(Vector3(axes.transpose() * (p - center)), Matrix3(axes.transpose()));
-      }
-    };
-    const auto link = [&](Located name, double mass, double inertia, const Vector3& center, double angle) -> Link {
-      const Matrix3 axes = Eigen::AngleAxisd(angle, Vector3::UnitZ()).matrix();
-      return {
-          graph.add<RigidBody>(
-              name,
-              {.mass = mass, .inertia = Vector3(inertia, inertia, inertia), .position = center, .orientation = axes}),
-          center, axes};
-    };
-    const Link K1 = link("K1", 0.04325, 2.194e-6, 0.00092 * along(b), b);
-    const Link K2 = link("K2", 0.00365, 4.410e-7, F - 0.0115 * along(b + th), b + th);
-    const Link K3 = link("K3", 0.02373, 5.255e-6, B + 0.01043 * along(ga) + 0.01874 * back(ga), ga);
-    const Link K4 = link("K4", 0.00706, 5.667e-7, E - 0.01421 * back(ph + de), ph + de);
-    const Link K5 = link("K5", 0.07050, 1.169e-5, A + 0.02308 * along(de) - 0.00916 * back(de), de);
-    const Link K6 = link("K6", 0.00706, 5.667e-7, E - 0.01421 * along(om + ep), om + ep);
-    const Link K7 = link("K7", 0.05498, 1.912e-5, A + 0.01228 * back(ep) - 0.00449 * along(ep), ep);
-    const auto ground = [&](const Vector3& p) { return graph.ground().marker(p); };
-    graph.add<RevoluteJoint>("O", {ground(O), K1.at(O)});
-    graph.add<RevoluteJoint>("F", {K1.at(F), K2.at(F)});
-    graph.add<RevoluteJoint>("E of K3", {K2.at(E), K3.at(E)});
-    graph.add<RevoluteJoint>("E of K4", {K2.at(E), K4.at(E)});
-    graph.add<RevoluteJoint>("E of K6", {K2.at(E), K6.at(E)});
-    graph.add<RevoluteJoint>("B", {ground(B), K3.at(B)});
-    graph.add<RevoluteJoint>("G", {K5.at(G), K4.at(G)});
-    graph.add<RevoluteJoint>("H", {K7.at(H), K6.at(H)});
-    graph.add<RevoluteJoint>("A of K5", {ground(A), K5.at(A)});
-    graph.add<RevoluteJoint>("A of K7", {ground(A), K7.at(A)});
-    graph.add<SpringDamper>("spring", {ground(C), K3.at(D)}, {.stiffness = 4530, .natural_length = 0.07785});
-    graph.add<PointForce>("motor", {K1.body.marker()}, {.torque = {0, 0, 0.033}});
   }
 };
 

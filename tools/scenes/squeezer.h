@@ -2,7 +2,7 @@
 
 #include "engine/model/system_graph.h"
 
-namespace lithe::test {
+namespace lithe::scenes {
 
 /// Angles of Andrews' squeezing mechanism (R03; Hairer & Wanner II, VII.7), rad.
 struct SqueezerAngles {
@@ -25,4 +25,4 @@ struct SqueezerPoints {
 /// Bodies K1 to K7, in this order; each one's x axis lies at the sum of angles that turns it.
 SqueezerPoints draw_squeezer(SystemGraph& graph, const SqueezerAngles& at, const SqueezerNumbers& numbers = {});
 
-}  // namespace lithe::test
+}  // namespace lithe::scenes

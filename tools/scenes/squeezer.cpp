@@ -1,11 +1,11 @@
-#include "tests/reference/squeezer.h"
+#include "tools/scenes/squeezer.h"
 
 #include "joints/forces/point_force.h"
 #include "joints/forces/spring_damper.h"
 #include "joints/revolute_joint.h"
-#include "tests/reference/mechanism.h"
+#include "tools/scenes/parts.h"
 
-namespace lithe::test {
+namespace lithe::scenes {
 
 SqueezerPoints draw_squeezer(SystemGraph& graph, const SqueezerAngles& at, const SqueezerNumbers& numbers) {
   /// Direction of an angle, and the direction of the problem's (sin, -cos) formulas, a quarter turn back.
@@ -42,4 +42,4 @@ SqueezerPoints draw_squeezer(SystemGraph& graph, const SqueezerAngles& at, const
   return {K1.at(F), K3.at(E), K5.at(G), K7.at(H)};
 }
 
-}  // namespace lithe::test
+}  // namespace lithe::scenes
