@@ -21,6 +21,7 @@ foreach(internal
     simplify/rows_in_plane simplify/stand_in study/model_error study/model_run study/recorded_wrench)
   list(FILTER public_headers EXCLUDE REGEX "^engine/${internal}\\.h$")
 endforeach()
+list(APPEND public_headers engine/assembly/batch_of.h)  # scenes with elements of their own
 foreach(internal dof_table fixed_columns matrix_entries ansys_archive nastran_deck shape_functions elastic_problem
     static_modes general_inertia eigen_modes quadratic_deflection readers/text_file)
   list(FILTER public_headers EXCLUDE REGEX "/${internal}\\.h$")
