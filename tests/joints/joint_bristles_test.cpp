@@ -139,7 +139,7 @@ TEST(JointBristles, BreakAwayAtTheStaticForce) {
       block.scene.run(*method, 15);
       if (share < 1) {
         EXPECT_LT(std::abs(block.place()), 1e-4);
-        EXPECT_LT(std::abs(block.speed()), 1e-8);
+        EXPECT_LT(std::abs(block.speed()), 1e-7) << "left by the method; sliding, it gains 0.1 m/s and more a second";
       } else {
         EXPECT_GT(block.place(), 10);
       }
