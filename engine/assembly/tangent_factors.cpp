@@ -71,15 +71,16 @@ void TangentFactors::add_contact_diagonals(const TangentWeights& weights) {
 /// with a = g_d x, so that the volume that the kept rows span grows by |a|, in rows of equal compliance.
 void TangentFactors::exchange_weak_rows() {
   constexpr double kGain = 2;  // less is not worth a new factor, nor going back and forth
-  const int velocities = blocks_.velocity_count;
+  const int velocities = blocks_.velocity_count, rows = static_cast<int>(work_.residual.size());
   for (int exchanges = 0; exchanges < static_cast<int>(redundant_rows_.size()); ++exchanges) {
     int weakest = -1, stronger = -1;
     double gain = kGain;
     for (int e : factor_.weak_rows()) {
+      if (e >= rows) continue;  // compliant: of a force, whose stiffness is nearly none
       unknowns_.setZero();
       unknowns_[velocities + e] = 1;
       factor_.solve(unknowns_.data());
-      weak_rates_.setZero(work_.residual.size());
+      weak_rates_.setZero(rows);
       add_rates(blocks_, work_.values, unknowns_.data(), weak_rates_);
       for (std::size_t k = 0; k < redundant_rows_.size(); ++k) {
         const int d = redundant_rows_[k];

@@ -20,7 +20,8 @@ void ControlDiagram::derive(ControlSignal state, ControlSignal rate) {
   if (node.kind != ControlNode::Kind::state || program_.states[node.place].rate >= 0)
     throw SceneError("'" + node.name + "' is no state, or has its derivative already", "",
                      "give it once for each state");
-  program_.states[node.place].rate = sum({{1, rate}}, 0, "rate of " + node.name).node;
+  const int place = node.place;  // sum() adds a node: the reference is gone
+  program_.states[place].rate = sum({{1, rate}}, 0, "rate of " + node.name).node;
 }
 
 ControlSignal ControlDiagram::integral(ControlSignal u, double start, double lower, double upper, std::string name) {
