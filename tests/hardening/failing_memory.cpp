@@ -52,6 +52,10 @@ void* operator new(std::size_t size) {
   return block;
 }
 void* operator new[](std::size_t size) { return operator new(size); }
+/// std::stable_sort() asks by this one.
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
+  return memory::short_of_memory(memory::Layer::cpp) ? nullptr : std::malloc(size > 0 ? size : 1);
+}
 void operator delete(void* block) noexcept { std::free(block); }
 void operator delete[](void* block) noexcept { std::free(block); }
 void operator delete(void* block, std::size_t) noexcept { std::free(block); }
