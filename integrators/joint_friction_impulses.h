@@ -22,8 +22,9 @@ class JointFrictionImpulses {
   /// As leave_out() found it: the step was not taken.
   void put_back(VectorX& v) const;
   /// With the equations evaluated in the middle of the step from `start` to `time`, and factorised with its weights. v,
-  /// d and the rows' impulses come without friction and leave with it. False: no joint has any.
-  bool apply(EquationsOfMotion& equations, const State& start, double time, VectorX& rows, VectorX& v, VectorX& d);
+  /// d and the rows' impulses come without friction; q and v leave with it, joints closed. False: no joint has any.
+  bool apply(EquationsOfMotion& equations, const State& start, double time, VectorX& rows, const VectorX& d, VectorX& q,
+             VectorX& v);
   /// Keeps its mean forces over h in the velocities that are for it.
   void keep(EquationsOfMotion& equations, double h, VectorX& v, VectorX& v_dot) const;
   /// Sweeps of the solver in the last step.
@@ -32,11 +33,12 @@ class JointFrictionImpulses {
  private:
   void respond(EquationsOfMotion& equations);
   void form(EquationsOfMotion& equations, double h);
+  void hold(const std::vector<char>& sticks, VectorX& correction);
 
   JointFrictionProblem problem_;
   std::vector<std::vector<MatrixX>> by_lambda_;  // of each surface
   MatrixX D_, Y_, L_;
-  VectorX p_, kept_, v_, d_, q_, rv_, rl_, closed_, felt_;
+  VectorX p_, kept_, d_, v_, rv_, rl_, closed_, corrected_, felt_, way_;
   std::vector<int> places_;  // of what is kept
   int sweeps_ = 0;
   bool warned_ = false;

@@ -83,10 +83,11 @@ StepResult MoreauJean::advance(EquationsOfMotion& equations, State& state, doubl
   }
 
   // 2. With contact, then with closed joints.
+  bool rubs = false;
   if (rigid) {
     if (!deforms_) total_ = rl_;
     if (!deforms_ && equations.reacts()) total_ += h * lambda_;
-    friction_.apply(equations, state, time, total_, v_, d_);
+    rubs = friction_.apply(equations, state, time, total_, d_, q_, v_);
     impulses_.apply(equations, state, h, v_, d_);
     if (impulses_.cut() > 0) {
       impulses_.finish_by(time);
@@ -94,8 +95,10 @@ StepResult MoreauJean::advance(EquationsOfMotion& equations, State& state, doubl
     }
     statistics_.newton_iterations += impulses_.iterations();
   }
-  layout.retract(state.q, d_, q_);
-  if (rl_.size() > 0) close_joints(equations, time);
+  if (!rubs) {
+    layout.retract(state.q, d_, q_);
+    if (rl_.size() > 0) close_joints(equations, time);
+  }
   if (rigid) impulses_.remember(equations, v_, h, state.contacts);
   if (!q_.allFinite() || !v_.allFinite()) {
     friction_.put_back(state.v);

@@ -63,8 +63,8 @@ StepResult NonsmoothGeneralizedAlpha::advance(EquationsOfMotion& equations, Stat
   equations.evaluate(start_.time + h / 2, q_, start_.v, Level::velocity);
   equations.factorize({h * h / 4, h / 2, 1}, state.v_dot, state.lambda, nullptr);
   rl_ = h / 2 * (rl_ + state.lambda);
-  bool near = friction_.apply(equations, start_, state.time, rl_, v_, d_);
-  near |= impulses_.apply(equations, start_, h, v_, d_);
+  const bool rubs = friction_.apply(equations, start_, state.time, rl_, d_, q_, v_);
+  const bool near = impulses_.apply(equations, start_, h, v_, d_) || rubs;
   if (impulses_.cut() > 0) {
     impulses_.finish_by(state.time);
     state = start_;
@@ -78,11 +78,11 @@ StepResult NonsmoothGeneralizedAlpha::advance(EquationsOfMotion& equations, Stat
     return result;
   }
   if (h > kTells * parameters().step) drift(state, drift_);
-  layout.retract(start_.q, d_, q_);
+  if (!rubs) layout.retract(start_.q, d_, q_);
 
   // 3. Joints closed again, and a history from here on.
   rl_.resize(layout.row_count());
-  if (rl_.size() > 0) {
+  if (rl_.size() > 0 && !rubs) {
     equations.evaluate(state.time, q_, v_, Level::velocity);
     equations.constraint(Level::position, rl_);
     rl_ = -rl_;

@@ -37,17 +37,19 @@ class OneSurface {
     }
   }
 
-  Vector3 solve() const {
+  Vector3 solve(char& sticks) const {
+    sticks = true;
     if (q_.isZero(0)) return Vector3::Zero();
     const double limit = surface_.friction(before_ / 2) * normal(Vector3::Zero());
     const double least = std::max(1e-16 * scale_, limit > 0 ? kRestSpeed / limit : 0);
     if (const Vector3 held = impulse(least); reserve(held, 0) >= 0) return held;
-    constexpr double kWider = 64, kMost = 1e30;
+    sticks = false;
+    constexpr double kWider = 64, kMost = 1e300;
     double low = std::max(least, scale_), high = low;
     while (low > least && slides(low) >= 0) low = std::max(least, low / kWider);
     while (slides(high) < 0) {
       low = high, high *= kWider;
-      if (high > kMost * scale_) return Vector3::Zero();  // nothing presses
+      if (high > kMost) return Vector3::Zero();  // nothing presses
     }
     while (high - low > 1e-15 * high) {
       const double middle = (low + high) / 2;
@@ -67,7 +69,7 @@ class OneSurface {
     for (const auto& [constant, by] : presses_) sum += (constant + by * p).norm();
     return sum;
   }
-  Vector3 impulse(double kappa) const { return -(W_ + kappa * Matrix3::Identity()).inverse() * q_; }
+  Vector3 impulse(double kappa) const { return -(W_ + kappa * Matrix3::Identity()).partialPivLu().solve(q_); }
   /// What friction could give beyond p, after which it slides with `speed`.
   double reserve(const Vector3& p, double speed) const {
     return surface_.friction((before_ + speed) / 2) * normal(p) - p.norm();
@@ -87,14 +89,15 @@ class OneSurface {
 }  // namespace
 
 JointFrictionProblem::Result JointFrictionProblem::solve(VectorX& p) const {
-  Result result{false, 0, 0};
+  Result result{false, 0, 0, std::vector<char>(surfaces.size())};
   while (!result.converged && result.sweeps < kMaxSweeps) {
     ++result.sweeps;
     result.change = 0;
-    for (const Surface& surface : surfaces) {
+    for (std::size_t i = 0; i < surfaces.size(); ++i) {
+      const Surface& surface = surfaces[i];
       auto now = p.segment(surface.first, surface.count);
       const VectorX last = now;
-      now = OneSurface(*this, surface, p).solve().head(surface.count);
+      now = OneSurface(*this, surface, p).solve(result.sticks[i]).head(surface.count);
       result.change = std::max(result.change, (now - last).norm());
     }
     result.converged = result.change <= kRoundOff * p.lpNorm<Eigen::Infinity>();

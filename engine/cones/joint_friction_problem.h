@@ -30,7 +30,8 @@ struct JointFrictionProblem {
   struct Result {
     bool converged;
     int sweeps;
-    double change;  // of an impulse in the last sweep, N s
+    double change;             // of an impulse in the last sweep, N s
+    std::vector<char> sticks;  // by surface
   };
   /// From the p given. Surface by surface, each exactly while the others are held, until none changes by more than
   /// round-off. Sticking is taken before sliding wherever both would do: so a joint jams where its friction would load

@@ -22,6 +22,25 @@ void JointSurfaces::find_directions(MatrixX& D) {
     }
 }
 
+void JointSurfaces::start() {
+  from_.resize(surfaces_.size());
+  for (std::size_t i = 0; i < surfaces_.size(); ++i) {
+    from_[i].clear();
+    for (const Marker& m : surfaces_[i].markers) from_[i].push_back(scene_.motion_of(m));
+  }
+}
+
+void JointSurfaces::slid(VectorX& way) const {
+  way.resize(directions_);
+  for (std::size_t i = 0; i < surfaces_.size(); ++i) {
+    const Surface& surface = surfaces_[i];
+    std::vector<MarkerView> from;
+    for (const MarkerKinematics& k : from_[i]) from.emplace_back(k, static_cast<int>(from.size()));
+    const Vector3 of = surface.friction->slid(from, MarkerMotions(surface.markers, scene_.motion_of));
+    way.segment(surface.first, surface.count) = of.head(surface.count);
+  }
+}
+
 void JointSurfaces::find_presses(const Surface& surface, std::vector<MatrixX>& by_lambda) const {
   // 1. The reaction by the joint's own multipliers: R = -Σ W λ.
   const MarkerMotions joint(surface.joint_markers, scene_.motion_of);

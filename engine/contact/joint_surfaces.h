@@ -39,6 +39,10 @@ class JointSurfaces {
   int directions() const { return directions_; }
   /// D, a column a direction: s = Dᵀ v, and a friction F adds D F to the generalized forces.
   void find_directions(MatrixX& D);
+  /// From here on slid() counts.
+  void start();
+  /// How far all surfaces have slid since start(), along their directions, m.
+  void slid(VectorX& way) const;
   /// |P_i R| of a surface by the multipliers: a matrix for each, on the rows of the whole system.
   void find_presses(const Surface& surface, std::vector<MatrixX>& by_lambda) const;
   void felt(VectorRef lambda) const { scene_.felt(lambda); }
@@ -48,6 +52,7 @@ class JointSurfaces {
   const std::vector<Surface> surfaces_;
   int directions_ = 0;
   VectorX unit_;
+  std::vector<std::vector<MarkerKinematics>> from_;  // of each surface's markers
 };
 
 }  // namespace lithe

@@ -23,6 +23,8 @@ class SetValuedFriction {
   static constexpr int kMostPresses = 3;
   /// Fills P, at most kMostPresses; returns how many.
   virtual int presses(std::span<const MarkerView> markers, Press* P) const = 0;
+  /// How far the surfaces have slid between two near states, one entry a direction, m.
+  virtual Vector3 slid(std::span<const MarkerView> from, std::span<const MarkerView> to) const = 0;
   /// μ(s); at zero that of surfaces that stick.
   virtual double friction(double speed) const = 0;
 };

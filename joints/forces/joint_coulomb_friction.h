@@ -42,6 +42,9 @@ class JointCoulombFriction final : public ForceElement, public SetValuedFriction
   const Constraint& pressed_by() const override { return *surface_.joint(); }
   double load() const override { return surface_.preload(); }
   int presses(std::span<const MarkerView> markers, Press* P) const override { return surface_.presses(markers, P); }
+  Vector3 slid(std::span<const MarkerView> from, std::span<const MarkerView> to) const override {
+    return surface_.slid(from, to);
+  }
   double friction(double speed) const override { return law_.at(speed).mu; }
 
  private:

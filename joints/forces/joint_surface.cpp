@@ -55,6 +55,23 @@ void JointSurface::fill(const Sliding& sliding, const Vector3& direction, Wrench
   }
 }
 
+Vector3 JointSurface::slid(std::span<const MarkerView> from, std::span<const MarkerView> to) const {
+  if (ball()) {
+    const Matrix3 before = from[0].R.transpose() * from[1].R, now = to[0].R.transpose() * to[1].R;
+    return parameters_.radius * rotation_log(now * before.transpose());
+  }
+  Vector3 way = Vector3::Zero();
+  for (int k = 0; k < directions(); ++k) {
+    const JointCoordinate& x = coordinates_[k];
+    const auto value = [&](std::span<const MarkerView> m) {
+      return x.sign * measure(x.kind, x.axis, m[2 * k], m[2 * k + 1]).value;
+    };
+    const double change = value(to) - value(from);
+    way[k] = x.is_angle() ? parameters_.radius * std::remainder(change, 2 * M_PI) : change;
+  }
+  return way;
+}
+
 int JointSurface::presses(std::span<const MarkerView> markers, SetValuedFriction::Press* P) const {
   const Parameters& p = parameters_;
   int count = 0;

@@ -140,22 +140,21 @@ TEST(JointCoulombFriction, StopsASlidingBlock) {
 /// C06: 1 kg on 100 N/m, a belt at 0.5 m/s, coefficients of 0.4 and 0.3.
 TEST(JointCoulombFriction, HasThePeriodOfABlockOnABelt) {
   constexpr double kBelt = 0.5, kStiffness = 100, kPeriod = 0.62881071913377278895, kStart = 1.962e-2;
-  for (const double h : {1e-3, 1e-4})
+  for (const double h : {1e-3, 2e-4})
     for (auto& [name, method] : methods(h)) {
       SCOPED_TRACE(name);
-      PrismaticJoint* slide = nullptr;
-      JointCoordinate place;
       Scene scene({0, 0, -kGravity}, [&](SystemGraph& graph) {
         const Matrix3 along = rotation_about({0, 1, 0}, kPi / 2);
         auto& belt = graph.add<RigidBody>("belt", {.mass = 10, .velocity = {kBelt, 0, 0}});
         auto& guide = graph.add<PrismaticJoint>("guide", {graph.ground().marker({}, along), belt.marker({}, along)});
         graph.add<CoordinateDrive>("drive", {guide.displacement()}, {.motion = ramp(0, kBelt)});
         auto& block = graph.add<RigidBody>("block", {.mass = 1, .position = {kStart, 0, 0}, .velocity = {kBelt, 0, 0}});
-        slide = &graph.add<PrismaticJoint>("slide", {belt.marker({}, along), block.marker({}, along)});
-        rub(graph, {slide->displacement()}, *slide,
+        auto& slide = graph.add<PrismaticJoint>("slide", {belt.marker({}, along), block.marker({}, along)});
+        rub(graph, {slide.displacement()}, slide,
             {.coefficient = 0.3, .static_coefficient = 0.4, .stribeck_speed = 1e-9});
-        place = displacement_between(graph.ground().marker({}, along), block.marker({}, along));
-        graph.add<CoordinateSpring>("spring", {place}, {.stiffness = kStiffness});
+        graph.add<CoordinateSpring>("spring",
+                                    {displacement_between(graph.ground().marker({}, along), block.marker({}, along))},
+                                    {.stiffness = kStiffness, .free_value = 0});
       });
       std::vector<double> passes;  // downwards through the middle of the slip
       double before = kStart - 0.03;
@@ -163,16 +162,16 @@ TEST(JointCoulombFriction, HasThePeriodOfABlockOnABelt) {
       bool sticks = true;
       for (int i = 1; i * h < 6.5 * kPeriod; ++i) {
         scene.run(*method, i * h);
-        const double now = read(scene, coordinate(place, "x")) - 0.3 * kGravity / kStiffness;
+        const double now = scene.state.q[7] - 0.3 * kGravity / kStiffness;
         if (before >= 0 && now < 0) passes.push_back((i - 1 + before / (before - now)) * h);
         before = now;
-        const bool rests = std::abs(read(scene, coordinate_rate(slide->displacement(), "s"))) < 1e-12;
+        const bool rests = std::abs(scene.state.v[6] - scene.state.v[0]) < 1e-12;
         changes += rests != sticks;
         sticks = rests;
       }
       ASSERT_EQ(passes.size(), 6u);
       expect_below(name + ": period of the belt at h = " + std::to_string(h) + ", s",
-                   std::abs((passes[5] - passes[0]) / 5 - kPeriod), 0.5 * h);
+                   std::abs((passes[5] - passes[0]) / 5 - kPeriod), 2e-5);
       EXPECT_EQ(changes, 2 * 6 + 1) << "two a cycle: no chatter";
     }
 }
@@ -321,7 +320,7 @@ TEST(JointCoulombFriction, LetsPainlevesRodSlideOrJam) {
         rod.scene.run(*method, h);
         EXPECT_LT(rod.energy(), energy + 1e-9);
         if (mu > 4.0 / 3) {
-          EXPECT_LT(std::abs(rod.tip()), 1e-12) << "jams";
+          EXPECT_LT(std::abs(rod.tip()), 1e-11) << "jams";
           // Angular momentum about the tip, of a mass in its middle that moved with -1 m/s: (1/12 + 1/4) Δω = sin / 2.
           EXPECT_NEAR(rod.turning() - omega, 1.5 * std::sin(PainleveRod::kLean), 1e-3);
           continue;

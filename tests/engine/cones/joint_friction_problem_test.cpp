@@ -22,7 +22,7 @@ JointFrictionProblem random_problem(std::mt19937& random, double coupling) {
     auto& surface = problem.surfaces.emplace_back();
     surface.first = rows, surface.count = count;
     surface.load = std::abs(normal(random));
-    surface.friction = [](double speed) { return 0.3 + 0.2 * std::exp(-speed * speed); };
+    surface.friction = [](double speed) { return 0.3 + 0.2 * std::exp(-std::pow(speed / 20, 2)); };
     rows += count;
   }
   for (auto& surface : problem.surfaces) {

@@ -58,16 +58,10 @@ TEST(ToothEvents, DampingIsARatioOfTheCriticalOne) {
   const double w = std::sqrt(kStiffness * mobility * (1 - kRatio * kRatio));
   const System system = assemble(scene.graph);
   State state = system.initial_state();
-  // As deep as the torque presses them, and a speed of approach that leaves them together.
+  // As deep as the torque presses them, and a speed that leaves them together.
   const double deep = 40 / g.A.base_radius / kStiffness;
   const double turn = (deep + kPlay / 2) / g.A.base_radius;
-  state.q.segment<4>(3) << std::cos(turn / 2), 0, 0, -std::sin(turn / 2);
-  const auto force = [&] {
-    return std::hypot(gears::value(system, state, applied_force(*scene.mesh, 1), 0),
-                      gears::value(system, state, applied_force(*scene.mesh, 1), 1));
-  };
-  if (std::abs(force() - 40 / g.A.base_radius) > 1) state.q[6] = std::sin(turn / 2);
-  ASSERT_NEAR(force(), 40 / g.A.base_radius, 1e-6 * force());
+  state.q.segment<4>(3) << std::cos(turn / 2), 0, 0, std::sin(turn / 2);
   state.v[5] = 0.05;
   Method method = runge_kutta8(1e-12);
   Simulation simulation{system, *method};
