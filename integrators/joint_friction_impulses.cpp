@@ -62,10 +62,8 @@ void JointFrictionImpulses::respond(EquationsOfMotion& equations) {
   joints.find_directions(D_);
   Y_ = D_;
   L_.setZero(equations.layout().row_count(), D_.cols());
-  for (int k = 0; k < D_.cols(); ++k) {
-    equations.solve(Y_.col(k), L_.col(k));
-    joints.felt(L_.col(k));
-  }
+  for (int k = 0; k < D_.cols(); ++k) equations.solve(Y_.col(k), L_.col(k));
+  joints.felt(L_);
   by_lambda_.resize(joints.surfaces().size());
   for (std::size_t i = 0; i < by_lambda_.size(); ++i) joints.find_presses(joints.surfaces()[i], by_lambda_[i]);
 }

@@ -1,9 +1,32 @@
 #include "engine/assembly/find_joint_surfaces.h"
 
+#include <optional>
+
 #include "engine/assembly/evaluated.h"
 #include "engine/assembly/least_norm.h"
 
 namespace lithe {
+namespace {
+
+class EvaluatedSurfaces final : public JointSurfaces {
+ public:
+  EvaluatedSurfaces(Evaluator& evaluator, Scene scene, std::vector<Surface> surfaces)
+      : JointSurfaces(std::move(scene), std::move(surfaces)), evaluator_(evaluator) {}
+
+  void felt(MatrixRef lambda) override {
+    if (evaluator_.redundant_rows().empty()) return;
+    if (!least_norm_) least_norm_.emplace(evaluator_.system().blocks());
+    least_norm_->forget();
+    for (int k = 0; k < lambda.cols(); ++k)
+      lambda.col(k) = least_norm_->of(evaluator_.workspace().values, lambda.col(k));
+  }
+
+ private:
+  Evaluator& evaluator_;
+  std::optional<LeastNorm> least_norm_;
+};
+
+}  // namespace
 
 std::unique_ptr<JointSurfaces> find_joint_surfaces(Evaluator& evaluator) {
   const System& system = evaluator.system();
@@ -29,11 +52,11 @@ std::unique_ptr<JointSurfaces> find_joint_surfaces(Evaluator& evaluator) {
     first += count;
   }
   if (surfaces.empty()) return nullptr;
-  const auto felt = [&evaluator](VectorRef lambda) { minimize_norm(evaluator, lambda); };
   const auto motion_of = [&evaluator](const Marker& m) { return marker_kinematics(evaluator, m, Level::velocity); };
   const Workspace& work = evaluator.workspace();
-  return std::make_unique<JointSurfaces>(
-      JointSurfaces::Scene{system.blocks(), work.values, system.layout().row_count(), row, work.time, motion_of, felt},
+  return std::make_unique<EvaluatedSurfaces>(
+      evaluator,
+      JointSurfaces::Scene{system.blocks(), work.values, system.layout().row_count(), row, work.time, motion_of},
       std::move(surfaces));
 }
 

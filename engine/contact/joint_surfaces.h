@@ -30,10 +30,9 @@ class JointSurfaces {
     int constraint_rows, compliant_rows;                       // in all
     const double& time;                                        // s
     std::function<MarkerKinematics(const Marker&)> motion_of;  // at Level::velocity
-    /// The multipliers of least norm that make the same forces, where rows repeat others.
-    std::function<void(VectorRef lambda)> felt;
   };
   JointSurfaces(Scene scene, std::vector<Surface> surfaces);
+  virtual ~JointSurfaces() = default;
 
   const std::vector<Surface>& surfaces() const { return surfaces_; }
   int directions() const { return directions_; }
@@ -45,7 +44,8 @@ class JointSurfaces {
   void slid(VectorX& way) const;
   /// |P_i R| of a surface by the multipliers: a matrix for each, on the rows of the whole system.
   void find_presses(const Surface& surface, std::vector<MatrixX>& by_lambda) const;
-  void felt(VectorRef lambda) const { scene_.felt(lambda); }
+  /// Multipliers, a column each, become those of least norm with the same forces where rows repeat others.
+  virtual void felt(MatrixRef lambda) = 0;
 
  private:
   const Scene scene_;

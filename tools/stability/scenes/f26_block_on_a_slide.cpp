@@ -24,24 +24,22 @@ class Block : public Bench {
       : Bench({0, 0, -kGravity}, [&](SystemGraph& graph) {
           const Matrix3 along = rotation_about({0, 1, 0}, M_PI / 2 + kSlope);
           auto& block = graph.add<RigidBody>("block", {.mass = kMass});
-          slide = &graph.add<PrismaticJoint>("slide", {graph.ground().marker({}, along), block.marker({}, along)});
+          auto& slide = graph.add<PrismaticJoint>("slide", {graph.ground().marker({}, along), block.marker({}, along)});
           if (law == Law::regularised)
-            graph.add<JointFriction>("rub", {slide->displacement()},
-                                     {.joint = slide, .coefficient = kFriction, .creep_speed = creep_speed});
+            graph.add<JointFriction>("rub", {slide.displacement()},
+                                     {.joint = &slide, .coefficient = kFriction, .creep_speed = creep_speed});
           if (law == Law::bristles) {
             // Hung as the slope asks.
             const VectorX start =
                 JointBristles::start(kMass * kGravity * std::cos(kSlope), {std::tan(kSlope) / kFriction, 0, 0});
-            add_joint_bristles(graph, "rub", {slide->displacement()},
+            add_joint_bristles(graph, "rub", {slide.displacement()},
                                graph.add<FirstOrderStates>("bristles", {.start = start}),
-                               {.joint = slide, .coefficient = kFriction});
+                               {.joint = &slide, .coefficient = kFriction});
           }
           if (law == Law::set_valued)
-            add_joint_coulomb_friction(graph, "rub", {slide->displacement()},
-                                       {.joint = slide, .coefficient = kFriction});
+            add_joint_coulomb_friction(graph, "rub", {slide.displacement()},
+                                       {.joint = &slide, .coefficient = kFriction});
         }) {}
-
-  PrismaticJoint* slide = nullptr;
 };
 
 Finding creep(Law law, Integrator& method, double creep_speed = 0) {

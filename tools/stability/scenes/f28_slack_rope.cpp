@@ -21,14 +21,13 @@ class Fall : public Bench {
       : Bench({0, 0, -kGravity}, [&](SystemGraph& graph) {
           auto& mass = graph.add<RigidBody>("mass", {.mass = kMass, .position = {0, 0, kFall - kLength}});
           graph.add<PrismaticJoint>("guide", {graph.ground().marker(), mass.marker()});
-          rope = reeve(graph, "rope", {{graph.ground().marker()}, {mass.marker()}},
-                       {.axial_stiffness = kStiffness * kLength, .length = kLength});
+          reeve(graph, "rope", {{graph.ground().marker()}, {mass.marker()}},
+                {.axial_stiffness = kStiffness * kLength, .length = kLength});
         }) {}
   double pull() {
     const double stretch = -state.q[2] - kLength;
     return stretch > 0 ? kStiffness * stretch : 0;
   }
-  Rope rope;
 };
 
 Finding snaps(Integrator& method) {
@@ -60,7 +59,7 @@ Finding snaps(Integrator& method) {
 
 const Registered scene{with_candidates({"F28", "a rope that goes slack and snaps", {}},
                                        {automatic(1e-7), radau(1e-7), runge_kutta8(1e-7), alpha(5e-3), alpha(1e-3),
-                                        alpha(1e-5), hht(1e-3), linearly_implicit(1e-3)},
+                                        alpha(1e-4), hht(1e-3), linearly_implicit(1e-3)},
                                        snaps)};
 
 }  // namespace

@@ -36,7 +36,7 @@ class Satellite : public Bench {
   }
   double turned() const { return 2 * std::atan2(state.q[6], state.q[3]); }
 
-  RevoluteJoint* hinge = nullptr;
+  RevoluteJoint* hinge;
 };
 
 /// θ' = -φ' I_φ(φ) / I(φ), of zero angular momentum about the common centre, m = m_h m_p / (m_h + m_p):

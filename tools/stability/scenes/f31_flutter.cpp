@@ -43,10 +43,12 @@ struct Mode {
     growth = solver.eigenvalues().real().maxCoeff(&fastest);
     frequency = std::abs(solver.eigenvalues()[fastest].imag());
     shape = solver.eigenvectors().col(fastest);
+    part = solver.eigenvectors().inverse().row(fastest);
     shape *= 1e-4 / shape[1];
   }
   double growth, frequency;
   Eigen::VectorXcd shape;
+  Eigen::RowVectorXcd part;  // part * (h, α, h', α'): how much of the mode is in a motion
 };
 
 double flutter_speed() {
@@ -90,27 +92,25 @@ class Section : public Bench {
     state.v.segment<3>(6) = Vector3(0, 0, y[2]) + Vector3(0, y[3], 0).cross(turned * Vector3(kBehind, 0, 0));
     state.v[10] = y[3];
   }
-  double pitch() const { return 2 * std::atan2(state.q[12], state.q[10]); }
+  /// (h, α, h', α')
+  Eigen::Vector4d motion() const {
+    return {state.q[2], 2 * std::atan2(state.q[12], state.q[10]), state.v[2], state.v[10]};
+  }
 };
 
-/// Amplitudes in the last and the first cycles.
+/// By how much of the mode is in the motion at its end.
 Finding swings_up(Integrator& method) {
   const double speed = 1.02 * flutter_speed();
   const Mode mode(speed);
   Section section(speed);
-  const double cycle = 2 * M_PI / mode.frequency, end = std::floor(kSeconds / cycle) * cycle;
-  double first = 0, last = 0;
-  const Bench::Course course = section.run(method, end, [&] {
-    double& of = section.state.time < 3 * cycle ? first : last;
-    if (section.state.time < 3 * cycle || section.state.time > end - 3 * cycle)
-      of = std::max(of, std::abs(section.pitch()));
-  });
-  const double growth = std::log(last / first) / (end - 3 * cycle);
+  const double before = std::abs(mode.part * section.motion());
+  const Bench::Course course = section.run(method, kSeconds);
+  const double growth = std::log(std::abs(mode.part * section.motion()) / before) / kSeconds;
   return {course.reached ? judged(growth / mode.growth - 1, 0.05) : Outcome::unstable,
           {{"growth, 1/s", growth},
            {"of the eigenvalue, 1/s", mode.growth},
            {"speed of flutter, m/s", flutter_speed()},
-           {"steps a cycle", static_cast<double>(course.steps) * cycle / end}},
+           {"steps a cycle", static_cast<double>(course.steps) * 2 * M_PI / mode.frequency / kSeconds}},
           course.why};
 }
 
