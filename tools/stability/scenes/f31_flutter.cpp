@@ -46,9 +46,12 @@ struct Mode {
     part = solver.eigenvectors().inverse().row(fastest);
     shape *= 1e-4 / shape[1];
   }
+  /// How much of the mode is in a motion (h, α, h', α').
+  double share(const Eigen::Vector4d& motion) const { return std::abs((part * motion)(0)); }
+
   double growth, frequency;
   Eigen::VectorXcd shape;
-  Eigen::RowVectorXcd part;  // part * (h, α, h', α'): how much of the mode is in a motion
+  Eigen::RowVectorXcd part;
 };
 
 double flutter_speed() {
@@ -103,9 +106,9 @@ Finding swings_up(Integrator& method) {
   const double speed = 1.02 * flutter_speed();
   const Mode mode(speed);
   Section section(speed);
-  const double before = std::abs(mode.part * section.motion());
+  const double before = mode.share(section.motion());
   const Bench::Course course = section.run(method, kSeconds);
-  const double growth = std::log(std::abs(mode.part * section.motion()) / before) / kSeconds;
+  const double growth = std::log(mode.share(section.motion()) / before) / kSeconds;
   return {course.reached ? judged(growth / mode.growth - 1, 0.05) : Outcome::unstable,
           {{"growth, 1/s", growth},
            {"of the eigenvalue, 1/s", mode.growth},
