@@ -7,7 +7,6 @@
 
 #include "engine/archive/archive.h"
 #include "engine/base/error.h"
-#include "engine/contact/rigid_contacts.h"
 #include "engine/motion/singular_pose.h"
 
 namespace lithe {
@@ -62,14 +61,12 @@ Integrator::Integrator() = default;
 Integrator::~Integrator() = default;
 
 void Integrator::start(EquationsOfMotion& equations, State& state) {
-  if (const RigidContacts* rigid = equations.parts().rigid_contacts; rigid && !handles_rigid_contacts()) {
-    if (rigid->joints())
-      throw SceneError(name() + " does not support set-valued friction in joints", "Integrator::start",
-                       "take MoreauJean or NonsmoothGeneralizedAlpha, or JointBristles, which stick with every method");
-    throw SceneError(name() + " does not support contact between rigid surfaces", "Integrator::start",
-                     "take MoreauJean or NonsmoothGeneralizedAlpha, or give the contact a compliant law: "
-                     "{.law = Compliance{...}}");
-  }
+  if (equations.parts().rigid_contacts && !handles_rigid_contacts())
+    throw SceneError(
+        name() + " does not support contact between rigid surfaces, nor set-valued friction in joints",
+        "Integrator::start",
+        "take MoreauJean or NonsmoothGeneralizedAlpha; or give contacts a compliant law: {.law = Compliance{...}}, and "
+        "joints JointBristles");
   equations.memory().recall(state.quarter_turns);
   equations.memory().recall_rows(state.left_out);
   equations.memory().recall(state.contacts);

@@ -413,8 +413,8 @@ TEST(JointCoulombFriction, IsResumedBitForBit) {
   for (std::size_t i = 0; i < first.size(); ++i) {
     SCOPED_TRACE(first[i].name);
     const auto pull = [](double t, double, double) { return 12 * std::sin(20 * t); };  // sticks and slides
-    Block block(0, {.coefficient = 0.3, .static_coefficient = 0.4}, pull),
-        copy(0, {.coefficient = 0.3, .static_coefficient = 0.4}, pull);
+    const Friction friction{.coefficient = 0.3, .static_coefficient = 0.4};
+    Block block(0, friction, pull), copy(0, friction, pull);
     Simulation simulation{block.scene.system, *first[i].integrator}, resumed{copy.scene.system, *again[i].integrator};
     simulation.run(block.scene.state, 0.3);
     simulation.save(block.scene.state, path);
