@@ -24,6 +24,7 @@ MoreauJean::MoreauJean(Parameters parameters, std::unique_ptr<ConeSolver> solver
 }
 
 void MoreauJean::prepare(EquationsOfMotion& equations, State& state) {
+  JointFrictionImpulses::check(equations);
   const int nv = equations.layout().v_count(), rows = equations.layout().row_count();
   if (!resumes()) statistics_ = {}, impulses_.forget();
   for (VectorX* x : {&v_, &d_, &rv_, &mean_}) x->setZero(nv);
@@ -48,7 +49,7 @@ StepResult MoreauJean::advance(EquationsOfMotion& equations, State& state, doubl
 
   // 1. Without contact: forces and their derivatives in the middle.
   const bool rigid = equations.parts().rigid_contacts != nullptr;
-  if (rigid) impulses_.leave_out_rigid(equations, state.contacts);
+  if (rigid) impulses_.leave_out_rigid(equations, state.contacts), friction_.leave_out(equations, state);
   d_ = h / 2 * state.v;
   layout.retract(state.q, d_, q_);
   equations.evaluate(state.time + h / 2, q_, state.v, Level::velocity);
@@ -58,6 +59,7 @@ StepResult MoreauJean::advance(EquationsOfMotion& equations, State& state, doubl
   v_.setZero();
   equations.residual(v_, equations.reacts() ? lambda_ : rl_, rv_);
   if (!rv_.allFinite()) {
+    friction_.put_back(state.v);
     const auto broken = std::find_if(rv_.begin(), rv_.end(), [](double x) { return !std::isfinite(x); });
     return {StepResult::Outcome::failed, "the equations give no finite values at the step of " + step_text(h) +
                                              "; first in " +
@@ -81,7 +83,11 @@ StepResult MoreauJean::advance(EquationsOfMotion& equations, State& state, doubl
   }
 
   // 2. With contact, then with closed joints.
+  bool rubs = false;
   if (rigid) {
+    if (!deforms_) total_ = rl_;
+    if (!deforms_ && equations.reacts()) total_ += h * lambda_;
+    rubs = friction_.apply(equations, state, time, total_, d_, q_, v_);
     impulses_.apply(equations, state, h, v_, d_);
     if (impulses_.cut() > 0) {
       impulses_.finish_by(time);
@@ -89,13 +95,18 @@ StepResult MoreauJean::advance(EquationsOfMotion& equations, State& state, doubl
     }
     statistics_.newton_iterations += impulses_.iterations();
   }
-  layout.retract(state.q, d_, q_);
-  if (rl_.size() > 0) close_joints(equations, time);
+  if (!rubs) {
+    layout.retract(state.q, d_, q_);
+    if (rl_.size() > 0) close_joints(equations, time);
+  }
   if (rigid) impulses_.remember(equations, v_, h, state.contacts);
-  if (!q_.allFinite() || !v_.allFinite())
+  if (!q_.allFinite() || !v_.allFinite()) {
+    friction_.put_back(state.v);
     return {StepResult::Outcome::failed, "the contact problem gives no finite values at the step of " + step_text(h)};
+  }
 
   state.v_dot = (v_ - state.v) / h;
+  if (rigid) friction_.keep(equations, h, v_, state.v_dot);
   state.time = time;
   state.q = q_;
   state.v = v_;

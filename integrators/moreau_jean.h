@@ -2,6 +2,7 @@
 
 #include "engine/motion/integrator.h"
 #include "integrators/contact_impulses.h"
+#include "integrators/joint_friction_impulses.h"
 
 namespace lithe {
 
@@ -41,6 +42,7 @@ class MoreauJean final : public Integrator {
 
   Parameters parameters_;
   ContactImpulses impulses_;
+  JointFrictionImpulses friction_;
   IntegratorStatistics statistics_;
   VectorX q_, v_, d_, rv_, rl_;
   VectorX lambda_;               // of the last state that had any

@@ -19,10 +19,13 @@ NonsmoothGeneralizedAlpha::NonsmoothGeneralizedAlpha(Parameters parameters, std:
 }
 
 void NonsmoothGeneralizedAlpha::prepare(EquationsOfMotion& equations, State& state) {
+  JointFrictionImpulses::check(equations);
   impulses_.leave_out_rigid(equations, state.contacts);
   if (!resumes()) impulses_.forget();
   jumped_ = false;
+  friction_.leave_out(equations, state);
   GeneralizedAlpha::prepare(equations, state);
+  friction_.put_back(state.v);
 }
 
 bool NonsmoothGeneralizedAlpha::keep(Archive& archive, EquationsOfMotion& equations, const State& state) {
@@ -38,11 +41,14 @@ StepResult NonsmoothGeneralizedAlpha::advance(EquationsOfMotion& equations, Stat
   // 1. The smooth motion.
   t_stop = impulses_.next_stop(state.time, t_stop);
   impulses_.leave_out_rigid(equations, state.contacts);
+  friction_.leave_out(equations, state);
   start_ = state;
   if (jumped_) state.v_dot = smooth_v_dot_, state.lambda = smooth_lambda_;
   jumped_ = false;
   drift(state, drift_);
+  rl_ = state.lambda;
   const StepResult result = GeneralizedAlpha::advance(equations, state, t_stop);
+  if (!result.ok()) friction_.put_back(state.v);
   if (!result.ok() || !equations.parts().rigid_contacts) return result;
   const Layout& layout = equations.layout();
   const double h = state.time - start_.time;
@@ -56,7 +62,9 @@ StepResult NonsmoothGeneralizedAlpha::advance(EquationsOfMotion& equations, Stat
   layout.retract(start_.q, h / 2 * start_.v, q_);
   equations.evaluate(start_.time + h / 2, q_, start_.v, Level::velocity);
   equations.factorize({h * h / 4, h / 2, 1}, state.v_dot, state.lambda, nullptr);
-  const bool near = impulses_.apply(equations, start_, h, v_, d_);
+  rl_ = h / 2 * (rl_ + state.lambda);
+  const bool rubs = friction_.apply(equations, start_, state.time, rl_, d_, q_, v_);
+  const bool near = impulses_.apply(equations, start_, h, v_, d_) || rubs;
   if (impulses_.cut() > 0) {
     impulses_.finish_by(state.time);
     state = start_;
@@ -70,11 +78,11 @@ StepResult NonsmoothGeneralizedAlpha::advance(EquationsOfMotion& equations, Stat
     return result;
   }
   if (h > kTells * parameters().step) drift(state, drift_);
-  layout.retract(start_.q, d_, q_);
+  if (!rubs) layout.retract(start_.q, d_, q_);
 
   // 3. Joints closed again, and a history from here on.
   rl_.resize(layout.row_count());
-  if (rl_.size() > 0) {
+  if (rl_.size() > 0 && !rubs) {
     equations.evaluate(state.time, q_, v_, Level::velocity);
     equations.constraint(Level::position, rl_);
     rl_ = -rl_;
@@ -90,14 +98,17 @@ StepResult NonsmoothGeneralizedAlpha::advance(EquationsOfMotion& equations, Stat
   }
   state.q = q_;
   state.v = v_;
-  if (!q_.allFinite() || !v_.allFinite())
+  if (!q_.allFinite() || !v_.allFinite()) {
+    friction_.put_back(state.v);
     return {StepResult::Outcome::failed, "the contact problem gives no finite values at the step of " + step_text(h)};
+  }
   // The smooth motion goes on as before it, or each step would begin with an acceleration (am - af) h too late, which
   // damps what slides or rests for long in proportion to the step.
   restart(equations, state, &drift_);
   smooth_v_dot_ = state.v_dot, smooth_lambda_ = state.lambda;
   jumped_ = true;
   state.v_dot = (state.v - start_.v) / h;
+  friction_.keep(equations, h, state.v, state.v_dot);
   state.lambda.resize(0);
   impulses_.remember(equations, v_, h, state.contacts);
   return result;

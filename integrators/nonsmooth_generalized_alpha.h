@@ -2,6 +2,7 @@
 
 #include "integrators/contact_impulses.h"
 #include "integrators/generalized_alpha.h"
+#include "integrators/joint_friction_impulses.h"
 
 namespace lithe {
 
@@ -34,6 +35,7 @@ class NonsmoothGeneralizedAlpha final : public GeneralizedAlpha {
 
  private:
   ContactImpulses impulses_;
+  JointFrictionImpulses friction_;
   State start_;
   VectorX v_, d_, q_, rv_, rl_, drift_;
   // Of the smooth motion at the end of a step that jumped: State has the mean over the step there.

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/assembly/evaluated.h"
+#include "engine/assembly/find_joint_surfaces.h"
 #include "engine/assembly/forward_part.h"
 #include "engine/assembly/held_blocks.h"
 #include "engine/assembly/least_norm.h"
@@ -28,7 +29,7 @@ Evaluator::Evaluator(const System& system) : system_(system) {
   work_.force_energy.setZero(system.graph().load_count());
   for (const auto& batch : system.batches_.bodies) caches_.push_back(batch->make_caches());
   facts_.layout = &layout;
-  if (!system.contacts().empty()) make_contacts();
+  make_contacts();
   held_ = std::make_unique<HeldBlocks>(system.blocks_, work_, contacts_.get());
   factors_ = std::make_unique<TangentFactors>(*this, work_, facts_.redundant_rows, contacts_.get());
   facts_ = {.layout = &layout,
@@ -44,12 +45,15 @@ Evaluator::Evaluator(const System& system) : system_(system) {
 /// Here, where the parts are complete types.
 Evaluator::~Evaluator() = default;
 
+/// Contact elements, and joints whose friction is found as theirs is.
 void Evaluator::make_contacts() {
+  auto joints = find_joint_surfaces(*this);
+  if (system_.contacts().empty() && !joints) return;
   const auto& slices = layout().bodies();
   std::vector<BodyState> bodies;
   for (const auto& slice : slices) bodies.push_back(lithe::body_state(*this, *slice.body));
   contacts_ = std::make_unique<ContactForces>(system_.contacts(), layout(), work_.markers, work_.v, std::move(bodies));
-  if (!contacts_->any_rigid()) return;
+  if (!contacts_->any_rigid() && !joints) return;
   // Frames of bodies on which force elements act: their loads have tangents.
   std::vector<int> loaded;
   for (const auto& entry : system_.graph().forces())
@@ -60,9 +64,9 @@ void Evaluator::make_contacts() {
       const int slices_of_it = std::max(1, has.frames) + (has.frames > 1 && has.linear > 0);
       for (int i = 0; i < slices_of_it; ++i) loaded.push_back(first + i);
     }
-  rigid_contacts_ =
-      std::make_unique<RigidContacts>(RigidContacts::Scene{*this, system_.blocks_, work_.values, system_.contacts(),
-                                                           *contacts_, std::move(loaded), system_.gravity().norm()});
+  rigid_contacts_ = std::make_unique<RigidContacts>(
+      RigidContacts::Scene{*this, system_.blocks_, work_.values, system_.contacts(), *contacts_, std::move(loaded),
+                           system_.gravity().norm(), std::move(joints)});
 }
 
 void Evaluator::recall(const ContactMemory& contacts) {

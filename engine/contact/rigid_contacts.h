@@ -5,6 +5,7 @@
 #include "engine/cones/cone_problem.h"
 #include "engine/contact/contact_event.h"
 #include "engine/contact/contact_forces.h"
+#include "engine/contact/joint_surfaces.h"
 #include "engine/factor/block_structure.h"
 #include "engine/model/rigid_frame_body.h"
 
@@ -24,6 +25,7 @@ class RigidContacts {
     ContactForces& contacts;
     std::vector<int> loaded;  // bodies that force elements act on, by layout
     double gravity;           // m/s²
+    std::unique_ptr<JointSurfaces> joints;
   };
   explicit RigidContacts(Scene scene);
 
@@ -44,6 +46,10 @@ class RigidContacts {
   /// last.
   void find(ConstVectorRef v, double horizon);
   bool empty() const { return points_.empty(); }
+  /// Whether the scene has contacts of rigid surfaces.
+  bool any() const { return scene_.contacts.any_rigid(); }
+  /// Joints that rub by the same law; null: there are none.
+  JointSurfaces* joints() const { return scene_.joints.get(); }
   /// Whether some collider moves so far in half of find()'s horizon that, looked at in the middle of a step of that
   /// length, it may have passed another.
   bool fast() const { return fast_; }

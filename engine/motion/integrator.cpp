@@ -62,9 +62,11 @@ Integrator::~Integrator() = default;
 
 void Integrator::start(EquationsOfMotion& equations, State& state) {
   if (equations.parts().rigid_contacts && !handles_rigid_contacts())
-    throw SceneError(name() + " does not support contact between rigid surfaces", "Integrator::start",
-                     "take MoreauJean or NonsmoothGeneralizedAlpha, or give the contact a compliant law: "
-                     "{.law = Compliance{...}}");
+    throw SceneError(
+        name() + " does not support contact between rigid surfaces, nor set-valued friction in joints",
+        "Integrator::start",
+        "take MoreauJean or NonsmoothGeneralizedAlpha; or give contacts a compliant law: {.law = Compliance{...}}, and "
+        "joints JointBristles");
   equations.memory().recall(state.quarter_turns);
   equations.memory().recall_rows(state.left_out);
   equations.memory().recall(state.contacts);

@@ -10,13 +10,6 @@ bool share_an_axis(const JointCoordinate& angle, const JointCoordinate& displace
          angle.A == displacement.A && angle.B == displacement.B && angle.axis == displacement.axis;
 }
 
-void add(JointSurface::Press& press, const Vector3& f, double arm, Vector3 Wrench::*of) {
-  const double length = f.norm();
-  if (length == 0) return;
-  press.force += length / arm;
-  press.by.*of += f / (length * arm);
-}
-
 }  // namespace
 
 JointSurface::JointSurface(CoordinateSet coordinates, Parameters parameters)
@@ -62,24 +55,60 @@ void JointSurface::fill(const Sliding& sliding, const Vector3& direction, Wrench
   }
 }
 
-JointSurface::Press JointSurface::press(std::span<const MarkerView> markers, const Wrench& reaction) const {
-  const Parameters& p = parameters_;
-  const auto& [F, T] = reaction;
-  Press press{p.preload, {Vector3::Zero(), Vector3::Zero()}};
+Vector3 JointSurface::slid(std::span<const MarkerView> from, std::span<const MarkerView> to) const {
   if (ball()) {
-    add(press, F, 1, &Wrench::force);
-    return press;
+    const Matrix3 before = from[0].R.transpose() * from[1].R, now = to[0].R.transpose() * to[1].R;
+    return parameters_.radius * rotation_log(now * before.transpose());
+  }
+  Vector3 way = Vector3::Zero();
+  for (int k = 0; k < directions(); ++k) {
+    const JointCoordinate& x = coordinates_[k];
+    const auto value = [&](std::span<const MarkerView> m) {
+      return x.sign * measure(x.kind, x.axis, m[2 * k], m[2 * k + 1]).value;
+    };
+    const double change = value(to) - value(from);
+    way[k] = x.is_angle() ? parameters_.radius * std::remainder(change, 2 * M_PI) : change;
+  }
+  return way;
+}
+
+int JointSurface::presses(std::span<const MarkerView> markers, SetValuedFriction::Press* P) const {
+  const Parameters& p = parameters_;
+  int count = 0;
+  const auto open = [&]() -> SetValuedFriction::Press& {
+    P[count].setZero();
+    return P[count++];
+  };
+  if (ball()) {
+    open().leftCols<3>().setIdentity();
+    return count;
   }
   const Vector3 axis = coordinates_.axis(0, markers);
-  const double thrust = turns() ? axis.dot(F) : 0, twist = slides() && p.radius > 0 ? axis.dot(T) / p.radius : 0;
-  add(press, F - axis.dot(F) * axis, 1, &Wrench::force);
-  if (p.bending_arm > 0) add(press, T - axis.dot(T) * axis, p.bending_arm, &Wrench::torque);
-  const double axial = std::hypot(thrust, twist);
-  if (axial == 0) return press;
-  press.force += axial;
-  press.by.force += thrust / axial * axis;
-  if (twist != 0) press.by.torque += twist / (axial * p.radius) * axis;
-  return press;
+  const Matrix3 across = Matrix3::Identity() - axis * axis.transpose();
+  open().leftCols<3>() = across;
+  if (p.bending_arm > 0) open().rightCols<3>() = across / p.bending_arm;
+  const bool twists = slides() && p.radius > 0;
+  if (!turns() && !twists) return count;
+  auto& axial = open();
+  if (turns()) axial.row(0).head<3>() = axis;
+  if (twists) axial.row(1).tail<3>() = axis / p.radius;
+  return count;
+}
+
+JointSurface::Press JointSurface::press(std::span<const MarkerView> markers, const Wrench& reaction) const {
+  SetValuedFriction::Press P[SetValuedFriction::kMostPresses];
+  Vector6 R, by = Vector6::Zero();
+  R << reaction.force, reaction.torque;
+  double force = parameters_.preload;
+  const int count = presses(markers, P);
+  for (int i = 0; i < count; ++i) {
+    const Vector3 part = P[i] * R;
+    const double length = part.norm();
+    if (length == 0) continue;
+    force += length;
+    by += P[i].transpose() * part / length;
+  }
+  return {force, {by.head<3>(), by.tail<3>()}};
 }
 
 }  // namespace lithe

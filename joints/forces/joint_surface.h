@@ -4,6 +4,7 @@
 
 #include "engine/model/force_element.h"
 #include "engine/model/joint_coordinate.h"
+#include "engine/model/set_valued_friction.h"
 
 namespace lithe {
 
@@ -45,6 +46,10 @@ class JointSurface {
   /// Wrenches of a unit force along `direction`, one for each of marker_count().
   void fill(const Sliding& sliding, const Vector3& direction, Wrench* wrenches) const;
 
+  /// Between two near states, along each direction, m.
+  Vector3 slid(std::span<const MarkerView> from, std::span<const MarkerView> to) const;
+  /// N = N₀ + Σ |P_i R|: fills P (SetValuedFriction), returns how many.
+  int presses(std::span<const MarkerView> markers, SetValuedFriction::Press* P) const;
   struct Press {
     double force;  // N
     Wrench by;     // ∂N/∂reaction

@@ -80,6 +80,10 @@ ToothMesh::ToothMesh(const GearGeometry& geometry, const ToothContact& contact)
 
 ToothMesh::Coordinate ToothMesh::back_phase(const Coordinate& phase) const { return thickness_ - phase; }
 
+double ToothMesh::depth(const Flank& flank) const {
+  return flank.approach.value - error_(flank.phase.value).value + std::abs(flank.tilt.value) * half_face_;
+}
+
 void ToothMesh::add(Flank flank, const MarkerView& A, const MarkerView& B, ForceRows& rows) const {
   const CubicSpline::Value k = stiffness_(flank.phase.value);
   flank.approach -= through(flank.phase, error_(flank.phase.value));

@@ -45,6 +45,8 @@ class ToothMesh {
 
   /// Six compliant rows, and the friction's loads.
   void add(Flank flank, const MarkerView& A, const MarkerView& B, ForceRows& rows) const;
+  /// How deep the teeth are in each other at most along their face, δ + |γ| b/2, m; negative: how far they are apart.
+  double depth(const Flank& flank) const;
   /// ψ of the flank that B drives with, where that of A's is `phase`.
   Coordinate back_phase(const Coordinate& phase) const;
   /// Over the mesh cycle, N/m.

@@ -24,7 +24,8 @@ ToothedGearPair::ToothedGearPair(Parameters parameters)
                        "give whole numbers of teeth; a rack is a ToothedRack");
 }
 
-void ToothedGearPair::evaluate(double, std::span<const MarkerView> markers, ForceRows& rows) const {
+std::array<ToothMesh::Flank, 2> ToothedGearPair::flanks(std::span<const MarkerView> markers,
+                                                        const AngleMemory& memory) const {
   const GearGeometry& g = geometry_;
   const auto& [A, B] = by_residual::moved<2, 12>(markers);
   const Eigen::Matrix<S, 3, 1> d = B.p - A.p;
@@ -33,7 +34,7 @@ void ToothedGearPair::evaluate(double, std::span<const MarkerView> markers, Forc
     throw SimulationError("the centres are " + std::to_string(apart.value) + " m apart, within the base circles", "",
                           "hold the gears' centres apart by bearings");
   S phi_A = bearing_of_point(A, d), phi_B = bearing_of_point(B, -d);
-  phi_A.value = rows.wound(0, phi_A.value) - bearing_A_, phi_B.value = rows.wound(1, phi_B.value) - bearing_B_;
+  phi_A.value = memory.wound(0, phi_A.value) - bearing_A_, phi_B.value = memory.wound(1, phi_B.value) - bearing_B_;
   // The pitch point divides the line of centres as the base circles do.
   const double r_b = g.A.base_radius + g.B.base_radius, division = g.A.base_radius / r_b;
   const S axial = division * axial_A + (1 - division) * axial_B - axial_;
@@ -46,14 +47,16 @@ void ToothedGearPair::evaluate(double, std::span<const MarkerView> markers, Forc
   const S cosine = std::abs(r_b) / apart, sine = sqrt(1.0 - cosine * cosine);
   const Eigen::Matrix<S, 3, 1> along = tangent * (side * cosine), away = radial * (side * sine), tilted = B.z() - A.z();
   const Vector3 pitch_point = markers[0].p + division * (markers[1].p - markers[0].p);
-  const auto add = [&](double way, const S& on) {
+  const auto flank = [&](double way, const S& on) -> ToothMesh::Flank {
     const Eigen::Matrix<S, 3, 1> normal = along * way + away;
     const Vector3 n = ToothMesh::value(normal);
-    mesh_.add({lead * way - play, normal.dot(tilted), on, pitch_point, n, markers[0].z().cross(n)}, markers[0],
-              markers[1], rows);
+    return {lead * way - play, normal.dot(tilted), on, pitch_point, n, markers[0].z().cross(n)};
   };
-  add(1, phase);
-  add(-1, mesh_.back_phase(phase));
+  return {flank(1, phase), flank(-1, mesh_.back_phase(phase))};
+}
+
+void ToothedGearPair::evaluate(double, std::span<const MarkerView> markers, ForceRows& rows) const {
+  for (const ToothMesh::Flank& flank : flanks(markers, rows)) mesh_.add(flank, markers[0], markers[1], rows);
 }
 
 void ToothedGearPair::initialize(std::span<const MarkerView> m) {
@@ -83,5 +86,17 @@ std::vector<DrawnShape> ToothedGearPair::drawn_shapes(int marker) const {
 }
 
 template std::unique_ptr<ForceBatch> make_force_batch<ToothedGearPair>();
+
+double critical_damping(const ToothedGearPair::Parameters& gears, double inertia_A, double inertia_B) {
+  constexpr int kPhases = 256;
+  require::positive(inertia_A, "inertia_A");
+  require::positive(inertia_B, "inertia_B");
+  const ToothedGearPair pair(gears);
+  double stiffness = 0;
+  for (int i = 0; i < kPhases; ++i) stiffness += pair.mesh().stiffness()(i / double{kPhases}).value / kPhases;
+  const GearGeometry& g = pair.geometry();
+  const double mobility = g.A.base_radius * g.A.base_radius / inertia_A + g.B.base_radius * g.B.base_radius / inertia_B;
+  return 2 * std::sqrt(stiffness / mobility);
+}
 
 }  // namespace lithe

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "engine/assembly/batch.h"
 #include "engine/model/appearance.h"
 #include "joints/gears/tooth_mesh.h"
@@ -30,6 +32,9 @@ class ToothedGearPair final : public Force</*markers=*/2, ToothMesh::kRows>, pub
   const GearGeometry& geometry() const { return geometry_; }
   const ToothMesh& mesh() const { return mesh_; }
 
+  /// The sides of the teeth that touch where A drives with a torque about +z and about -z.
+  std::array<ToothMesh::Flank, 2> flanks(std::span<const MarkerView> markers, const AngleMemory& memory) const;
+
   std::vector<MeasuredAngle> angles() const override {
     return {{.A = 0, .B = 1, .axis = 2, .to_point = true}, {.A = 1, .B = 0, .axis = 2, .to_point = true}};
   }
@@ -49,5 +54,10 @@ class ToothedGearPair final : public Force</*markers=*/2, ToothMesh::kRows>, pub
 };
 
 extern template std::unique_ptr<ForceBatch> make_force_batch<ToothedGearPair>();
+
+/// Critical damping of teeth in contact, 2 √(k m), N s/m, for gears with these inertias about their axes (kg m²): k the
+/// mean of the mesh cycle, 1/m = r_bA²/J_A + r_bB²/J_B. For a ratio of it: .damping = 0.07 * critical_damping(…).
+/// Throws SceneError as ToothedGearPair does, and for an inertia that is not positive.
+double critical_damping(const ToothedGearPair::Parameters& gears, double inertia_A, double inertia_B);
 
 }  // namespace lithe

@@ -25,4 +25,19 @@ def joint_bristles():
     return p
 
 
-PICTURES = {"joint_bristles": joint_bristles}
+def joint_coulomb_friction():
+    p = Chart("Set-valued: any force up to μ_s N at rest, one where it slides", (-1, 1), (-1.2, 1.2), "s", "-F / (μ_s N)")
+    p.grid([-1, -0.5, 0, 0.5, 1], [-1, -0.75, 0, 0.75, 1])
+    s = np.linspace(0, 1, 200)
+    kinetic = 0.75
+    level = kinetic + (1 - kinetic) * np.exp(-((4 * s) ** 2))
+    p.curve(np.concatenate([-s[::-1], s]), np.concatenate([-level[::-1], level]), 0)
+    p.key("MoreauJean, NonsmoothGeneralizedAlpha: sticks", 0, -0.95, 1.05)
+    way = np.linspace(-1, 1, 400)
+    smooth = (kinetic + (1 - kinetic) * np.exp(-((4 * way) ** 2))) * np.tanh(way * 15)
+    p.curve(way, smooth, 1)
+    p.key("regularised (JointFriction): creeps", 1, -0.95, 0.89)
+    return p
+
+
+PICTURES = {"joint_bristles": joint_bristles, "joint_coulomb_friction": joint_coulomb_friction}

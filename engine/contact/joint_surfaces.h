@@ -1,0 +1,58 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "engine/factor/block_structure.h"
+#include "engine/model/constraint.h"
+#include "engine/model/set_valued_friction.h"
+
+namespace lithe {
+
+/// The joints of a scene that rub by Coulomb's set-valued law, as time-stepping methods see them, at the state that the
+/// equations of motion evaluated last.
+class JointSurfaces {
+ public:
+  struct Surface {
+    const SetValuedFriction* friction;
+    const Constraint* joint;
+    std::vector<Marker> markers, joint_markers;
+    const double* joint_turns;  // quarter turns of the joint's angles; null: it measures none
+    int joint_row;              // first of the joint, in lambda
+    int row;                    // first of the friction, among compliant rows
+    int first, count;           // directions
+    int kept;                   // velocities that keep the friction of the last step
+  };
+  /// What they act in: borrowed.
+  struct Scene {
+    const BlockStructure& blocks;
+    const std::vector<double>& values;                         // of its blocks
+    int constraint_rows, compliant_rows;                       // in all
+    const double& time;                                        // s
+    std::function<MarkerKinematics(const Marker&)> motion_of;  // at Level::velocity
+  };
+  JointSurfaces(Scene scene, std::vector<Surface> surfaces);
+  virtual ~JointSurfaces() = default;
+
+  const std::vector<Surface>& surfaces() const { return surfaces_; }
+  int directions() const { return directions_; }
+  /// D, a column a direction: s = Dᵀ v, and a friction F adds D F to the generalized forces.
+  void find_directions(MatrixX& D);
+  /// From here on slid() counts.
+  void start();
+  /// How far all surfaces have slid since start(), along their directions, m.
+  void slid(VectorX& way) const;
+  /// |P_i R| of a surface by the multipliers: a matrix for each, on the rows of the whole system.
+  void find_presses(const Surface& surface, std::vector<MatrixX>& by_lambda) const;
+  /// Multipliers, a column each, become those of least norm with the same forces where rows repeat others.
+  virtual void felt(MatrixRef lambda) = 0;
+
+ private:
+  const Scene scene_;
+  const std::vector<Surface> surfaces_;
+  int directions_ = 0;
+  VectorX unit_;
+  std::vector<std::vector<MarkerKinematics>> from_;  // of each surface's markers
+};
+
+}  // namespace lithe
