@@ -7,6 +7,9 @@
 
 namespace lithe {
 
+/// The same for doubles as for what is written down.
+inline void sine_cosine(double x, double& sine, double& cosine) { sine = std::sin(x), cosine = std::cos(x); }
+
 /// Accelerations of a tree in joint coordinates by the articulated-body recursion (Featherstone, Rigid Body Dynamics
 /// Algorithms, 2008, ch. 7), each link in its own axes about its own origin; accelerations are those of points, less
 /// gravity, so that no linear velocity is needed. Over any scalar: doubles calculate it, CompiledNumbers write it down.
@@ -181,7 +184,7 @@ class CompiledEquations {
   }
 
   /// I -= U Uᵀ / D, p += U (effort left) / D for the freedom that U = I S belongs to.
-  static void eliminate_one(State& m, const Vector& n, const Vector& f, const S& D, const S& effort) {
+  static void eliminate_one(State& m, const Vector n, const Vector f, const S D, const S& effort) {
     const S inverse = S(1) / D;
     for (int i = 0; i < 3; ++i) m.gain_n[i] = n[i] * inverse, m.gain_f[i] = f[i] * inverse;
     m.rest = effort * inverse;
@@ -308,8 +311,5 @@ class CompiledEquations {
   const CompiledTree& tree_;
   std::vector<State> states_;
 };
-
-/// The same for doubles as for what is written down.
-inline void sine_cosine(double x, double& sine, double& cosine) { sine = std::sin(x), cosine = std::cos(x); }
 
 }  // namespace lithe

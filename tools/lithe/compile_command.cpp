@@ -21,7 +21,7 @@ struct CompileOptions {
 };
 
 /// What is compiled around a scene. A main() of its own is left aside.
-std::string main_around(const fs::path& scene) {
+std::string writer_around(const fs::path& scene) {
   return R"(#include "lithe/lithe.h"
 lithe::StudyScene scene();
 #define main main_of_the_scene
@@ -48,7 +48,7 @@ int compile(const CompileOptions& options) {
   if (path.extension() == ".cpp") {
     const SceneFile scene = SceneFile::find(options.path);
     try {
-      const fs::path program = compiled_scene(Installation::find(), scene, options.verbose, main_around(scene.path));
+      const fs::path program = compiled_scene(Installation::find(), scene, options.verbose, writer_around(scene.path));
       const Finished drawn = run_captured({program.string(), name, options.folder});
       std::fprintf(stderr, "%s", drawn.output.c_str());
       if (drawn.exit_code != 0) return drawn.exit_code;
