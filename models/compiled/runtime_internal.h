@@ -12,6 +12,22 @@
 
 namespace lithe_compiled {
 
+/// Two, four or eight doubles in one register.
+template <int Width>
+struct RegisterOf;
+template <>
+struct RegisterOf<2> {
+  typedef double Type __attribute__((vector_size(16)));
+};
+template <>
+struct RegisterOf<4> {
+  typedef double Type __attribute__((vector_size(32)));
+};
+template <>
+struct RegisterOf<8> {
+  typedef double Type __attribute__((vector_size(64)));
+};
+
 /// N doubles, one a scene, in registers of the machine's width. Nothing ever passes from one lane to another.
 template <int N>
 class Pack {
@@ -24,7 +40,7 @@ class Pack {
   static constexpr int kWidth = 2;
 #endif
   static constexpr int kParts = N / kWidth;
-  using Register = double __attribute__((vector_size(8 * kWidth)));
+  using Register = typename RegisterOf<kWidth>::Type;
 
   Pack() = default;
   Pack(double x) {  // NOLINT: implicit on purpose
@@ -96,16 +112,16 @@ inline S minus_product(const S& a, const S& b, const S& c) {
   return product_plus(-a, b, c);
 }
 
-/// Sine and cosine to 1 ulp for |x| < 1e6 rad, without a branch: x less the nearest multiple k of a quarter turn, kept
-/// in three parts, then polynomials (a Chebyshev fit; relative error 2e-17) and the quarter by arithmetic that is
-/// exact.
+/// Sine and cosine to 1.5 units in the last place for |x| < 1e6 rad, without a branch: x less the nearest multiple k of
+/// a quarter turn, kept in three parts, then polynomials (a Chebyshev fit; relative error 2e-17) and the quarter by
+/// arithmetic that is exact.
 template <class S>
 inline void sine_cosine(const S& x, S& sine, S& cosine) {
   const S round(0x1.8p52);
   const S k = product_plus(x, S(0.6366197723675814), round) - round;
-  S r = minus_product(k, S(1.5707963267341256), x);
-  r = minus_product(k, S(6.077100506303966e-11), r);
-  r = minus_product(k, S(2.0222662487959506e-21), r);
+  const S first = minus_product(k, S(1.5707963267341256), x), second(6.077100506303966e-11);
+  const S rounded = minus_product(k, second, first), lost = minus_product(k, second, first - rounded);
+  const S r = rounded + minus_product(k, S(2.0222662487959506e-21), lost);
   const S z = r * r;
   S p = product_plus(z, S(1.5917848524808262e-10), S(-2.5051127944014188e-08));
   p = product_plus(z, p, S(2.755731608381636e-06));
