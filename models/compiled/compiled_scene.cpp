@@ -82,9 +82,12 @@ void require_name(const std::string& name) {
 
 }  // namespace
 
-CompiledScene CompiledScene::of(const System& system, const std::string& name) {
+CompiledScene CompiledScene::of(const System& system, const std::string& name, const Options& options) {
   require_name(name);
-  const CompiledTree tree = CompiledTree::of(system);
+  if (!(options.right_angles_within >= 0 && options.right_angles_within <= 1e-3))
+    throw SceneError("the angle within which axes are parallel is not between 0 and 1e-3 rad", "lithe compile",
+                     "give what the file rounds by, as 1e-5 for 1.5708");
+  const CompiledTree tree = CompiledTree::of(system, options.right_angles_within);
   const CompiledTape::Text code = equations(tree);
   const auto [position_of, turning] = tables(tree);
 

@@ -33,29 +33,32 @@ ModelPose inverse(const ModelPose& pose) { return seen_from(pose, {}); }
 
 /// Without what round-off has left of zeros and ones.
 double snapped(double x, double scale) { return std::abs(x) < 1e-14 * scale ? 0 : x; }
-CompiledTree::Link::Angle angle(double c, double s) {
+CompiledTree::Link::Angle angle(double c, double s, double within) {
   const double length = std::hypot(c, s);
-  c = snapped(c / length, 1), s = snapped(s / length, 1);
-  if (s == 0) c = c > 0 ? 1 : -1;
-  if (c == 0) s = s > 0 ? 1 : -1;
+  c /= length, s /= length;
+  if (std::abs(s) < within) s = 0, c = c > 0 ? 1 : -1;
+  if (std::abs(c) < within) c = 0, s = s > 0 ? 1 : -1;
   return {c, s};
 }
 /// R = Rz(first) Rx(tilt) Rz(last); without tilt all of it in the last.
-void find_angles(const Matrix3& R, CompiledTree::Link& link) {
-  link.tilt = angle(R(2, 2), std::hypot(R(0, 2), R(1, 2)));
+void find_angles(const Matrix3& R, double within, CompiledTree::Link& link) {
+  link.tilt = angle(R(2, 2), std::hypot(R(0, 2), R(1, 2)), within);
   if (link.tilt.s == 0) {
     link.first = {};
-    link.last = angle(R(0, 0), link.tilt.c * R(1, 0));
+    link.last = angle(R(0, 0), link.tilt.c * R(1, 0), within);
   } else {
-    link.first = angle(-R(1, 2), R(0, 2));
-    link.last = angle(R(2, 1), R(2, 0));
+    link.first = angle(-R(1, 2), R(0, 2), within);
+    link.last = angle(R(2, 1), R(2, 0), within);
   }
 }
 
 /// Makes the tree: bodies, joints and forces of a system one after the other.
 class CompiledTreeMaker {
  public:
-  explicit CompiledTreeMaker(const System& system) : graph_(system.graph()), now_(system, system.initial_state()) {}
+  CompiledTreeMaker(const System& system, double right_angles_within)
+      : graph_(system.graph()),
+        now_(system, system.initial_state()),
+        right_angles_within_(std::max(right_angles_within, 1e-14)) {}
 
   CompiledTree make() {
     tree_.gravity = graph_.gravity();
@@ -246,7 +249,7 @@ class CompiledTreeMaker {
     }
     const ModelPose at = inner * draft.moved;
     for (int k = 0; k < 3; ++k) link.shift[k] = snapped(at.position[k], scale_);
-    find_angles(at.rotation, link);
+    find_angles(at.rotation, right_angles_within_, link);
     for (const auto& [body, pose] : draft.bodies)
       add_inertia(*rigid_inertia_of(*body), seen_from(draft.moved, pose), link);
     const double size = link.mass * scale_, trace = link.inertia.trace();
@@ -327,6 +330,7 @@ class CompiledTreeMaker {
 
   const SystemGraph& graph_;
   Snapshot now_;
+  const double right_angles_within_;
   CompiledTree tree_;
   std::vector<Draft> drafts_;
   std::vector<Joint> joints_;
@@ -337,6 +341,8 @@ class CompiledTreeMaker {
 
 }  // namespace
 
-CompiledTree CompiledTree::of(const System& system) { return CompiledTreeMaker(system).make(); }
+CompiledTree CompiledTree::of(const System& system, double right_angles_within) {
+  return CompiledTreeMaker(system, right_angles_within).make();
+}
 
 }  // namespace lithe

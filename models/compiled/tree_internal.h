@@ -50,7 +50,7 @@ struct CompiledTree {
   std::vector<const Input*> inputs;
 
   /// Throws SceneError, naming the element, for what a compiled scene cannot hold.
-  static CompiledTree of(const System& system);
+  static CompiledTree of(const System& system, double right_angles_within = 0);
   int position_count() const { return static_cast<int>(position_names.size()); }
   int velocity_count() const { return static_cast<int>(velocity_names.size()); }
   /// Efforts of the velocities, then the scene's inputs.

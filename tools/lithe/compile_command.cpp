@@ -3,6 +3,7 @@
 
 #include "engine/assembly/system.h"
 #include "engine/base/error.h"
+#include "engine/base/number_text.h"
 #include "models/compiled/compiled_scene.h"
 #include "models/draw_model.h"
 #include "models/read_model.h"
@@ -17,6 +18,7 @@ namespace {
 
 struct CompileOptions {
   std::string path, name, folder = ".";
+  double right_angles_within = 0;
   bool free = false, undamped = false, verbose = false;
 };
 
@@ -33,7 +35,7 @@ int main(int, char** words) {
   lithe::SystemGraph graph{{.gravity = drawn.gravity}};
   drawn.draw(graph);
   const lithe::System system = lithe::assemble(graph);
-  lithe::CompiledScene::of(system, words[1]).write(words[2]);
+  lithe::CompiledScene::of(system, words[1], {.right_angles_within = std::stod(words[3])}).write(words[2]);
 }
 )";
 }
@@ -49,7 +51,8 @@ int compile(const CompileOptions& options) {
     const SceneFile scene = SceneFile::find(options.path);
     try {
       const fs::path program = compiled_scene(Installation::find(), scene, options.verbose, writer_around(scene.path));
-      const Finished drawn = run_captured({program.string(), name, options.folder});
+      const Finished drawn =
+          run_captured({program.string(), name, options.folder, number_text(options.right_angles_within)});
       std::fprintf(stderr, "%s", drawn.output.c_str());
       if (drawn.exit_code != 0) return drawn.exit_code;
     } catch (const CompileFailure& failure) {
@@ -61,7 +64,7 @@ int compile(const CompileOptions& options) {
     SystemGraph graph{{.gravity = model.gravity}};
     draw_model(graph, model, {.floating = options.free, .damping = !options.undamped});
     const System system = assemble(graph);
-    CompiledScene::of(system, name).write(options.folder);
+    CompiledScene::of(system, name, {.right_angles_within = options.right_angles_within}).write(options.folder);
   }
   const std::string files = (fs::path(options.folder) / name).string();
   std::printf(
@@ -83,6 +86,8 @@ void add_compile(CLI::App& app, int& exit_code) {
       ->required();
   command->add_option("-o,--out", options->folder, "Folder for NAME.h and NAME.cpp")->capture_default_str();
   command->add_option("--name", options->name, "Of the struct and its files; default: that of the scene's file");
+  command->add_option("--right-angles-within", options->right_angles_within,
+                      "rad: axes so near to parallel or a right angle are taken to be, as a file's 1.5708; default: 0");
   command->add_flag("--free", options->free, "The root link of a model file is free instead of fixed");
   command->add_flag("--undamped", options->undamped, "Leave out springs and damping of a model file's joints");
   command->add_flag("--verbose", options->verbose, "Show all messages of the compiler");
