@@ -88,6 +88,8 @@ CompiledScene CompiledScene::of(const System& system, const std::string& name, c
     throw SceneError("the angle within which axes are parallel is not between 0 and 1e-3 rad", "lithe compile",
                      "give what the file rounds by, as 1e-5 for 1.5708");
   const CompiledTree tree = CompiledTree::of(system, options.right_angles_within);
+  if (tree.velocity_count() == 0)
+    throw SceneError("nothing moves in the scene", "lithe compile", "draw a body that is not welded to ground");
   const CompiledTape::Text code = equations(tree);
   const auto [position_of, turning] = tables(tree);
 
@@ -128,7 +130,7 @@ CompiledScene CompiledScene::of(const System& system, const std::string& name, c
       table("std::array<int, 2>", "kQuaternions", turning, pair) +
       "\n  /// a = v̇. The arrays may not overlap.\n"
       "  template <class S>\n"
-      "  static void accelerations(const S* q, const S* v, const S* u, S* a) {\n"
+      "  static void accelerations([[maybe_unused]] const S* q, [[maybe_unused]] const S* v, const S* u, S* a) {\n"
       "    using namespace lithe_compiled;\n" +
       code.code + "  }\n};\n";
   scene.program = "// " + name + ".cpp: a program around " + name + ".h, written by `lithe compile`:\n" +

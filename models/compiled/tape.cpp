@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "engine/base/error.h"
 #include "engine/base/number_text.h"
 #include "models/compiled/tape_internal.h"
 
@@ -73,6 +74,9 @@ CompiledNumber operator*(const CompiledNumber& a, const CompiledNumber& b) {
 }
 
 CompiledNumber operator/(const CompiledNumber& a, const CompiledNumber& b) {
+  if (b.known() && b.value_ == 0)
+    throw SceneError("a link has no inertia that its joint moves", "lithe compile",
+                     "give its bodies inertia about the axis");
   if (b.known()) return a * (1 / b.value_);
   return b.tape_->enter(CompiledTape::Kind::divide, b.tape_->index(a), b.entry_);
 }
