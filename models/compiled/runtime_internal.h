@@ -112,8 +112,8 @@ inline S minus_product(const S& a, const S& b, const S& c) {
   return product_plus(-a, b, c);
 }
 
-/// Sine and cosine to 1.5 units in the last place for |x| < 1e6 rad, without a branch: x less the nearest multiple k of
-/// a quarter turn, kept in three parts, then polynomials (a Chebyshev fit; relative error 2e-17) and the quarter by
+/// Sine and cosine within a unit in the last place for |x| < 1e6 rad, without a branch: x less the nearest multiple k
+/// of a quarter turn, kept in three parts, then polynomials (a Chebyshev fit; relative error 2e-17) and the quarter by
 /// arithmetic that is exact.
 template <class S>
 inline void sine_cosine(const S& x, S& sine, S& cosine) {
@@ -121,14 +121,14 @@ inline void sine_cosine(const S& x, S& sine, S& cosine) {
   const S k = product_plus(x, S(0.6366197723675814), round) - round;
   const S first = minus_product(k, S(1.5707963267341256), x), second(6.077100506303966e-11);
   const S rounded = minus_product(k, second, first), lost = minus_product(k, second, first - rounded);
-  const S r = rounded + minus_product(k, S(2.0222662487959506e-21), lost);
+  const S third = minus_product(k, S(2.0222662487959506e-21), lost), r = rounded + third, rest = (rounded - r) + third;
   const S z = r * r;
   S p = product_plus(z, S(1.5917848524808262e-10), S(-2.5051127944014188e-08));
   p = product_plus(z, p, S(2.755731608381636e-06));
   p = product_plus(z, p, S(-0.00019841269836722418));
   p = product_plus(z, p, S(0.008333333333330925));
   p = product_plus(z, p, S(-0.16666666666666666));
-  const S s = product_plus(p * z, r, r);
+  const S s = r + product_plus(p * z, r, rest);
   S c = product_plus(z, S(-1.1382456778061306e-11), S(2.0876143827993133e-09));
   c = product_plus(z, c, S(-2.7557317260008837e-07));
   c = product_plus(z, c, S(2.480158729874307e-05));
@@ -136,11 +136,11 @@ inline void sine_cosine(const S& x, S& sine, S& cosine) {
   c = product_plus(z, c, S(0.041666666666666664));
   // 1 - z / 2 with what its rounding loses.
   const S half = S(0.5) * z, near = S(1) - half;
-  c = near + product_plus(z * z, c, (S(1) - near) - half);
-  // Quarter m = k mod 4 in {-2 ... 2}: cos and sin of it as polynomials, odd quarters by `odd`.
-  const S m = minus_product(product_plus(k, S(0.25), round) - round, S(4), k), square = m * m;
-  const S odd = square * (S(4) - square) * S(1.0 / 3), even = (S(1) - odd) * minus_product(S(0.5), square, S(1)),
-          turned = m * odd;
+  c = near + minus_product(r, rest, product_plus(z * z, c, (S(1) - near) - half));
+  // Quarter m = k mod 4 in {-2 ... 2}: its sine is what is left of m by two, its cosine 1 or -1 where nothing is.
+  const S m = minus_product(product_plus(k, S(0.25), round) - round, S(4), k);
+  const S turned = minus_product(product_plus(m, S(0.5), round) - round, S(2), m);
+  const S even = minus_product(turned, turned, S(1)) * minus_product(S(0.5) * m, m, S(1));
   sine = product_plus(turned, c, even * s);
   cosine = minus_product(turned, s, even * c);
 }
