@@ -6,6 +6,7 @@
 #include "engine/base/error.h"
 #include "engine/base/number_text.h"
 #include "engine/model/adjustable.h"
+#include "engine/model/input_effort.h"
 
 namespace lithe {
 namespace {
@@ -87,7 +88,7 @@ double Input::next_kink(double time) const {
 
 Input::operator MotionLaw() const { return InputLaw{this}; }
 Input::operator std::function<double(double, double, double)>() const {
-  return [this](double time, double, double) { return value(time); };
+  return InputEffort{this};
 }
 
 const Input* Input::of(const MotionLaw& law) {

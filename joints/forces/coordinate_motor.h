@@ -22,6 +22,8 @@ class CoordinateMotor final : public Force</*markers=*/2, /*rows=*/1> {
   CoordinateMotor(CoordinateSet coordinate, Parameters parameters);
 
   std::vector<MeasuredAngle> angles() const override { return coordinate_.angles(); }
+  const CoordinateSet& coordinate() const { return coordinate_; }
+  const Parameters& parameters() const { return parameters_; }
   void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const override;
 
  private:

@@ -32,6 +32,10 @@ class CoordinateSpring final : public Force</*markers=*/2, /*rows=*/1> {
     return parameters_.stiffness.varies() || parameters_.damping.varies() || free_value_.varies() ||
            parameters_.preload.varies();
   }
+  const CoordinateSet& coordinate() const { return coordinate_; }
+  const Parameters& parameters() const { return parameters_; }
+  /// As drawn, where none was given.
+  const Adjustable& free_value() const { return free_value_; }
   void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const override;
   void initialize(std::span<const MarkerView> markers) override;
 

@@ -1,8 +1,10 @@
 // robots: cost of a robot's accelerations, as explicit integrators ask for them, from its URDF file.
 //
-//   --model FILE.urdf   --floating 0|1   --evaluations 100000   --repeat 5
+//   --model FILE.urdf   --floating 0|1   --evaluations 100000   --repeat 5   --compile FOLDER
 // All joints turned by 0.3 rad or moved by 0.01 m, at 0.5 rad/s or 0.05 m/s, under gravity; no torques, no damping.
+// --compile writes the robot as a compiled scene (models/compiled/) of the name `robot` instead of timing it.
 #include "engine/assembly/evaluator.h"
+#include "models/compiled/compiled_scene.h"
 #include "models/draw_model.h"
 #include "models/read_model.h"
 #include "tools/bench/measure.h"
@@ -31,12 +33,20 @@ int main(int argument_count, char** words) {
     const std::string file = arguments.text("model", "");
     const bool floating = arguments.integer("floating", 0) != 0;
     const int evaluations = arguments.integer("evaluations", 100000), repeats = arguments.integer("repeat", 5);
+    const std::string folder = arguments.text("compile", "");
     arguments.finish();
 
     const ModelDescription model = read_model(file);
     SystemGraph graph;
     draw_model(graph, model, moving(model, floating));
     const System system = assemble(graph);
+    if (!folder.empty()) {
+      const CompiledScene compiled = CompiledScene::of(system, "robot");
+      compiled.write(folder);
+      JsonLine line;
+      line.add("robot", model.name).add("products", compiled.products).add("sums", compiled.sums);
+      return line.print();
+    }
     Evaluator evaluator(system);
     ForwardDynamics* forward = evaluator.parts().forward_dynamics;
     if (!forward) throw std::runtime_error("this robot's accelerations have no fast path");

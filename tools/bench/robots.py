@@ -6,7 +6,8 @@
 DIR holds the program `robots` of tools/bench. Peers are those that the interpreter LITHE_PEERS_PYTHON (python3 without
 it) has: pip install pin cmeel-eigen mujoco dynibo. Pinocchio and MuJoCo are called from C++ drivers, which are compiled
 once (Pinocchio's takes two minutes) into DIR/peers; dynibo has no C interface and is called from Python, which costs it
-some 0.5 us a call.
+some 0.5 us a call. "compiled": the robot as `lithe compile` writes it, by the compiler of the drivers, alone, and in
+eight lanes with the instructions of this machine.
 """
 import argparse
 import json
@@ -103,6 +104,17 @@ class Peers:
         return json.loads(self.call(DYNIBO, ROBOTS / f"{robot}.urdf"))
 
 
+def compiled(programs, robot, floating):
+    """Names of two programs of the compiled scene: as the drivers are compiled, and for this machine."""
+    name = f"compiled_{robot}_{floating}"
+    folder = programs.folder / "peers" / name
+    programs.run("robots", "--model", ROBOTS / f"{robot}.urdf", "--floating", floating, "--compile", folder)
+    for suffix, flags in (("", FLAGS), ("_lanes", [*FLAGS, "-march=native"])):
+        subprocess.run([*flags, "-ffp-contract=off", str(folder / "robot.cpp"), "-o", f"{folder}_program{suffix}"],
+                       check=True)
+    return f"{name}_program", f"{name}_program_lanes"
+
+
 def measure(programs, rounds, say):
     """{robot: {engine: us an acceleration, or why not}}, by turns."""
     say("robots beside Pinocchio, MuJoCo, dynibo")
@@ -110,10 +122,14 @@ def measure(programs, rounds, say):
     table = {}
     for robot, floating in CASES:
         row = table.setdefault(f"{robot}, {'floating' if floating else 'fixed'}", {})
+        alone, lanes = compiled(programs, robot, floating)
         for turn in range(rounds):
             own = programs.run("robots", "--model", ROBOTS / f"{robot}.urdf", "--floating", floating)
             row["freedoms"] = own["freedoms"]
             row["Lithe"] = min(row.get("Lithe", 1e300), own["us_per_acceleration"])
+            by_text = programs.run(alone, "throughput", 20000)["us_per_acceleration"]
+            row["compiled"] = min(row.get("compiled", 1e300), by_text)
+            row["lanes8"] = max(row.get("lanes8", 0.0), programs.run(lanes, "throughput", 20000)["times_by_8_lanes"])
             for name in peers.homes:
                 if isinstance(row.get(name), str):
                     continue
@@ -125,14 +141,19 @@ def measure(programs, rounds, say):
     return table
 
 
-def over_best(table):
-    """Lithe's time over that of the fastest peer, of the worst robot; None without peers."""
+def over_best(table, own="Lithe"):
+    """The time of Lithe, or of its compiled scene, over the fastest peer's, of the worst robot; None without peers."""
     ratios = []
     for row in table.values():
         found = [row[name] for name in ("pinocchio", "mujoco", "dynibo") if isinstance(row.get(name), float)]
         if found:
-            ratios.append(row["Lithe"] / min(found))
+            ratios.append(row[own] / min(found))
     return max(ratios, default=None)
+
+
+def lanes8(table):
+    """How many times a core's throughput eight lanes give, of the worst robot."""
+    return min((row["lanes8"] for row in table.values()), default=None)
 
 
 def main():
@@ -143,10 +164,11 @@ def main():
     table = measure(Programs(options.timed.resolve(), options.core), 3, print)
     for robot, row in table.items():
         cells = [f"{name} {value:.3f} us" if isinstance(value, float) else f"{name}: {value}"
-                 for name, value in row.items() if name != "freedoms"]
-        print(f"{robot} ({row['freedoms']} freedoms): " + ", ".join(cells))
-    worst = over_best(table)
-    print("Lithe over the fastest peer, worst robot: " + ("no peers" if worst is None else f"{worst:.2f}"))
+                 for name, value in row.items() if name not in ("freedoms", "lanes8")]
+        print(f"{robot} ({row['freedoms']} freedoms): {', '.join(cells)}; eight lanes {row['lanes8']:.2f} times")
+    for own in ("Lithe", "compiled"):
+        worst = over_best(table, own)
+        print(f"{own} over the fastest peer, worst robot: " + ("no peers" if worst is None else f"{worst:.2f}"))
 
 
 if __name__ == "__main__":

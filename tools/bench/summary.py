@@ -43,6 +43,8 @@ def summary(measured):
         "us_per_link_acceleration_revolute": acceleration["revolute"]["1000"],
         "acceleration_over_limit": own / by_hand if by_hand else None,
         "robots_over_best": robots.over_best(measured.get("robots", {})),
+        "robots_compiled_over_best": robots.over_best(measured.get("robots", {}), "compiled"),
+        "lanes8": robots.lanes8(measured.get("robots", {})),
     }
     out["ratio_exudyn"], out["ratios_exudyn"] = exudyn_peer.ratios(measured.get("exudyn", []))
     for target, name in zip(chains.TARGETS, ("1e4", "1e6")):

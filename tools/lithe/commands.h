@@ -28,6 +28,8 @@ void add_body(CLI::App& app, int& exit_code);
 void add_model(CLI::App& app, int& exit_code);
 /// lithe fmu SCENE: a scene as a functional mock-up unit (engine/fmu/).
 void add_fmu(CLI::App& app, int& exit_code);
+/// lithe compile SCENE: a scene as C++ without the engine (models/compiled/).
+void add_compile(CLI::App& app, int& exit_code);
 /// lithe view RUN...: one page of recorded runs (engine/page/); lithe view --follow FILE.cpp: a run that goes on.
 void add_view(CLI::App& app, int& exit_code);
 

@@ -17,6 +17,7 @@ int main(int argc, char** argv) {
   lithe::command::add_body(app, exit_code);
   lithe::command::add_model(app, exit_code);
   lithe::command::add_fmu(app, exit_code);
+  lithe::command::add_compile(app, exit_code);
   lithe::command::add_view(app, exit_code);
   try {
     auto arguments = lithe::command::with_scene_arguments_apart({argv + 1, argv + argc});
