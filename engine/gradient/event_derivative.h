@@ -13,7 +13,8 @@ void apply_event(const ParametricEvent& event, const Drawing& drawing, Evaluator
 /// What small changes of the state and of the parameters come to across an event: the saltation matrix. The event's
 /// function φ passes its level at another time, at which another state jumps; beside the run at one and the same time
 ///   δt = -(φ_x δx + φ_p δp)/φ̇,   δx⁺ = J (δx + ẋ δt) + J_t δt + J_p δp - ẋ⁺ δt
-/// Changes are those of Variation: turns, then velocities.
+/// Changes are those of Variation: turns, then velocities; behind the event also the vectors that the method carries,
+/// as it starts there.
 class EventDerivative {
  public:
   /// All are borrowed.
@@ -24,11 +25,13 @@ class EventDerivative {
     MatrixX by_state, by_parameters;            // of the state behind the event
     VectorX time_by_state, time_by_parameters;  // of the event's time, s
   };
-  /// Throws SimulationError where the function touches its level without passing it.
+  /// Of an event's number beyond those of the scene, a kink: the state stays, and its rate, since forces are continuous;
+  /// the method starts anew. Throws SimulationError where the function touches its level without passing it.
   Jump at(int event, const State& before, const State& after);
 
  private:
   VectorX rate(const State& state);
+  void add_start(const State& behind, Jump& jump);
   template <class Look>
   void visit(int k, const Look& look);
 

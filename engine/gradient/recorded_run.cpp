@@ -4,6 +4,8 @@
 #include <optional>
 
 #include "engine/base/error.h"
+#include "engine/contact/contact_forces.h"
+#include "engine/gradient/contact_numbers.h"
 #include "engine/gradient/event_landing.h"
 #include "engine/observe/observer_schedules.h"
 #include "engine/study/study_run.h"
@@ -35,9 +37,8 @@ RecordedRun::RecordedRun(const ParametricScene& scene, const Drawing& drawing, s
   if (!derivative_ && !(method_ && method_->repeated_step(equations_)))
     refuse(scene, "the steps of " + integrator_->name() + " with these settings cannot be differentiated yet",
            "take GeneralizedAlpha{{.step = ...}} (index 3, one fixed step), ExplicitRungeKutta, Radau or LieBdf");
-  if (!drawing.system().contacts().empty())
-    refuse(scene, "its contacts cannot be differentiated yet",
-           "leave them out, or take differences of runs with sweep()");
+  if (equations_.contacts()) refuse_contacts();
+  repeats_ = !derivative_;
 
   State state = drawing.system().initial_state(), before;
   const double begun = thread_seconds();
@@ -52,7 +53,8 @@ RecordedRun::RecordedRun(const ParametricScene& scene, const Drawing& drawing, s
   };
   note(0);
   std::optional<EventLanding> events;
-  if (!scene.events.empty()) events.emplace(scene, drawing, *integrator_, equations_, state);
+  if (!equations_.parts().rigid_contacts) events.emplace(scene, drawing, *integrator_, equations_, state);
+  if (events && events->empty()) events.reset();
   double stop = scene.duration;
   while (scene.duration - state.time > time_round_off(scene.duration)) {
     before = state;
@@ -61,7 +63,9 @@ RecordedRun::RecordedRun(const ParametricScene& scene, const Drawing& drawing, s
     if (events && events->cut(before, state, stop)) continue;
     if (const std::string why = derivative_ ? derivative_->refuse_step(before, state) : ""; !why.empty())
       refuse(scene, "the step to t = " + std::to_string(state.time) + " s cannot be differentiated: " + why,
-             "choose a step that divides the duration and that Newton can take; events ask for another method");
+             "look for a singular pose on the way, or take another method");
+    if (const auto record = method_->step_record(); derivative_ && derivative_->by_repetition({before, state, record.get()}))
+      repeats_ = true;
     note(stop);
     if (!events || !events->met()) continue;
     jump(events->number(), *integrator_, equations_, state);
@@ -72,13 +76,35 @@ RecordedRun::RecordedRun(const ParametricScene& scene, const Drawing& drawing, s
   }
   seconds_ = thread_seconds() - begun - aside;
   if (!all_) states_.clear();
-  // Probes: the tape's own states, or checkpoints.
+  find_probes();
+}
+
+/// What contacts there are, and how methods take them.
+void RecordedRun::refuse_contacts() {
+  const bool rigid = equations_.contacts()->any_rigid(), repeated = method_->repeated_step(equations_) != nullptr;
+  if (!repeated || (derivative_ && equations_.contacts()->remembers()))
+    refuse(scene_,
+           repeated ? "its contacts remember (a restitution's speed of impact, bristles), which " + integrator_->name() +
+                          " cannot differentiate yet"
+                    : "contacts cannot be differentiated by " + integrator_->name() + " yet",
+           "take ExplicitRungeKutta or Radau, with compliant contacts");
+  if (rigid && !scene_.events.empty())
+    refuse(scene_, "events with contacts between rigid surfaces cannot be differentiated yet",
+           "leave the events out, or give the contacts a compliant law");
+  if (const std::string why = method_->refuse_repetition(equations_); !why.empty())
+    refuse(scene_, why, "leave it out, or take differences of runs with sweep()");
+}
+
+/// The tape's own states, or checkpoints.
+void RecordedRun::find_probes() {
   for (const double share : {0.0, 0.37, 1.0}) {
     if (all_)
       probes_.push_back(states_[static_cast<std::size_t>(share * static_cast<double>(states_.size() - 1))].state);
     else
       probes_.push_back(
           checkpoints_[static_cast<std::size_t>(share * static_cast<double>(checkpoints_.size() - 1))].state);
+    VectorX& lambda = probes_.back().lambda;
+    if (lambda.size() == 0) lambda.setZero(equations_.layout().row_count());  // of a method that leaves it out
   }
 }
 
@@ -90,19 +116,27 @@ int RecordedRun::event_before(long state) const {
 }
 
 void RecordedRun::jump(int event, Integrator& integrator, Evaluator& equations, State& state) const {
-  apply_event(scene_.events[static_cast<std::size_t>(event)], drawing_, equations, state);
+  if (event < static_cast<int>(scene_.events.size()))
+    apply_event(scene_.events[static_cast<std::size_t>(event)], drawing_, equations, state);
   integrator.start(equations, state);
 }
 
 void RecordedRun::record(const State& state, double stop) {
+  if (touching_.empty() && !state.contacts.empty()) touching_.push_back(state);
+  memory_at_end_ = contact_numbers(state.contacts).size();
   times_.push_back(state.time);
   stops_.push_back(stop);
   keep(state, steps());
 }
 
 void RecordedRun::advance(Integrator& integrator, Evaluator& equations, State& state, double stop) const {
-  const double before = state.time;
-  const StepResult result = integrator.step(equations, state, stop, Multipliers::later);
+  double before = state.time;
+  const auto& method = dynamic_cast<const DifferentiableSteps&>(integrator);
+  StepResult result;
+  do {
+    before = state.time;
+    result = integrator.step(equations, state, stop, Multipliers::later);
+  } while (result.ok() && state.time > before && method.within_step(state));
   if (!result.ok() || !(state.time > before) || !state.q.allFinite() || !state.v.allFinite())
     throw SimulationError("the step from t = " + std::to_string(before) +
                               " s failed: " + (result.ok() ? "it left values that are not finite" : result.why),

@@ -15,7 +15,7 @@ namespace lithe {
 /// The states of one run between its steps, to be gone through forwards or backwards. As many as memory allows are
 /// kept; else checkpoints at equal numbers of steps, from which stretches are run again: with the same bits, since a
 /// checkpoint holds the integrator's history. The run itself is that of Simulation, step by step; a step that passes an
-/// event is taken again to end there.
+/// event is taken again to end there, and one that its method cuts in two counts as one.
 class RecordedRun {
  public:
   using Look = std::function<void(const State&)>;
@@ -26,17 +26,21 @@ class RecordedRun {
 
   /// Of the states; twice where an event changes the state.
   const std::vector<double>& times() const { return times_; }
-  /// The number of the event that led to this state from the one before; -1: a step did.
+  /// The number of the event, or beyond these of the kink, that led to this state from the one before; -1: a step did.
   int event_before(long state) const;
   long steps() const { return static_cast<long>(times_.size()) - 1; }
   /// Null: forwards by repeated steps alone.
   StepDerivative* derivative() { return derivative_.get(); }
+  /// Whether some step's derivative is to be found by taking it again, forwards.
+  bool repeats() const { return repeats_; }
   const DifferentiableSteps& method() const { return *method_; }
   std::string method_name() const { return integrator_->name(); }
   std::size_t bytes() const { return bytes_; }  // of the tape, at most
   double seconds() const { return seconds_; }   // CPU of the run alone
   int checkpoints() const { return static_cast<int>(checkpoints_.size()); }
-  const std::vector<State>& probes() const { return probes_; }  // a few states from begin to end
+  const std::vector<State>& probes() const { return probes_; }      // a few states from begin to end
+  const std::vector<State>& touching() const { return touching_; }  // the first at which contacts remember something
+  Eigen::Index memory_at_end() const { return memory_at_end_; }     // numbers that contacts remember there
 
   /// The stretches in order: states first() … first() + size - 1; neighbours share one state.
   int stretch_count() const;
@@ -52,6 +56,8 @@ class RecordedRun {
     State state;
     Archive history;
   };
+  void refuse_contacts();
+  void find_probes();
   void keep(const State& state, long step);
   void record(const State& state, double stop);
   void add(const State& state, const Integrator& integrator);
@@ -65,6 +71,7 @@ class RecordedRun {
   std::unique_ptr<Integrator> integrator_;
   const DifferentiableSteps* method_ = nullptr;
   std::unique_ptr<StepDerivative> derivative_;
+  bool repeats_ = false;
   std::size_t memory_, state_bytes_ = 0, states_bytes_ = 0, checkpoint_bytes_ = 0, bytes_ = 0;
   double seconds_ = 0;
   long stride_ = 32;
@@ -75,7 +82,8 @@ class RecordedRun {
   std::vector<double> stops_;            // s: what each step was not to pass
   std::map<long, int> events_;           // by the number of the state that they led to
   std::vector<Checkpoint> checkpoints_;  // of every stride_-th step
-  std::vector<State> probes_;
+  std::vector<State> probes_, touching_;
+  Eigen::Index memory_at_end_ = 0;
 };
 
 }  // namespace lithe

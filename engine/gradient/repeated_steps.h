@@ -8,16 +8,26 @@
 
 namespace lithe {
 
-/// The derivative of steps forwards, by steps taken again: from states on both sides of the step's start along each
-/// column (six, error h⁶), and with the drawings at parameter ± step and ± 2 step from the start itself. Whatever a
-/// method does within a step is in it, forward dynamics of trees too; the lengths of the steps are those of the run.
+/// Turns, velocities, history and memory, one below the other; and back, where vectors of `count` are followed by
+/// `history` more of them and the memory.
+MatrixX stacked(const Variation& x);
+void unstack(const MatrixX& all, Eigen::Index count, std::size_t history, Variation& x);
+
+/// The derivative of steps by steps taken again: from states on both sides of the step's start along a direction (six,
+/// error h⁶), and with the drawings at parameter ± step and ± 2 step from the start itself. Whatever a method does
+/// within a step is in it: forward dynamics of trees, restarts, contacts with the set of points, sticking and sliding,
+/// that the run found. The lengths of the steps are those of the run. Forwards a direction is a parameter's change of
+/// the state; backwards there is one for each number of the state.
+///   At kinks and with contacts, whose laws bend within the depth of an overlap, states are moved by less until the
+/// orders of differences agree.
 class RepeatedSteps {
  public:
   /// `parameters` are moved apart (ParameterDerivative::Grouping::apart).
   RepeatedSteps(const DifferentiableSteps& method, const Drawing& nominal, ParameterDerivative& parameters);
 
-  /// Throws SimulationError where a step fails, or was not the method's own.
-  void tangent(const State& from, const State& to, Variation& x);
+  /// Both throw SimulationError where a step fails, was not the method's own, or where contacts are about to change.
+  void tangent(const TakenStep& step, Variation& x);
+  void adjoint(const TakenStep& step, Variation& x, MatrixX& gradient);
 
  private:
   struct Equations {
@@ -25,11 +35,20 @@ class RepeatedSteps {
     std::unique_ptr<RepeatedStep> step;
     double weight;  // of the parameter's difference
   };
-  void take(Equations& equations, const State& from, const State& to, VectorX& turn, VectorX& velocity);
+  void begin(const TakenStep& step);
+  bool take(Equations& equations, const State& from, MatrixX history, VectorX& change);
+  VectorX along(const VectorX& direction);
+  VectorX by_parameter(std::size_t k);
+  [[noreturn]] void refuse(const char* why) const;
 
   Evaluator evaluator_;
   Equations nominal_;
   std::vector<std::vector<Equations>> moved_;  // of each parameter
+  // Of the present step.
+  const TakenStep* step_ = nullptr;
+  MatrixX history_, end_history_;
+  VectorX memory_;
+  ContactMemory end_contacts_;
   State near_, reached_, on_joints_;
 };
 

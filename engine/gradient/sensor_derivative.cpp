@@ -49,19 +49,20 @@ void SensorDerivative::add(const State& state, double weight, Eigen::Ref<VectorX
   for (const Part& part : parts_) {
     const double h = part.velocity ? kDirectionStep * (1 + largest_entry(state.v)) : kDirectionStep;
     for (int i = part.first; i < part.first + part.count; ++i) {
-      double sum = 0;
-      for (const Offset& offset : kOffsets) {
+      const auto at = [&](double t) -> VectorX {
         if (part.velocity) {
-          near.v[i] = state.v[i] + offset.steps * h;
+          near.v[i] = state.v[i] + t;
         } else {
-          by[i] = offset.steps * h;
+          by[i] = t;
           layout.retract(state.q, by, near.q);
         }
-        sum += offset.weight / h * value(near);
-      }
+        return VectorX::Constant(1, value(near));
+      };
+      const VectorX slope = bent_difference(
+          h, drawing_.system().contacts().empty() ? kOrdersOfKinks : kOrdersOfContacts, at);
       by[i] = 0;
       near.v[i] = state.v[i];
-      (part.velocity ? velocity : turn)[i] += weight * sum;
+      (part.velocity ? velocity : turn)[i] += weight * slope[0];
     }
     near.q = state.q;
   }

@@ -13,6 +13,7 @@ struct Variation {
   MatrixX turn;                  // δq in the axes of velocities: δp, turn in body axes, δη
   MatrixX velocity;              // δv
   std::vector<MatrixX> history;  // of the vectors that a method carries along besides q and v
+  MatrixX memory;                // of the numbers that contacts remember (contact_numbers()); often no rows
 };
 
 /// One of the equations near a state: r = M a + Gᵀ l - f or, without forces, M a + Gᵀ l; and rows at a level:
@@ -115,7 +116,9 @@ class StepDerivative : public StepAdjoint {
   /// column each.
   virtual MatrixX history(const State& state) const = 0;
   /// Why the step between these states cannot be differentiated; empty: it can.
-  virtual std::string refuse_step(const State& from, const State& to) const = 0;
+  virtual std::string refuse_step(const State& /*from*/, const State& /*to*/) const { return ""; }
+  /// Whether the method's equations here are not those of this step: it is then taken again nearby (RepeatedStep).
+  virtual bool by_repetition(const TakenStep& /*step*/) const { return false; }
   /// From the changes at `from` to those at `to`, a column a parameter. Throws as adjoint().
   virtual void tangent(LinearEquations& equations, const TakenStep& step, Variation& x) = 0;
 };
@@ -125,8 +128,11 @@ class StepDerivative : public StepAdjoint {
 class RepeatedStep {
  public:
   virtual ~RepeatedStep() = default;
-  /// q and v at to.time, from those of `from`. Throws SimulationError where the step fails.
-  virtual void take(const State& from, State& to) = 0;
+  /// What the method carries besides q and v (StepDerivative::history()) as the step begins.
+  virtual MatrixX history(const TakenStep& /*step*/) const { return {}; }
+  /// q, v and what contacts remember at to.time, from those of `from`; likewise the history, in place. The equations
+  /// have recalled what `from` remembers. Throws SimulationError where the step fails.
+  virtual void take(const TakenStep& step, const State& from, MatrixX& history, State& to) = 0;
 };
 
 /// An integrator whose steps can be differentiated. What it gives refers to it; null: there is no such thing for its
@@ -138,8 +144,13 @@ class DifferentiableSteps {
   virtual std::unique_ptr<StepAdjoint> step_adjoint() const { return step_derivative(); }
   /// Of the step taken last; null: states tell all.
   virtual std::shared_ptr<const StepRecord> step_record() const { return nullptr; }
-  /// Of a method that carries nothing from step to step but q and v: forwards by differences of its steps.
+  /// For derivatives by differences of steps: of methods without equations of their own here, of single steps
+  /// (StepDerivative::by_repetition) and of all where contacts are beyond these equations.
   virtual std::unique_ptr<RepeatedStep> repeated_step(EquationsOfMotion& /*equations*/) const { return nullptr; }
+  /// Why there is no such step with these equations; empty: there is, if at all.
+  virtual std::string refuse_repetition(EquationsOfMotion& /*equations*/) const { return ""; }
+  /// Whether the state is one between the ends of a step whose derivative there is: of a step that was cut in two.
+  virtual bool within_step(const State& /*state*/) const { return false; }
 };
 
 }  // namespace lithe
