@@ -11,7 +11,9 @@ struct AlphaRecord final : StepRecord {
   VectorX a;        // acceleration-like state
   double h_offset;  // s, the step that its offset from v̇ belongs to
 
-  std::size_t bytes() const override { return sizeof(AlphaRecord) + sizeof(double) * static_cast<std::size_t>(a.size()); }
+  std::size_t bytes() const override {
+    return sizeof(AlphaRecord) + sizeof(double) * static_cast<std::size_t>(a.size());
+  }
 };
 
 /// Lie-group generalized-alpha for constrained mechanical systems (Chung & Hulbert 1993; Arnold, Brüls & Cardona 2007,

@@ -231,13 +231,16 @@ class RepeatedAlpha final : public RepeatedStep {
   RepeatedAlpha(const GeneralizedAlpha& method, EquationsOfMotion& equations)
       : equations_(equations), method_(exact(method.parameters_), {method.am_, method.af_}) {}
 
-  MatrixX history(const TakenStep& step) const override {
-    MatrixX vectors(step.from.v.size(), 2);
-    vectors << step.from.v_dot, record_of(step).a;
+  MatrixX history(const State& from, const StepRecord* record) const override {
+    if (!record)
+      throw SimulationError("the step from t = " + std::to_string(from.time) + " s left no record",
+                            "generalized-alpha, derivative of a step", "give another step");
+    MatrixX vectors(from.v.size(), 2);
+    vectors << from.v_dot, static_cast<const AlphaRecord*>(record)->a;
     return vectors;
   }
 
-  void take(const TakenStep& step, const State& from, MatrixX& history, State& to) override {
+  void take(const State& from, const StepRecord* record, MatrixX& history, State& to) override {
     start_ = from;
     if (method_.a_.size() == 0) {
       method_.start(equations_, start_);
@@ -245,12 +248,13 @@ class RepeatedAlpha final : public RepeatedStep {
     }
     start_.v_dot = history.col(0);
     method_.a_ = history.col(1);
-    method_.h_offset_ = record_of(step).h_offset;
+    method_.h_offset_ = restarted_ ? method_.parameters_.step : static_cast<const AlphaRecord*>(record)->h_offset;
+    restarted_ = false;
     method_.steady_left_ = 0;
-    const double h = step.to.time - step.from.time;
+    const double h = to.time - from.time;
     method_.change_step(equations_, start_, h);
-    if (method_.take(equations_, start_, step.to.time, h) != GeneralizedAlpha::Newton::converged)
-      throw SimulationError("the step to t = " + std::to_string(step.to.time) + " s cannot be taken again nearby",
+    if (method_.take(equations_, start_, to.time, h) != GeneralizedAlpha::Newton::converged)
+      throw SimulationError("the step to t = " + std::to_string(to.time) + " s cannot be taken again nearby",
                             "generalized-alpha, derivative of a step", "look for what is not smooth there");
     to.q = method_.q_;
     to.v = method_.v_;
@@ -261,8 +265,14 @@ class RepeatedAlpha final : public RepeatedStep {
     equations_.memory().track_contacts(to);
   }
 
+  void restart(State& state, MatrixX& history) override {
+    method_.start(equations_, state);
+    history.col(0) = state.v_dot;
+    history.col(1) = method_.a_;
+    restarted_ = true;
+  }
+
  private:
-  static const AlphaRecord& record_of(const TakenStep& step) { return static_cast<const AlphaRecord&>(*step.record); }
   static GeneralizedAlpha::Parameters exact(GeneralizedAlpha::Parameters parameters) {
     parameters.newton_tolerance = 1e-15;
     return parameters;
@@ -271,6 +281,7 @@ class RepeatedAlpha final : public RepeatedStep {
   EquationsOfMotion& equations_;
   GeneralizedAlpha method_;
   State start_;
+  bool restarted_ = false;
 };
 
 std::unique_ptr<StepDerivative> GeneralizedAlpha::step_derivative() const {

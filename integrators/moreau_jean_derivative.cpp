@@ -12,7 +12,7 @@ class RepeatedMoreauJean final : public RepeatedStep {
         method_(exact(method.parameters_), std::make_unique<DirectConeSolver>()),
         lambda_(method.lambda_) {}
 
-  void take(const TakenStep& /*step*/, const State& from, MatrixX& /*history*/, State& to) override {
+  void take(const State& from, const StepRecord* /*record*/, MatrixX& /*history*/, State& to) override {
     now_ = from;
     method_.start(equations_, now_);
     method_.lambda_ = lambda_;
@@ -20,8 +20,9 @@ class RepeatedMoreauJean final : public RepeatedStep {
     while (now_.time < to.time) {
       const StepResult result = method_.step(equations_, now_, to.time, Multipliers::later);
       if (!result.ok())
-        throw SimulationError("the step to t = " + std::to_string(to.time) + " s cannot be taken again nearby: " + result.why,
-                              "Moreau-Jean, derivative of a step", "look for what is not smooth there");
+        throw SimulationError(
+            "the step to t = " + std::to_string(to.time) + " s cannot be taken again nearby: " + result.why,
+            "Moreau-Jean, derivative of a step", "look for what is not smooth there");
     }
     to = now_;
   }

@@ -14,7 +14,7 @@ class RepeatedRungeKutta final : public RepeatedStep {
   RepeatedRungeKutta(const RungeKuttaTableau& tableau, EquationsOfMotion& equations)
       : equations_(equations), step_(tableau, equations) {}
 
-  void take(const TakenStep& /*step*/, const State& from, MatrixX& /*history*/, State& to) override {
+  void take(const State& from, const StepRecord* /*record*/, MatrixX& /*history*/, State& to) override {
     start_ = from;
     step_.accelerations(start_);
     if (step_.attempt(start_, to.time - from.time, to.time) != RungeKuttaStep::Outcome::taken)

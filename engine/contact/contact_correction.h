@@ -40,8 +40,7 @@ class ContactCorrection {
     for (const ContactRows::Row& row : rows.points())
       for (const ContactRows::Side& side : row.sides)
         for (int c = 0; c < side.count; ++c)
-          for (int i = 0; i < row.rows; ++i)
-            Z_(side.velocity + c, row.first + i) += left(side)[i + row.rows * c];
+          for (int i = 0; i < row.rows; ++i) Z_(side.velocity + c, row.first + i) += left(side)[i + row.rows * c];
     for (int k = 0; k < m; ++k) solve(Z_.col(k).data());
     // 2. D, and E + D W.
     D_.setZero(m, m);

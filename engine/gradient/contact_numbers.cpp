@@ -1,21 +1,27 @@
 #include "engine/gradient/contact_numbers.h"
 
-#include <algorithm>
 #include <cmath>
 #include <type_traits>
+#include <utility>
 
 namespace lithe {
 namespace {
 
 constexpr double kSticks = 1e-9;  // m/s: surfaces that slide more slowly stick, to the tolerance of impulses
+constexpr double kActs = 1e-20;   // N, of rigid points: solvers may leave less than any round-off
 
-/// Calls visit(number) for all that a trace remembers.
+bool acts(const ContactTrace& trace) {
+  return !std::holds_alternative<RigidMemory>(trace.memory) || trace.force.norm() > kActs;
+}
+
+/// Calls visit(number) for all that traces which act remember.
 template <class Memory, class Visit>
 void visit_numbers(Memory& memory, const Visit& visit) {
   const auto all = [&](auto& vector) {
     for (auto& x : vector) visit(x);
   };
-  for (auto& trace : memory)
+  for (auto& trace : memory) {
+    if (!acts(trace)) continue;
     std::visit(
         [&](auto& kept) {
           if constexpr (std::is_same_v<std::decay_t<decltype(kept)>, RigidMemory>) {
@@ -28,6 +34,7 @@ void visit_numbers(Memory& memory, const Visit& visit) {
           }
         },
         trace.memory);
+  }
 }
 
 bool sticks(const ContactTrace& trace) {
@@ -50,10 +57,13 @@ void set_contact_numbers(ConstVectorRef numbers, ContactMemory& memory) {
 }
 
 bool same_contact_set(const ContactMemory& a, const ContactMemory& b) {
-  return contact_numbers(a).size() == contact_numbers(b).size() &&
-         std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const ContactTrace& x, const ContactTrace& y) {
-           return contact_key(x.element, x.point) == contact_key(y.element, y.point) && sticks(x) == sticks(y);
-         });
+  const auto set = [](const ContactMemory& memory) {
+    std::vector<std::pair<decltype(contact_key(0, ContactPoint())), bool>> points;
+    for (const ContactTrace& trace : memory)
+      if (acts(trace)) points.emplace_back(contact_key(trace.element, trace.point), sticks(trace));
+    return points;
+  };
+  return contact_numbers(a).size() == contact_numbers(b).size() && set(a) == set(b);
 }
 
 }  // namespace lithe

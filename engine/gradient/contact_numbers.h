@@ -6,8 +6,8 @@
 namespace lithe {
 
 /// What contacts remember from step to step, as numbers that steps depend on: of compliant points the places in touch,
-/// the bristles and the speed of the impact, of rigid ones the velocity that the last step left and how they slid. Slips
-/// that are not known are left out.
+/// the bristles and the speed of the impact, of rigid ones the velocity that the last step left and how they slid.
+/// Slips that are not known are left out.
 VectorX contact_numbers(const ContactMemory& memory);
 /// The same points with other numbers.
 void set_contact_numbers(ConstVectorRef numbers, ContactMemory& memory);

@@ -30,7 +30,7 @@ VectorX bent_difference(double h, double agree, const Function& f) {
   for (double t = h; t >= kLeast * h; t *= 0.1) {
     const VectorX ahead = f(t), near = (ahead - f(-t)) / (2 * t), far = (f(2 * t) - f(-2 * t)) / (4 * t);
     const double off = largest_entry(near - far);
-    if (off < best_off) best_off = off, best = (4 * near - far) / 3;
+    if (off < best_off || best.size() == 0) best_off = off, best = (4 * near - far) / 3;
     if (off <= agree * largest_entry(near) + kRoundOff * largest_entry(ahead) / t) break;
   }
   return best;

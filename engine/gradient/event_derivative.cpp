@@ -66,10 +66,6 @@ EventDerivative::Jump EventDerivative::at(int number, const State& before, const
   const Layout& layout = drawing_.system().layout();
   const Eigen::Index n = layout.v_count(), count = static_cast<Eigen::Index>(parameters_.size());
   Jump jump{MatrixX::Identity(2 * n, 2 * n), MatrixX::Zero(2 * n, count), VectorX::Zero(2 * n), VectorX::Zero(count)};
-  if (number >= static_cast<int>(scene_.events.size())) {
-    add_start(before, jump);
-    return jump;
-  }
   const ParametricEvent& event = scene_.events[static_cast<std::size_t>(number)];
   const Drawing::Place place = drawing_.find(event.column);
   const auto moved = [&](double time, const VectorX& turn, const VectorX& velocity) {
@@ -151,7 +147,8 @@ void EventDerivative::add_start(const State& behind, Jump& jump) {
   };
   const VectorX as_run = start(equations_, behind);
   if (as_run.size() == 2 * n) return;
-  MatrixX by_state = MatrixX::Zero(as_run.size(), 2 * n), by_parameters = MatrixX::Zero(as_run.size(), jump.by_parameters.cols());
+  MatrixX by_state = MatrixX::Zero(as_run.size(), 2 * n),
+          by_parameters = MatrixX::Zero(as_run.size(), jump.by_parameters.cols());
   const double of_v = 1 + largest_entry(behind.v);
   State near = behind;
   for (Eigen::Index i = 0; i < 2 * n; ++i)

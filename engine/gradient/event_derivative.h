@@ -25,8 +25,7 @@ class EventDerivative {
     MatrixX by_state, by_parameters;            // of the state behind the event
     VectorX time_by_state, time_by_parameters;  // of the event's time, s
   };
-  /// Of an event's number beyond those of the scene, a kink: the state stays, and its rate, since forces are continuous;
-  /// the method starts anew. Throws SimulationError where the function touches its level without passing it.
+  /// Throws SimulationError where the function touches its level without passing it.
   Jump at(int event, const State& before, const State& after);
 
  private:

@@ -8,7 +8,7 @@
 
 namespace lithe {
 
-EventLanding::EventLanding(const ParametricScene& scene, const Drawing& drawing, Integrator& integrator,
+EventLanding::EventLanding(const ParametricScene& scene, const Drawing& drawing, bool at_kinks, Integrator& integrator,
                            Evaluator& equations, const State& state)
     : layout_(drawing.system().layout()),
       integrator_(integrator),
@@ -24,7 +24,10 @@ EventLanding::EventLanding(const ParametricScene& scene, const Drawing& drawing,
     const Drawing::Place place = drawing.find(event.column);
     add(event.name, watch(drawing.sensor(place.sensor), place.column), event.level, event.direction);
   }
-  for (const Kink& kink : find_kinks(drawing.system())) add(kink.name, kink.function, kink.level, Event::Direction::both);
+  events_ = static_cast<int>(functions_.size());
+  if (at_kinks)
+    for (const Kink& kink : find_kinks(drawing.system()))
+      add(kink.name, kink.function, kink.level, Event::Direction::both);
   if (!empty()) finder_.start(integrator, state);
 }
 

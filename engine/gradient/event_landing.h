@@ -15,8 +15,8 @@ namespace lithe {
 class EventLanding {
  public:
   /// The integrator has been started at `state`. All but that are borrowed.
-  EventLanding(const ParametricScene& scene, const Drawing& drawing, Integrator& integrator, Evaluator& equations,
-               const State& state);
+  EventLanding(const ParametricScene& scene, const Drawing& drawing, bool at_kinks, Integrator& integrator,
+               Evaluator& equations, const State& state);
 
   /// Before each step.
   void remember(State state);
@@ -25,6 +25,8 @@ class EventLanding {
   /// Whether the step ends at an event, and at which.
   bool met() const { return met_; }
   int number() const { return number_; }
+  bool at_kink() const { return number_ >= events_; }
+  int kink() const { return number_ - events_; }
   /// Whether there is nothing to land at.
   bool empty() const { return functions_.empty(); }
   /// From the state behind the event, where the integrator has been started.
@@ -43,6 +45,7 @@ class EventLanding {
   std::vector<EventFunction> functions_;
   std::vector<double> levels_;
   Archive mark_;                 // the integrator before the step
+  int events_ = 0;               // how many there are
   int number_ = -1, tries_ = 0;  // of the event that steps are led to
   double last_off_ = std::numeric_limits<double>::infinity();
   bool met_ = false;

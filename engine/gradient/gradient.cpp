@@ -47,7 +47,7 @@ class RunGradient {
     run(options.memory);
     const auto count = static_cast<int>(parameters.size());
     touches_ = !drawing.system().contacts().empty();
-    repeats_backwards_ = !run_->method().step_adjoint() || (touches_ && !run_->derivative());
+    repeats_backwards_ = !run_->derivative() && (touches_ || run_->passes_kinks());
     const std::string no_adjoint = why_no_adjoint();
     mode_ = options.mode;
     if (mode_ == Mode::automatic)
@@ -80,6 +80,9 @@ class RunGradient {
 
  private:
   std::string why_no_adjoint() const {
+    if (!run_->method().step_adjoint())
+      return "the steps of " + run_->method_name() +
+             " have no adjoint: in directions that contacts block a step has no derivative; forwards there are none";
     if (repeats_backwards_) return "";
     Evaluator equations(drawing_.system());
     if (!equations.velocity_rows().empty() || equations.reacts())
@@ -89,6 +92,7 @@ class RunGradient {
 
   /// Whether the derivative of a step is found by taking it again.
   bool repeats(const TakenStep& step) const {
+    if (step.kinks && !step.kinks->empty()) return true;
     return run_->derivative() ? run_->derivative()->by_repetition(step) : mode_ == Mode::tangent || repeats_backwards_;
   }
 
@@ -100,8 +104,9 @@ class RunGradient {
         const double value = sensors_[c].value(state);
         for (ContactTrace& trace : state.contacts) trace.force *= 1.5, trace.moment *= 1.5;
         if (sensors_[c].value(state) != value)
-          throw SceneError("'" + columns_.names[c] + "' reads what contacts between rigid surfaces do, which has no derivative",
-                           "the gradient of scene '" + scene_.name + "'", "ask for positions and velocities");
+          throw SceneError(
+              "'" + columns_.names[c] + "' reads what contacts between rigid surfaces do, which has no derivative",
+              "the gradient of scene '" + scene_.name + "'", "ask for positions and velocities");
       }
   }
 
@@ -184,7 +189,7 @@ class RunGradient {
   }
 
   static TakenStep step(const std::vector<RecordedRun::Taken>& states, std::size_t i) {
-    return {states[i - 1].state, states[i].state, states[i].record.get()};
+    return {states[i - 1].state, states[i].state, states[i].record.get(), &states[i].kinks};
   }
 
   void forwards(VectorX& values, MatrixX& derivatives) {
@@ -302,12 +307,12 @@ class RunGradient {
   std::map<long, std::vector<Share>> weights_;       // by step
   std::unique_ptr<ParameterDerivative> parameters_;  // null: terms_ has all
   std::unique_ptr<ParameterTerms> terms_;
-  std::unique_ptr<RepeatedSteps> repeated_;          // null: no step is taken again
+  std::unique_ptr<RepeatedSteps> repeated_;  // null: no step is taken again
   std::unique_ptr<TangentEquations> equations_;
   std::deque<SensorDerivative> sensors_;
   Mode mode_{};
   bool touches_ = false;            // there are contacts
-  bool repeats_backwards_ = false;  // all steps, for want of an adjoint of their own
+  bool repeats_backwards_ = false;  // all steps, whose own adjoint has no contacts and no kinks
 };
 
 /// Derivatives of quantities at rest.

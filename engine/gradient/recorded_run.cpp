@@ -53,7 +53,11 @@ RecordedRun::RecordedRun(const ParametricScene& scene, const Drawing& drawing, s
   };
   note(0);
   std::optional<EventLanding> events;
-  if (!equations_.parts().rigid_contacts) events.emplace(scene, drawing, *integrator_, equations_, state);
+  // Of rigid contacts time stepping knows the kinks; elsewhere they are passed within steps where these cannot be taken
+  // again.
+  const bool rigid = equations_.parts().rigid_contacts;
+  const bool at_kinks = !rigid && method_->repeated_step(equations_) != nullptr;
+  if (!rigid) events.emplace(scene, drawing, at_kinks, *integrator_, equations_, state);
   if (events && events->empty()) events.reset();
   double stop = scene.duration;
   while (scene.duration - state.time > time_round_off(scene.duration)) {
@@ -64,8 +68,22 @@ RecordedRun::RecordedRun(const ParametricScene& scene, const Drawing& drawing, s
     if (const std::string why = derivative_ ? derivative_->refuse_step(before, state) : ""; !why.empty())
       refuse(scene, "the step to t = " + std::to_string(state.time) + " s cannot be differentiated: " + why,
              "look for a singular pose on the way, or take another method");
-    if (const auto record = method_->step_record(); derivative_ && derivative_->by_repetition({before, state, record.get()}))
+    if (const auto record = method_->step_record();
+        derivative_ && derivative_->by_repetition({before, state, record.get()}))
       repeats_ = true;
+    if (events && events->met() && events->at_kink()) {
+      const bool goes_on = scene.duration - state.time > time_round_off(scene.duration);
+      if (goes_on) {
+        kinks_[steps() + 1].push_back({events->kink(), stop, state.time, method_->step_record()});
+        repeats_ = true;
+        integrator_->start(equations_, state);
+      } else {
+        note(stop);
+      }
+      stop = scene.duration;
+      events->go_on(state);
+      continue;
+    }
     note(stop);
     if (!events || !events->met()) continue;
     jump(events->number(), *integrator_, equations_, state);
@@ -84,8 +102,8 @@ void RecordedRun::refuse_contacts() {
   const bool rigid = equations_.contacts()->any_rigid(), repeated = method_->repeated_step(equations_) != nullptr;
   if (!repeated || (derivative_ && equations_.contacts()->remembers()))
     refuse(scene_,
-           repeated ? "its contacts remember (a restitution's speed of impact, bristles), which " + integrator_->name() +
-                          " cannot differentiate yet"
+           repeated ? "its contacts remember (a restitution's speed of impact, bristles), which " +
+                          integrator_->name() + " cannot differentiate yet"
                     : "contacts cannot be differentiated by " + integrator_->name() + " yet",
            "take ExplicitRungeKutta or Radau, with compliant contacts");
   if (rigid && !scene_.events.empty())
@@ -116,8 +134,7 @@ int RecordedRun::event_before(long state) const {
 }
 
 void RecordedRun::jump(int event, Integrator& integrator, Evaluator& equations, State& state) const {
-  if (event < static_cast<int>(scene_.events.size()))
-    apply_event(scene_.events[static_cast<std::size_t>(event)], drawing_, equations, state);
+  apply_event(scene_.events[static_cast<std::size_t>(event)], drawing_, equations, state);
   integrator.start(equations, state);
 }
 
@@ -156,7 +173,7 @@ void RecordedRun::keep(const State& state, long step) {
     if (checkpoints_.size() > 1 && checkpoints_.size() * checkpoint_bytes_ > memory_ / 2) thin();
   }
   if (!all_) return;
-  add(state, *integrator_);
+  add(state, step, *integrator_);
   bytes_ = states_bytes_;
   if (bytes_ > memory_) {
     all_ = false;
@@ -165,9 +182,11 @@ void RecordedRun::keep(const State& state, long step) {
 }
 
 /// To the states in memory.
-void RecordedRun::add(const State& state, const Integrator& integrator) {
+void RecordedRun::add(const State& state, long step, const Integrator& integrator) {
+  const auto kinks = kinks_.find(step);
   const Taken& taken =
-      states_.emplace_back(Taken{state, dynamic_cast<const DifferentiableSteps&>(integrator).step_record()});
+      states_.emplace_back(Taken{state, dynamic_cast<const DifferentiableSteps&>(integrator).step_record(),
+                                 kinks == kinks_.end() ? std::vector<PassedKink>{} : kinks->second});
   states_bytes_ += state_bytes_ + (taken.record ? taken.record->bytes() : 0);
 }
 
@@ -196,9 +215,14 @@ const std::vector<RecordedRun::Taken>& RecordedRun::stretch(int number) {
   integrator->history(mark.history, equations, state);
   states_.clear();
   states_bytes_ = 0;
-  add(state, *integrator);
+  add(state, number * stride_, *integrator);
   const long last = std::min(steps(), (number + 1) * stride_);
   for (long step = number * stride_; step < last; ++step) {
+    if (const auto kinks = kinks_.find(step + 1); kinks != kinks_.end())
+      for (const PassedKink& kink : kinks->second) {
+        advance(*integrator, equations, state, kink.stop);
+        integrator->start(equations, state);
+      }
     if (const int event = event_before(step + 1); event >= 0)
       jump(event, *integrator, equations, state);
     else
@@ -206,7 +230,7 @@ const std::vector<RecordedRun::Taken>& RecordedRun::stretch(int number) {
     if (state.time != times_[static_cast<std::size_t>(step) + 1])
       throw SimulationError("the run from a checkpoint at t = " + std::to_string(mark.state.time) + " s left its steps",
                             "RecordedRun", "give more memory, so that all states are kept");
-    add(state, *integrator);
+    add(state, step + 1, *integrator);
   }
   bytes_ = std::max(bytes_, states_bytes_ + checkpoints_.size() * checkpoint_bytes_);
   return states_;

@@ -15,7 +15,8 @@ namespace lithe {
 /// The states of one run between its steps, to be gone through forwards or backwards. As many as memory allows are
 /// kept; else checkpoints at equal numbers of steps, from which stretches are run again: with the same bits, since a
 /// checkpoint holds the integrator's history. The run itself is that of Simulation, step by step; a step that passes an
-/// event is taken again to end there, and one that its method cuts in two counts as one.
+/// event or a kink of a force law is taken again to end there. One that its method cuts in two counts as one, likewise
+/// the steps to a kink and on from there.
 class RecordedRun {
  public:
   using Look = std::function<void(const State&)>;
@@ -26,13 +27,14 @@ class RecordedRun {
 
   /// Of the states; twice where an event changes the state.
   const std::vector<double>& times() const { return times_; }
-  /// The number of the event, or beyond these of the kink, that led to this state from the one before; -1: a step did.
+  /// The number of the event that led to this state from the one before; -1: a step did.
   int event_before(long state) const;
   long steps() const { return static_cast<long>(times_.size()) - 1; }
   /// Null: forwards by repeated steps alone.
   StepDerivative* derivative() { return derivative_.get(); }
   /// Whether some step's derivative is to be found by taking it again, forwards.
   bool repeats() const { return repeats_; }
+  bool passes_kinks() const { return !kinks_.empty(); }
   const DifferentiableSteps& method() const { return *method_; }
   std::string method_name() const { return integrator_->name(); }
   std::size_t bytes() const { return bytes_; }  // of the tape, at most
@@ -48,6 +50,7 @@ class RecordedRun {
   struct Taken {
     State state;
     std::shared_ptr<const StepRecord> record;  // of the step that led there
+    std::vector<PassedKink> kinks;             // in it
   };
   const std::vector<Taken>& stretch(int number);
 
@@ -60,7 +63,7 @@ class RecordedRun {
   void find_probes();
   void keep(const State& state, long step);
   void record(const State& state, double stop);
-  void add(const State& state, const Integrator& integrator);
+  void add(const State& state, long step, const Integrator& integrator);
   void thin();
   void advance(Integrator& integrator, Evaluator& equations, State& state, double stop) const;
   void jump(int event, Integrator& integrator, Evaluator& equations, State& state) const;
@@ -79,9 +82,10 @@ class RecordedRun {
   std::vector<Taken> states_;  // of the run, or of the stretch that was run again last
   int present_ = -1;
   std::vector<double> times_;
-  std::vector<double> stops_;            // s: what each step was not to pass
-  std::map<long, int> events_;           // by the number of the state that they led to
-  std::vector<Checkpoint> checkpoints_;  // of every stride_-th step
+  std::vector<double> stops_;                      // s: what each step was not to pass
+  std::map<long, int> events_;                     // by the number of the state that they led to
+  std::map<long, std::vector<PassedKink>> kinks_;  // likewise
+  std::vector<Checkpoint> checkpoints_;            // of every stride_-th step
   std::vector<State> probes_, touching_;
   Eigen::Index memory_at_end_ = 0;
 };

@@ -45,23 +45,27 @@ void unstack(const MatrixX& all, Eigen::Index count, std::size_t history, Variat
   x.turn = all.topRows(count);
   x.velocity = all.middleRows(count, count);
   x.history.resize(history);
-  for (std::size_t i = 0; i < history; ++i) x.history[i] = all.middleRows(static_cast<Eigen::Index>(i + 2) * count, count);
+  for (std::size_t i = 0; i < history; ++i)
+    x.history[i] = all.middleRows(static_cast<Eigen::Index>(i + 2) * count, count);
   x.memory = all.bottomRows(all.rows() - static_cast<Eigen::Index>(2 + history) * count);
 }
 
 RepeatedSteps::RepeatedSteps(const DifferentiableSteps& method, const Drawing& nominal, ParameterDerivative& parameters)
-    : evaluator_(nominal.system()), nominal_{&evaluator_, method.repeated_step(evaluator_), 0} {
+    : evaluator_(nominal.system()),
+      nominal_{.evaluator = &evaluator_, .step = method.repeated_step(evaluator_), .weight = 0} {
   moved_.resize(static_cast<std::size_t>(parameters.count()));
   for (int k = 0; k < parameters.count(); ++k)
     parameters.visit(k, [&](Evaluator& equations, double weight) {
-      moved_[static_cast<std::size_t>(k)].push_back({&equations, method.repeated_step(equations), weight});
+      moved_[static_cast<std::size_t>(k)].push_back(
+          {.evaluator = &equations, .step = method.repeated_step(equations), .weight = weight});
     });
 }
 
 void RepeatedSteps::refuse(const char* why) const {
-  throw SimulationError("the step to t = " + std::to_string(step_->to.time) + " s " + why, "the derivative of a run",
-                        "look for what is not smooth there: a singular pose, contacts that just begin to touch, to part "
-                        "or to slide; give another step or other parameters, or smaller steps of these");
+  throw SimulationError(
+      "the step to t = " + std::to_string(step_->to.time) + " s " + why, "the derivative of a run",
+      "look for what is not smooth there: a singular pose, contacts that just begin to touch, to part "
+      "or to slide; give another step or other parameters, or smaller steps of these");
 }
 
 /// Where the step ends, from where that of the run did. False: other points touch there, or stick.
@@ -70,20 +74,20 @@ bool RepeatedSteps::take(Equations& equations, const State& from, MatrixX histor
   equations.evaluator->recall_rows(from.left_out);
   equations.evaluator->recall(from.contacts);
   const State& to = step_->to;
-  reached_.time = to.time;
+  start_ = from;
   if (equations.evaluator->parts().forward_dynamics) {
     // It reads coordinates of joints, and refuses states off them. The start moved onto them is the same start: that
     // of the run moves along them with state and parameters.
-    on_joints_ = from;
     Projector projector(*equations.evaluator);
-    if (!projector.position(from.time, on_joints_.q, kOnJoints, kMostProjections).converged)
+    if (!projector.position(from.time, start_.q, kOnJoints, kMostProjections).converged)
       throw SimulationError("the state at t = " + std::to_string(from.time) + " s does not reach its joints nearby",
                             "the derivative of a run", "look for a singular pose, or give parameters smaller steps");
-    projector.velocity(from.time, on_joints_.q, on_joints_.v);
-    equations.step->take(*step_, on_joints_, history, reached_);
-  } else {
-    equations.step->take(*step_, from, history, reached_);
+    projector.velocity(from.time, start_.q, start_.v);
   }
+  if (step_->kinks)
+    for (const PassedKink& kink : *step_->kinks) land(equations, kink, history);
+  reached_.time = to.time;
+  equations.step->take(start_, step_->record, history, reached_);
   const Eigen::Index n = to.v.size();
   if (!same_contact_set(reached_.contacts, to.contacts)) return false;
   const VectorX memory = contact_numbers(reached_.contacts);
@@ -95,10 +99,54 @@ bool RepeatedSteps::take(Equations& equations, const State& from, MatrixX histor
   return true;
 }
 
+/// From start_ to where the law bends with these equations, and on from there: start_ and the history are then those
+/// of the method started anew. By Newton's method for the time, with rates along the motion.
+void RepeatedSteps::land(Equations& equations, const PassedKink& kink, MatrixX& history) {
+  constexpr int kMostTries = 12;
+  constexpr double kRate = 1e-6, kSameTime = 1e-16;  // s; of the time
+  if (!equations.now) {
+    equations.now = std::make_unique<Snapshot>(equations.evaluator->system());
+    equations.kinks = find_kinks(equations.evaluator->system());
+  }
+  const Kink& at = equations.kinks[static_cast<std::size_t>(kink.number)];
+  const auto off = [&](double later) {
+    State near = at_kink_;
+    near.time += later;
+    evaluator_.layout().retract(at_kink_.q, later * at_kink_.v, near.q);
+    equations.now->evaluate(near, Accelerations::solved);
+    return at.function(*equations.now) - at.level;
+  };
+  at_kink_ = start_;
+  at_kink_.time = kink.time;
+  MatrixX carried;
+  double last = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kMostTries; ++i) {
+    carried = history;
+    const double time = at_kink_.time;
+    reached_.time = time;
+    equations.evaluator->recall(start_.contacts);
+    equations.step->take(start_, kink.record.get(), carried, reached_);
+    at_kink_.q = reached_.q, at_kink_.v = reached_.v, at_kink_.contacts = reached_.contacts;
+    const double change = -off(0) / ((off(kRate) - off(-kRate)) / (2 * kRate));
+    if (std::abs(change) <= kSameTime * std::abs(time) || std::abs(change) >= last) break;
+    last = std::abs(change);
+    at_kink_.time = time + change;
+    if (!(at_kink_.time > start_.time && at_kink_.time < step_->to.time))
+      throw SimulationError("the kink of '" + at.name + "' at t = " + std::to_string(kink.time) +
+                                " s is not in the step any more when that is taken again nearby",
+                            "the derivative of a run", "look for a law that is touched without being passed");
+  }
+  history = carried;
+  start_ = at_kink_;
+  equations.evaluator->recall(start_.contacts);
+  equations.step->restart(start_, history);
+}
+
 /// The step itself, once more.
 void RepeatedSteps::begin(const TakenStep& step) {
   step_ = &step;
-  history_ = nominal_.step->history(step);
+  history_ = nominal_.step->history(
+      step.from, step.kinks && !step.kinks->empty() ? step.kinks->front().record.get() : step.record);
   end_history_.setZero(history_.rows(), history_.cols());
   end_contacts_ = step.to.contacts;
   memory_ = contact_numbers(step.from.contacts);
@@ -134,7 +182,11 @@ VectorX RepeatedSteps::along(const VectorX& direction) {
       MatrixX history = history_;
       history.reshaped() += t * direction.segment(2 * n, history.size());
       set_contact_numbers(memory_ + t * direction.tail(m), near_.contacts);
-      same = take(nominal_, near_, std::move(history), change);
+      try {
+        same = take(nominal_, near_, std::move(history), change);
+      } catch (const SimulationError&) {  // too far away to be taken
+        same = false;
+      }
       if (!same) break;
       sum += offset.weight / h * change;
       fourth += offset.fourth / h * change;

@@ -5,6 +5,8 @@
 
 #include "engine/gradient/parameter_derivative.h"
 #include "engine/motion/step_derivative.h"
+#include "engine/observe/snapshot.h"
+#include "engine/run/kinks.h"
 
 namespace lithe {
 
@@ -15,9 +17,9 @@ void unstack(const MatrixX& all, Eigen::Index count, std::size_t history, Variat
 
 /// The derivative of steps by steps taken again: from states on both sides of the step's start along a direction (six,
 /// error h⁶), and with the drawings at parameter ± step and ± 2 step from the start itself. Whatever a method does
-/// within a step is in it: forward dynamics of trees, restarts, contacts with the set of points, sticking and sliding,
-/// that the run found. The lengths of the steps are those of the run. Forwards a direction is a parameter's change of
-/// the state; backwards there is one for each number of the state.
+/// within a step is in it: forward dynamics of trees, restarts, kinks of force laws, each at its own time, contacts
+/// with the set of points, sticking and sliding, that the run found. The lengths of the steps are those of the run.
+/// Forwards a direction is a parameter's change of the state; backwards there is one for each number of the state.
 ///   At kinks and with contacts, whose laws bend within the depth of an overlap, states are moved by less until the
 /// orders of differences agree.
 class RepeatedSteps {
@@ -33,10 +35,13 @@ class RepeatedSteps {
   struct Equations {
     Evaluator* evaluator;
     std::unique_ptr<RepeatedStep> step;
-    double weight;  // of the parameter's difference
+    double weight;                       // of the parameter's difference
+    std::unique_ptr<Snapshot> now = {};  // once a kink is passed
+    std::vector<Kink> kinks = {};
   };
   void begin(const TakenStep& step);
   bool take(Equations& equations, const State& from, MatrixX history, VectorX& change);
+  void land(Equations& equations, const PassedKink& kink, MatrixX& history);
   VectorX along(const VectorX& direction);
   VectorX by_parameter(std::size_t k);
   [[noreturn]] void refuse(const char* why) const;
@@ -49,7 +54,7 @@ class RepeatedSteps {
   MatrixX history_, end_history_;
   VectorX memory_;
   ContactMemory end_contacts_;
-  State near_, reached_, on_joints_;
+  State near_, reached_, start_, at_kink_;
 };
 
 }  // namespace lithe

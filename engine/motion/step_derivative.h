@@ -31,11 +31,19 @@ class StepRecord {
   virtual std::size_t bytes() const = 0;
 };
 
+/// A kink of a force law within a step: the step ended there, and the method started anew.
+struct PassedKink {
+  int number;                                // engine/run/kinks.h
+  double stop, time;                         // s: that the step was to end at, and did
+  std::shared_ptr<const StepRecord> record;  // of the part that led there
+};
+
 /// A step of a run.
 struct TakenStep {
   const State& from;
   const State& to;
-  const StepRecord* record;  // null: the method keeps none
+  const StepRecord* record;                        // of its last part; null: the method keeps none
+  const std::vector<PassedKink>* kinks = nullptr;  // null or empty: a step without
 };
 
 /// The equations of motion near one state, differentiated to round-off by q, v, v_dot, λ and the parameters of a scene:
@@ -128,11 +136,13 @@ class StepDerivative : public StepAdjoint {
 class RepeatedStep {
  public:
   virtual ~RepeatedStep() = default;
-  /// What the method carries besides q and v (StepDerivative::history()) as the step begins.
-  virtual MatrixX history(const TakenStep& /*step*/) const { return {}; }
+  /// What the method carries besides q and v (StepDerivative::history()) as a step from there with that record begins.
+  virtual MatrixX history(const State& /*from*/, const StepRecord* /*record*/) const { return {}; }
   /// q, v and what contacts remember at to.time, from those of `from`; likewise the history, in place. The equations
   /// have recalled what `from` remembers. Throws SimulationError where the step fails.
-  virtual void take(const TakenStep& step, const State& from, MatrixX& history, State& to) = 0;
+  virtual void take(const State& from, const StepRecord* record, MatrixX& history, State& to) = 0;
+  /// Starts the method anew, for the next take().
+  virtual void restart(State& /*state*/, MatrixX& /*history*/) {}
 };
 
 /// An integrator whose steps can be differentiated. What it gives refers to it; null: there is no such thing for its

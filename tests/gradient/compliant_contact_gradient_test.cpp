@@ -16,10 +16,11 @@ using Mode = GradientOptions::Mode;
 
 MakeIntegrator touch_runge_kutta(double step, double tolerance = 0) {
   return [=] {
-    return std::make_unique<ExplicitRungeKutta>(ExplicitRungeKutta::Parameters{
-        .method = ExplicitRungeKutta::Method::dormand_prince5,
-        .step = step,
-        .tolerance = {.relative = tolerance > 0 ? tolerance : 1e-6, .absolute = tolerance > 0 ? tolerance / 10 : 1e-9}});
+    return std::make_unique<ExplicitRungeKutta>(
+        ExplicitRungeKutta::Parameters{.method = ExplicitRungeKutta::Method::dormand_prince5,
+                                       .step = step,
+                                       .tolerance = {.relative = tolerance > 0 ? tolerance : 1e-6,
+                                                     .absolute = tolerance > 0 ? tolerance / 10 : 1e-9}});
   };
 }
 MakeIntegrator touch_radau(double step) {
@@ -32,13 +33,11 @@ constexpr double kBallRadius = 0.1;
 std::vector<Sensor> ball_on_plane(SystemGraph& graph, const SweepPoint& p, const Contact::Parameters& law,
                                   const Vector3& position_of, const Vector3& speed, const Vector3& spin = {0, 0, 0}) {
   const double J = 0.4 * p["mass"] * kBallRadius * kBallRadius;
-  auto& ball = graph.add<RigidBody>("ball", {.mass = p["mass"],
-                                             .inertia = {J, J, J},
-                                             .position = position_of,
-                                             .velocity = speed,
-                                             .angular_velocity = spin});
-  graph.add<Contact>("contact",
-                     {{graph.ground().marker(), shape::half_space()}, {ball.marker(), shape::sphere(kBallRadius)}}, law);
+  auto& ball = graph.add<RigidBody>(
+      "ball",
+      {.mass = p["mass"], .inertia = {J, J, J}, .position = position_of, .velocity = speed, .angular_velocity = spin});
+  graph.add<Contact>(
+      "contact", {{graph.ground().marker(), shape::half_space()}, {ball.marker(), shape::sphere(kBallRadius)}}, law);
   return {position(ball.marker(), "p"), velocity(ball.marker(), "v")};
 }
 
@@ -72,12 +71,12 @@ TEST(ContactGradients, OfTheHalfPeriodOfASpring) {
     return error;
   };
   for (const Mode mode : {Mode::tangent, Mode::adjoint}) {
-    // Steps by error control shrink where the force begins and ends.
-    EXPECT_LT(off(touch_runge_kutta(0, 1e-11), mode), 1e-6);
-    EXPECT_LT(off(touch_radau(2e-4), mode), 1e-3);
+    // Steps end where the force begins and ends.
+    EXPECT_LT(off(touch_runge_kutta(0, 1e-11), mode), 1e-8);
+    EXPECT_LT(off(touch_radau(5e-4), mode), 1e-7);
     const double coarse = off(exact_alpha(2e-4), mode), fine = off(exact_alpha(5e-5), mode);
     EXPECT_LT(fine, 2e-4);
-    EXPECT_LT(fine, coarse / 3);
+    EXPECT_LT(fine, coarse / 8);  // of second order
   }
 }
 
@@ -94,17 +93,21 @@ ParametricScene sliding_ball(MakeIntegrator method, const std::function<Contact:
 }
 Contact::Parameters hertz_and_creep(const SweepPoint& p) {
   return {.law = Compliance{.stiffness = p["stiffness"], .dissipation = Dissipation::fixed, .damping = p["damping"]},
-          .friction = {.coefficient = p["friction"], .creep_speed = 0.1, .viscous = 0.02, .rolling = 1e-3, .creep_spin = 1}};
+          .friction = {
+              .coefficient = p["friction"], .creep_speed = 0.1, .viscous = 0.02, .rolling = 1e-3, .creep_spin = 1}};
 }
 const std::vector<DesignParameter> kBallNumbers{
     {"stiffness", 1.5e5}, {"damping", 0.5}, {"friction", 0.3}, {"mass", 2}, {"speed", 0.8}};
-const std::vector<Quantity> kBallEnd{value_at("p_x", 0.1), value_at("p_z", 0.1), value_at("v_y", 0.07), integral("v_z")};
+const std::vector<Quantity> kBallEnd{value_at("p_x", 0.1), value_at("p_z", 0.1), value_at("v_y", 0.07),
+                                     integral("v_z")};
 
 TEST(ContactGradients, RungeKutta5OfASlidingBall) {
   expect_gradient(sliding_ball(touch_runge_kutta(1e-3), hertz_and_creep), kBallEnd, kBallNumbers);
 }
+/// Velocities differ between runs by what Newton leaves in each step: their differences are not as good.
 TEST(ContactGradients, RadauOfASlidingBall) {
-  expect_gradient(sliding_ball(touch_radau(2e-3), hertz_and_creep), kBallEnd, kBallNumbers, 2e-8);
+  expect_gradient(sliding_ball(touch_radau(2e-3), hertz_and_creep),
+                  {value_at("p_x", 0.1), value_at("p_z", 0.1), integral("v_z")}, kBallNumbers);
 }
 TEST(ContactGradients, GeneralizedAlphaOfASlidingBall) {
   expect_gradient(sliding_ball(exact_alpha(1e-3), hertz_and_creep), kBallEnd, kBallNumbers);
@@ -117,15 +120,15 @@ TEST(ContactGradients, OfBristlesThatSlideAndStick) {
             .friction = {.coefficient = p["friction"], .bristle_stiffness = 200, .bristle_damping = 0.5}};
   };
   for (const MakeIntegrator& method : {touch_runge_kutta(1e-3), touch_radau(1e-3)})
-    expect_gradient(sliding_ball(method, bristles), {value_at("p_x", 0.1), value_at("p_z", 0.1)}, kBallNumbers);
+    expect_of_near_runs(sliding_ball(method, bristles), {value_at("p_x", 0.1), value_at("p_z", 0.1)}, kBallNumbers,
+                        1e-7);
 }
 
 /// A damped impact leaves with e v, whatever stiffness and mass.
 TEST(ContactGradients, OfARestitution) {
   const auto draw = [](SystemGraph& graph, const SweepPoint& p) {
-    return ball_on_plane(graph, p,
-                         {.law = Compliance{.stiffness = p["stiffness"], .restitution = p["restitution"]}},
-                         {0, 0, kBallRadius + 1e-4}, {0, 0, -p["speed"]});
+    return ball_on_plane(graph, p, {.law = Compliance{.stiffness = p["stiffness"], .restitution = p["restitution"]}},
+                         {0, 0, kBallRadius + 1e-3}, {0, 0, -p["speed"]});
   };
   const ParametricScene scene{.name = "damped impact",
                               .duration = 0.05,
@@ -158,21 +161,21 @@ ParametricScene leaning_rod(MakeIntegrator method) {
     rod.set_fidelity({.modes = {0, 1}});
     const Matrix3 along_y = rotation_about({1, 0, 0}, -M_PI / 2);
     graph.add<RevoluteJoint>("hub", {graph.ground().marker({}, along_y), rod.marker(0, along_y)});
-    graph.add<Contact>("floor",
-                       {{graph.ground().marker({0, 0, -0.0485}), shape::half_space()},
-                        {rod.marker(1), shape::sphere(0.05)}},
-                       {.law = Compliance{.stiffness = p["stiffness"], .dissipation = Dissipation::fixed, .damping = 1},
-                        .friction = {.coefficient = p["friction"], .creep_speed = 0.1}});
+    graph.add<Contact>(
+        "floor", {{graph.ground().marker({0, 0, -0.048}), shape::half_space()}, {rod.marker(1), shape::sphere(0.05)}},
+        {.law = Compliance{.stiffness = p["stiffness"], .dissipation = Dissipation::fixed, .damping = 1},
+         .friction = {.coefficient = p["friction"], .creep_speed = 0.1}});
     return std::vector<Sensor>{position(rod.marker(1), "tip")};
   };
   scene.integrator = std::move(method);
   return scene;
 }
 const std::vector<DesignParameter> kLeaningNumbers{
-    {"thickness", 0.01}, {"E", 7e10}, {"stiffness", 3e5}, {"friction", 0.4}};
+    {"thickness", 0.01}, {"E", 7e10}, {"stiffness", 3e4}, {"friction", 0.4}};
 
 TEST(ContactGradients, GeneralizedAlphaOfARodThatTouches) {
-  expect_gradient(leaning_rod(exact_alpha(5e-4)), {value_at("tip_z", 0.05), value_at("tip_x", 0.04)}, kLeaningNumbers, 2e-8);
+  expect_gradient(leaning_rod(exact_alpha(5e-4)), {value_at("tip_z", 0.05), value_at("tip_x", 0.04)}, kLeaningNumbers,
+                  2e-8);
 }
 TEST(ContactGradients, RungeKutta5OfARodThatTouches) {
   expect_gradient(leaning_rod(touch_runge_kutta(2e-4)), {value_at("tip_z", 0.05)}, kLeaningNumbers, 2e-8);
@@ -192,10 +195,10 @@ TEST(ContactGradients, RefuseByName) {
     }
     return "none";
   };
-  EXPECT_NE(refusal(sliding_ball([] { return std::make_unique<LieBdf>(LieBdf::Parameters{.step = 1e-3}); },
-                                 hertz_and_creep))
-                .find("contacts cannot be differentiated by"),
-            std::string::npos);
+  EXPECT_NE(
+      refusal(sliding_ball([] { return std::make_unique<LieBdf>(LieBdf::Parameters{.step = 1e-3}); }, hertz_and_creep))
+          .find("contacts cannot be differentiated by"),
+      std::string::npos);
   const auto restitution = [](const SweepPoint& p) -> Contact::Parameters {
     return {.law = Compliance{.stiffness = p["stiffness"], .restitution = 0.5}};
   };
