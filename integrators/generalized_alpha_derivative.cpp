@@ -248,7 +248,7 @@ class RepeatedAlpha final : public RepeatedStep {
     }
     start_.v_dot = history.col(0);
     method_.a_ = history.col(1);
-    method_.h_offset_ = restarted_ ? method_.parameters_.step : static_cast<const AlphaRecord*>(record)->h_offset;
+    if (record && !restarted_) method_.h_offset_ = static_cast<const AlphaRecord*>(record)->h_offset;
     restarted_ = false;
     method_.steady_left_ = 0;
     const double h = to.time - from.time;

@@ -21,7 +21,7 @@ inline constexpr double kDirectionStep = 1e-4;
 inline double largest_entry(ConstVectorRef x) { return x.size() > 0 ? x.lpNorm<Eigen::Infinity>() : 0; }
 
 /// f' of fourth order by steps of h or, where f has a kink or bends more quickly than that, of less, until second and
-/// fourth order agree; else as near to that as round-off allows.
+/// fourth order agree, or to round-off for an agreement of zero; else as near to that as round-off allows.
 template <class Function>
 VectorX bent_difference(double h, double agree, const Function& f) {
   constexpr double kLeast = 1e-6, kRoundOff = 1e-14;  // of h; of f
@@ -35,7 +35,6 @@ VectorX bent_difference(double h, double agree, const Function& f) {
   }
   return best;
 }
-inline constexpr double kOrdersOfKinks = 1e-3;     // agreement that tells of a kink
-inline constexpr double kOrdersOfContacts = 1e-5;  // that with laws which bend within the depth of an overlap: 1e-10
+inline constexpr double kOrdersOfKinks = 1e-3;  // agreement that tells of a kink, where none is expected
 
 }  // namespace lithe

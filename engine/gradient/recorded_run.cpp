@@ -59,7 +59,7 @@ RecordedRun::RecordedRun(const ParametricScene& scene, const Drawing& drawing, s
   const bool at_kinks = !rigid && method_->repeated_step(equations_) != nullptr;
   if (!rigid) events.emplace(scene, drawing, at_kinks, *integrator_, equations_, state);
   if (events && events->empty()) events.reset();
-  double stop = scene.duration;
+  double stop = scene.duration, usual = 0, settled = 0;  // s
   while (scene.duration - state.time > time_round_off(scene.duration)) {
     before = state;
     if (events) events->remember(state);
@@ -71,20 +71,22 @@ RecordedRun::RecordedRun(const ParametricScene& scene, const Drawing& drawing, s
     if (const auto record = method_->step_record();
         derivative_ && derivative_->by_repetition({before, state, record.get()}))
       repeats_ = true;
-    if (events && events->met() && events->at_kink()) {
-      const bool goes_on = scene.duration - state.time > time_round_off(scene.duration);
-      if (goes_on) {
-        kinks_[steps() + 1].push_back({events->kink(), stop, state.time, method_->step_record()});
-        repeats_ = true;
-        integrator_->start(equations_, state);
-      } else {
-        note(stop);
-      }
+    const bool at_kink = events && events->met() && events->at_kink(), at_event = events && events->met() && !at_kink;
+    // Short steps behind a kink join that over it, until states no longer pass the kink when they are moved.
+    if (at_kink) settled = state.time + std::max(usual, state.time - before.time);
+    if (state.time < settled && !at_event && scene.duration - state.time > time_round_off(scene.duration)) {
+      kinks_[steps() + 1].push_back({at_kink ? events->kink() : -1, stop, state.time, method_->step_record()});
+      repeats_ = true;
+      if (at_kink) integrator_->start(equations_, state);
+    } else {
+      usual = state.time - times_.back();
+      note(stop);
+    }
+    if (at_kink) {
       stop = scene.duration;
       events->go_on(state);
       continue;
     }
-    note(stop);
     if (!events || !events->met()) continue;
     jump(events->number(), *integrator_, equations_, state);
     events_[steps() + 1] = events->number();
@@ -221,7 +223,7 @@ const std::vector<RecordedRun::Taken>& RecordedRun::stretch(int number) {
     if (const auto kinks = kinks_.find(step + 1); kinks != kinks_.end())
       for (const PassedKink& kink : kinks->second) {
         advance(*integrator, equations, state, kink.stop);
-        integrator->start(equations, state);
+        if (kink.number >= 0) integrator->start(equations, state);
       }
     if (const int event = event_before(step + 1); event >= 0)
       jump(event, *integrator, equations, state);

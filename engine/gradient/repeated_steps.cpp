@@ -1,6 +1,7 @@
 #include "engine/gradient/repeated_steps.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "engine/base/error.h"
 #include "engine/base/log.h"
@@ -85,25 +86,35 @@ bool RepeatedSteps::take(Equations& equations, const State& from, MatrixX histor
     projector.velocity(from.time, start_.q, start_.v);
   }
   if (step_->kinks)
-    for (const PassedKink& kink : *step_->kinks) land(equations, kink, history);
-  reached_.time = to.time;
-  equations.step->take(start_, step_->record, history, reached_);
+    for (const PassedKink& kink : *step_->kinks)
+      kink.number >= 0 ? land(equations, kink, history) : pass(equations, kink.time, kink.record.get(), history);
+  pass(equations, to.time, step_->record, history);
   const Eigen::Index n = to.v.size();
-  if (!same_contact_set(reached_.contacts, to.contacts)) return false;
-  const VectorX memory = contact_numbers(reached_.contacts);
+  if (!same_contact_set(start_.contacts, to.contacts)) return false;
+  const VectorX memory = contact_numbers(start_.contacts);
   change.resize(n * (2 + history.cols()) + memory.size());
-  evaluator_.layout().difference(to.q, reached_.q, change.head(n));
-  change.segment(n, n) = reached_.v - to.v;
+  evaluator_.layout().difference(to.q, start_.q, change.head(n));
+  change.segment(n, n) = start_.v - to.v;
   change.segment(2 * n, history.size()) = history.reshaped() - end_history_.reshaped();
   change.tail(memory.size()) = memory - contact_numbers(end_contacts_);
   return true;
 }
 
+/// From start_ to another time: start_ is then the state there.
+void RepeatedSteps::pass(Equations& equations, double time, const StepRecord* record, MatrixX& history) {
+  reached_.time = time;
+  equations.evaluator->recall(start_.contacts);
+  equations.step->take(start_, record, history, reached_);
+  start_.time = time;
+  start_.q = reached_.q, start_.v = reached_.v, start_.contacts = reached_.contacts;
+}
+
 /// From start_ to where the law bends with these equations, and on from there: start_ and the history are then those
-/// of the method started anew. By Newton's method for the time, with rates along the motion.
+/// of the method started anew. By Newton's method for the time, with rates along the motion. Where the kink comes
+/// before the step, or behind it, one of its parts leads back in time.
 void RepeatedSteps::land(Equations& equations, const PassedKink& kink, MatrixX& history) {
   constexpr int kMostTries = 12;
-  constexpr double kRate = 1e-6, kSameTime = 1e-16;  // s; of the time
+  constexpr double kRate = 1e-6, kSameTime = 1e-16, kFarthest = 0.1;  // s; of the time; s
   if (!equations.now) {
     equations.now = std::make_unique<Snapshot>(equations.evaluator->system());
     equations.kinks = find_kinks(equations.evaluator->system());
@@ -123,17 +134,16 @@ void RepeatedSteps::land(Equations& equations, const PassedKink& kink, MatrixX& 
   for (int i = 0; i < kMostTries; ++i) {
     carried = history;
     const double time = at_kink_.time;
-    reached_.time = time;
-    equations.evaluator->recall(start_.contacts);
-    equations.step->take(start_, kink.record.get(), carried, reached_);
-    at_kink_.q = reached_.q, at_kink_.v = reached_.v, at_kink_.contacts = reached_.contacts;
+    const State before = start_;
+    pass(equations, time, kink.record.get(), carried);
+    at_kink_ = std::exchange(start_, before);
     const double change = -off(0) / ((off(kRate) - off(-kRate)) / (2 * kRate));
     if (std::abs(change) <= kSameTime * std::abs(time) || std::abs(change) >= last) break;
     last = std::abs(change);
     at_kink_.time = time + change;
-    if (!(at_kink_.time > start_.time && at_kink_.time < step_->to.time))
+    if (!(std::abs(at_kink_.time - kink.time) <= kFarthest))
       throw SimulationError("the kink of '" + at.name + "' at t = " + std::to_string(kink.time) +
-                                " s is not in the step any more when that is taken again nearby",
+                                " s is far from there when its step is taken again nearby",
                             "the derivative of a run", "look for a law that is touched without being passed");
   }
   history = carried;

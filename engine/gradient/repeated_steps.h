@@ -41,6 +41,7 @@ class RepeatedSteps {
   };
   void begin(const TakenStep& step);
   bool take(Equations& equations, const State& from, MatrixX history, VectorX& change);
+  void pass(Equations& equations, double time, const StepRecord* record, MatrixX& history);
   void land(Equations& equations, const PassedKink& kink, MatrixX& history);
   VectorX along(const VectorX& direction);
   VectorX by_parameter(std::size_t k);

@@ -58,8 +58,7 @@ void SensorDerivative::add(const State& state, double weight, Eigen::Ref<VectorX
         }
         return VectorX::Constant(1, value(near));
       };
-      const VectorX slope =
-          bent_difference(h, drawing_.system().contacts().empty() ? kOrdersOfKinks : kOrdersOfContacts, at);
+      const VectorX slope = bent_difference(h, drawing_.system().contacts().empty() ? kOrdersOfKinks : 0, at);
       by[i] = 0;
       near.v[i] = state.v[i];
       (part.velocity ? velocity : turn)[i] += weight * slope[0];

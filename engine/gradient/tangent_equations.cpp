@@ -10,6 +10,7 @@
 #include "engine/gradient/differences.h"
 #include "engine/gradient/row_rates.h"
 #include "engine/motion/projection.h"
+#include "engine/run/kinks.h"
 
 namespace lithe {
 
@@ -26,7 +27,7 @@ int velocities_of(const Layout::BodySlice& b) { return (b.frame ? 6 : 0) + b.lin
 }  // namespace
 
 TangentEquations::TangentEquations(const System& system, ParameterDerivative* parameters, ParameterTerms* terms)
-    : equations_(system), parameters_(parameters), terms_(terms) {}
+    : equations_(system), parameters_(parameters), terms_(terms), bends_(!find_kinks(system).empty()) {}
 
 TangentEquations::~TangentEquations() = default;
 
@@ -82,7 +83,7 @@ void TangentEquations::along(const Direction& direction, VectorX& force, VectorX
     all << force, rows, g_dot;
     return all;
   };
-  const VectorX all = bent_difference(h, equations_.contacts() ? kOrdersOfContacts : kOrdersOfKinks, at);
+  const VectorX all = bent_difference(h, bends_ ? 0 : kOrdersOfKinks, at);
   force = all.head(force.size());
   rows = all.segment(force.size(), rows.size());
   if (rates) *rates = all.tail(g_dot.size());

@@ -31,9 +31,9 @@ class StepRecord {
   virtual std::size_t bytes() const = 0;
 };
 
-/// A kink of a force law within a step: the step ended there, and the method started anew.
+/// A kink of a force law within a step: a part of it ended there, and the method started anew.
 struct PassedKink {
-  int number;                                // engine/run/kinks.h
+  int number;                                // engine/run/kinks.h; -1: the part ended on the way, without
   double stop, time;                         // s: that the step was to end at, and did
   std::shared_ptr<const StepRecord> record;  // of the part that led there
 };

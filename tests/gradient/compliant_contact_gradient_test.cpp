@@ -58,11 +58,11 @@ ParametricScene half_period(MakeIntegrator method) {
 /// z(T) = r - gap + v (T - π sqrt(m/k)).
 TEST(ContactGradients, OfTheHalfPeriodOfASpring) {
   const double m = 2, k = 8000, v = 1.5, T = 0.1, touch = M_PI * std::sqrt(m / k);
-  const std::vector<DesignParameter> numbers{{"stiffness", k}, {"mass", m}, {"speed", v}, {"gap", 0.0201}};
+  const std::vector<DesignParameter> numbers{{"stiffness", k}, {"mass", m}, {"speed", v}, {"gap", 0.0203}};
   // Relative, in units of the parameters' values.
   Eigen::RowVectorXd expected(4), scales(4);
-  scales << k, m, v, 0.0201;
-  expected << v * touch / 2, -v * touch / 2, v * (T - touch), -0.0201;
+  scales << k, m, v, 0.0203;
+  expected << v * touch / 2, -v * touch / 2, v * (T - touch), -0.0203;
   const auto off = [&](MakeIntegrator method, Mode mode) {
     const Gradient found = gradient(half_period(std::move(method)), {value_at("p_z", T)}, numbers, {.mode = mode});
     const double error = (found.derivatives.cwiseProduct(scales) - expected).lpNorm<Eigen::Infinity>() /
@@ -144,7 +144,7 @@ TEST(ContactGradients, OfARestitution) {
                  {.mode = mode});
     Eigen::RowVectorXd off = found.derivatives - expected;
     off[2] *= 1e6;
-    EXPECT_LE(off.lpNorm<Eigen::Infinity>(), 1e-4) << found.derivatives;
+    EXPECT_LE(off.lpNorm<Eigen::Infinity>(), 1e-6) << found.derivatives;
     if (std::getenv("LITHE_SHOW_ERRORS")) std::printf("restitution: off %.1e\n", off.lpNorm<Eigen::Infinity>());
   }
 }
@@ -174,7 +174,7 @@ const std::vector<DesignParameter> kLeaningNumbers{
     {"thickness", 0.01}, {"E", 7e10}, {"stiffness", 3e4}, {"friction", 0.4}};
 
 TEST(ContactGradients, GeneralizedAlphaOfARodThatTouches) {
-  expect_gradient(leaning_rod(exact_alpha(5e-4)), {value_at("tip_z", 0.05), value_at("tip_x", 0.04)}, kLeaningNumbers,
+  expect_gradient(leaning_rod(exact_alpha(5e-4)), {value_at("tip_z", 0.05), value_at("tip_z", 0.03)}, kLeaningNumbers,
                   2e-8);
 }
 TEST(ContactGradients, RungeKutta5OfARodThatTouches) {
