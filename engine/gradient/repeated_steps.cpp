@@ -53,6 +53,7 @@ void unstack(const MatrixX& all, Eigen::Index count, std::size_t history, Variat
 
 RepeatedSteps::RepeatedSteps(const DifferentiableSteps& method, const Drawing& nominal, ParameterDerivative& parameters)
     : evaluator_(nominal.system()),
+      forward_(!method.step_derivative()),
       nominal_{.evaluator = &evaluator_, .step = method.repeated_step(evaluator_), .weight = 0} {
   moved_.resize(static_cast<std::size_t>(parameters.count()));
   for (int k = 0; k < parameters.count(); ++k)
@@ -76,7 +77,7 @@ bool RepeatedSteps::take(Equations& equations, const State& from, MatrixX histor
   equations.evaluator->recall(from.contacts);
   const State& to = step_->to;
   start_ = from;
-  if (equations.evaluator->parts().forward_dynamics) {
+  if (forward_ && equations.evaluator->parts().forward_dynamics) {
     // It reads coordinates of joints, and refuses states off them. The start moved onto them is the same start: that
     // of the run moves along them with state and parameters.
     Projector projector(*equations.evaluator);

@@ -48,6 +48,7 @@ class RepeatedSteps {
   [[noreturn]] void refuse(const char* why) const;
 
   Evaluator evaluator_;
+  const bool forward_;  // the method may take forward dynamics, not its own equations of multipliers
   Equations nominal_;
   std::vector<std::vector<Equations>> moved_;  // of each parameter
   // Of the present step.

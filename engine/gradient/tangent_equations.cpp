@@ -83,7 +83,7 @@ void TangentEquations::along(const Direction& direction, VectorX& force, VectorX
     all << force, rows, g_dot;
     return all;
   };
-  const VectorX all = bent_difference(h, bends_ ? 0 : kOrdersOfKinks, at);
+  const VectorX all = bends_ ? bent_difference(h, at) : smooth_difference(h, at);
   force = all.head(force.size());
   rows = all.segment(force.size(), rows.size());
   if (rates) *rates = all.tail(g_dot.size());

@@ -77,7 +77,7 @@ TEST(AlphaEventGradients, AgreeForwardsAndBackwards) {
 /// be.
 TEST(AlphaEventGradients, OfStepsThatDoNotDivideTheDuration) {
   ParametricScene scene = redundant_loop();
-  scene.integrator = exact_alpha(3.1e-3);
+  scene.integrator = exact_alpha(7e-3);
   expect_gradient(scene, kAlphaEnd, kAlphaNumbers);
 }
 
