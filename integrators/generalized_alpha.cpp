@@ -48,7 +48,7 @@ std::string GeneralizedAlpha::name() const {
 void GeneralizedAlpha::prepare(EquationsOfMotion& equations, State& state) {
   const int nv = equations.layout().v_count(), rows = equations.layout().row_count();
   if (!resumes()) statistics_ = {}, steady_left_ = 0;
-  for (VectorX* x : {&a_, &v_, &v_dot_, &d_, &v_dot_last_, &jerk_, &delta_, &change_, &rv_, &magnitudes_})
+  for (VectorX* x : {&a_, &a_before_, &v_, &v_dot_, &d_, &v_dot_last_, &jerk_, &delta_, &change_, &rv_, &magnitudes_})
     x->setZero(nv);
   for (VectorX* x : {&lambda_, &rl_, &rl2_}) x->setZero(rows);
   restart(equations, state);
@@ -126,6 +126,7 @@ void GeneralizedAlpha::shift_velocity(EquationsOfMotion& equations, State& state
 void GeneralizedAlpha::change_step(EquationsOfMotion& equations, State& state, double h) {
   const double ratio = h / h_offset_;
   if (std::abs(ratio - 1) < 1e-9) return;
+  if (offset_before_ == 0) a_before_ = a_, offset_before_ = h_offset_;
   if (ratio > kLargestGrowth) {
     Projector(equations).accelerations(state.time, state.q, state.v, state.v_dot, state.lambda);
     return begin(equations, state, h);
@@ -340,6 +341,7 @@ StepResult GeneralizedAlpha::advance(EquationsOfMotion& equations, State& state,
   if (!(t_stop > state.time)) return {};
   const bool automatic = parameters_.step == 0;
   double h = natural_step(state, t_stop);
+  offset_before_ = 0;
   for (int attempt = 0;; ++attempt) {
     change_step(equations, state, h);
     const bool last = std::abs(state.time + h - t_stop) < 1e-9 * h;

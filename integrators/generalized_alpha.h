@@ -6,6 +6,16 @@
 
 namespace lithe {
 
+/// Of a step whose length differs from that of the step before: what the method carried until then.
+struct AlphaRecord final : StepRecord {
+  VectorX a;        // acceleration-like state
+  double h_offset;  // s, the step that its offset from v̇ belongs to
+
+  std::size_t bytes() const override {
+    return sizeof(AlphaRecord) + sizeof(double) * static_cast<std::size_t>(a.size());
+  }
+};
+
 /// Lie-group generalized-alpha for constrained mechanical systems (Chung & Hulbert 1993; Arnold, Brüls & Cardona 2007,
 /// 2012; docs/equations.md 8.1, 8.2). Second order, unconditionally stable, damps modes by the spectral radius.
 ///   (1 - am) a' + am a = (1 - af) v̇' + af v̇
@@ -40,8 +50,10 @@ class GeneralizedAlpha : public Integrator, public DifferentiableSteps {
   const IntegratorStatistics& statistics() const override { return statistics_; }
   bool approximates_accelerations() const override { return true; }  // as well as Newton has solved, times 1/h²
   double current_step() const { return h_; }
-  /// Of steps of one fixed length, index 3.
+  /// Of fixed steps, index 3.
   std::unique_ptr<StepDerivative> step_derivative() const override;
+  std::shared_ptr<const StepRecord> step_record() const override;
+  std::unique_ptr<RepeatedStep> repeated_step(EquationsOfMotion& equations) const override;
 
  protected:
   void prepare(EquationsOfMotion& equations, State& state) override;
@@ -58,6 +70,7 @@ class GeneralizedAlpha : public Integrator, public DifferentiableSteps {
 
  private:
   friend class GeneralizedAlphaDerivative;
+  friend class RepeatedAlpha;
   enum class Newton { converged, slow, failed };
   void begin(EquationsOfMotion& equations, State& state, double h);
   double first_step(const State& state) const;
@@ -81,6 +94,8 @@ class GeneralizedAlpha : public Integrator, public DifferentiableSteps {
   bool corrected_ = false;              // begin() has seen the jerk
   int steady_left_ = 0;                 // steps that begin with a steady prediction
   VectorX a_;                           // acceleration-like state
+  VectorX a_before_;                    // the same, and its h_offset_, before a step of another length
+  double offset_before_ = 0;            // 0: the last step was as long as the one before
   VectorX q_, v_, v_dot_, lambda_, d_;  // of the step being taken
   VectorX v_dot_last_, jerk_, delta_, change_, rl_, rl2_, rv_, magnitudes_;
 };

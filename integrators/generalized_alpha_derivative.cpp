@@ -7,8 +7,6 @@ namespace lithe {
 
 namespace {
 
-constexpr double kSameStep = 1e-7;  // times add up to this; what a change so small does is beyond round-off
-
 [[noreturn]] void give_up(const State& to) {
   throw SimulationError("the derivative of the step to t = " + std::to_string(to.time) + " s was not found to 1e-6",
                         "generalized-alpha, derivative of a step",
@@ -21,7 +19,8 @@ constexpr double kSameStep = 1e-7;  // times add up to this; what a change so sm
 ///   δa' = c ((1 - af) δv̇' + af δv̇ - am δa)
 ///   δd = h δv + h² ((½ - β) δa + β δa'),   δv' = δv + h ((1 - γ) δa + γ δa')
 ///   K δq' + D δv' + M δv̇' + Gᵀ δλ' + ∂r/∂p δp = 0,   G δq' + ∂g/∂p δp = 0
-/// λ is not carried on. In adjoint mode the same equations transposed.
+/// λ is not carried on. In adjoint mode the same equations transposed. Steps of another length than the one before, as
+/// events make them, scale what is carried (change_step()): these are taken again instead.
 class GeneralizedAlphaDerivative final : public StepDerivative {
  public:
   explicit GeneralizedAlphaDerivative(const GeneralizedAlpha& method) : method_(method) {}
@@ -34,12 +33,7 @@ class GeneralizedAlphaDerivative final : public StepDerivative {
 
   bool weighs_parameters() const override { return false; }
 
-  std::string refuse_step(const State& from, const State& to) const override {
-    const double wished = method_.parameters_.step, h = to.time - from.time;
-    if (std::abs(h - wished) <= kSameStep * wished) return "";
-    return "a step of " + step_text(h) + " instead of " + step_text(wished) +
-           ": cut by the end of the run, by an angle's turn or by Newton";
-  }
+  bool by_repetition(const TakenStep& step) const override { return step.record; }
 
   void tangent(LinearEquations& equations, const TakenStep& step, Variation& x) override {
     const State &from = step.from, &to = step.to;
@@ -231,9 +225,81 @@ class GeneralizedAlphaDerivative final : public StepDerivative {
   ChartMaps maps_;
 };
 
+/// To round-off.
+class RepeatedAlpha final : public RepeatedStep {
+ public:
+  RepeatedAlpha(const GeneralizedAlpha& method, EquationsOfMotion& equations)
+      : equations_(equations), method_(exact(method.parameters_), {method.am_, method.af_}) {}
+
+  MatrixX history(const State& from, const StepRecord* record) const override {
+    if (!record)
+      throw SimulationError("the step from t = " + std::to_string(from.time) + " s left no record",
+                            "generalized-alpha, derivative of a step", "give another step");
+    MatrixX vectors(from.v.size(), 2);
+    vectors << from.v_dot, static_cast<const AlphaRecord*>(record)->a;
+    return vectors;
+  }
+
+  void take(const State& from, const StepRecord* record, MatrixX& history, State& to) override {
+    start_ = from;
+    if (method_.a_.size() == 0) {
+      method_.start(equations_, start_);
+      start_ = from;
+    }
+    start_.v_dot = history.col(0);
+    method_.a_ = history.col(1);
+    if (record && !restarted_) method_.h_offset_ = static_cast<const AlphaRecord*>(record)->h_offset;
+    restarted_ = false;
+    method_.steady_left_ = 0;
+    const double h = to.time - from.time;
+    method_.change_step(equations_, start_, h);
+    if (method_.take(equations_, start_, to.time, h) != GeneralizedAlpha::Newton::converged)
+      throw SimulationError("the step to t = " + std::to_string(to.time) + " s cannot be taken again nearby",
+                            "generalized-alpha, derivative of a step", "look for what is not smooth there");
+    to.q = method_.q_;
+    to.v = method_.v_;
+    history.col(1) = ((1 - method_.af_) * method_.v_dot_ + method_.af_ * start_.v_dot - method_.am_ * method_.a_) /
+                     (1 - method_.am_);
+    history.col(0) = method_.v_dot_;
+    to.contacts = from.contacts;
+    equations_.memory().track_contacts(to);
+  }
+
+  void restart(State& state, MatrixX& history) override {
+    method_.start(equations_, state);
+    history.col(0) = state.v_dot;
+    history.col(1) = method_.a_;
+    restarted_ = true;
+  }
+
+ private:
+  static GeneralizedAlpha::Parameters exact(GeneralizedAlpha::Parameters parameters) {
+    parameters.newton_tolerance = 1e-15;
+    return parameters;
+  }
+
+  EquationsOfMotion& equations_;
+  GeneralizedAlpha method_;
+  State start_;
+  bool restarted_ = false;
+};
+
 std::unique_ptr<StepDerivative> GeneralizedAlpha::step_derivative() const {
   if (parameters_.form != Form::index3 || !(parameters_.step > 0)) return nullptr;
   return std::make_unique<GeneralizedAlphaDerivative>(*this);
+}
+
+std::shared_ptr<const StepRecord> GeneralizedAlpha::step_record() const {
+  if (offset_before_ == 0) return nullptr;
+  auto record = std::make_shared<AlphaRecord>();
+  record->a = a_before_;
+  record->h_offset = offset_before_;
+  return record;
+}
+
+std::unique_ptr<RepeatedStep> GeneralizedAlpha::repeated_step(EquationsOfMotion& equations) const {
+  if (parameters_.form != Form::index3 || !(parameters_.step > 0)) return nullptr;
+  return std::make_unique<RepeatedAlpha>(*this, equations);
 }
 
 }  // namespace lithe

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/motion/integrator.h"
+#include "engine/motion/step_derivative.h"
 #include "integrators/contact_impulses.h"
 #include "integrators/joint_friction_impulses.h"
 
@@ -15,7 +16,7 @@ namespace lithe {
 /// step. A step ends early where few rigid bodies meet, so that their impact is at its end. Order 2 between impacts,
 /// for bodies that turn while they are held too, and over impacts, but for those of many that share bodies within one
 /// step. Stable for stiff springs and modes at any step; it does not damp.
-class MoreauJean final : public Integrator {
+class MoreauJean final : public Integrator, public DifferentiableSteps {
  public:
   struct Parameters {
     double step = 0;  // s; must be given
@@ -30,6 +31,11 @@ class MoreauJean final : public Integrator {
   bool handles_rigid_contacts() const override { return true; }
   bool follows_equations() const override { return false; }  // lambda: of the step's impulses
   const ContactImpulses& impulses() const { return impulses_; }
+  /// Of steps with the same points open, sticking and sliding. Steps that end early at an impact count with the rest of
+  /// theirs as one.
+  std::unique_ptr<RepeatedStep> repeated_step(EquationsOfMotion& equations) const override;
+  std::string refuse_repetition(EquationsOfMotion& equations) const override;
+  bool within_step(const State& state) const override;
 
  protected:
   void prepare(EquationsOfMotion& equations, State& state) override;
@@ -37,6 +43,7 @@ class MoreauJean final : public Integrator {
   bool keep(Archive& archive, EquationsOfMotion& equations, const State& state) override;
 
  private:
+  friend class RepeatedMoreauJean;
   void correct(EquationsOfMotion& equations, const State& state, double h);
   void close_joints(EquationsOfMotion& equations, double time);
 

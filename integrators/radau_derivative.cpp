@@ -13,7 +13,7 @@ class RepeatedRadau final : public RepeatedStep {
 
   /// To round-off, from constant accelerations instead of the last step's polynomial; then once more from there, so
   /// that positions are corrected along rows of the step itself.
-  void take(const State& from, State& to) override {
+  void take(const State& from, const StepRecord* /*record*/, MatrixX& /*history*/, State& to) override {
     constexpr double kSolved = 1e-15;  // m, rad
     start_ = from;
     start_.v_dot.setZero(from.v.size());
@@ -31,6 +31,8 @@ class RepeatedRadau final : public RepeatedStep {
     to.q.resize(from.q.size());
     equations_.layout().retract(from.q, stages_.increment(), to.q);
     to.v = stages_.velocity();
+    to.contacts = from.contacts;
+    equations_.memory().track_contacts(to);
   }
 
  private:

@@ -11,18 +11,22 @@ constexpr double kSolved = 1e-14;  // of what is wanted
 
 class RepeatedRungeKutta final : public RepeatedStep {
  public:
-  RepeatedRungeKutta(const RungeKuttaTableau& tableau, EquationsOfMotion& equations) : step_(tableau, equations) {}
+  RepeatedRungeKutta(const RungeKuttaTableau& tableau, EquationsOfMotion& equations)
+      : equations_(equations), step_(tableau, equations) {}
 
-  void take(const State& from, State& to) override {
+  void take(const State& from, const StepRecord* /*record*/, MatrixX& /*history*/, State& to) override {
     start_ = from;
     step_.accelerations(start_);
     if (step_.attempt(start_, to.time - from.time, to.time) != RungeKuttaStep::Outcome::taken)
       throw SimulationError("the step to t = " + std::to_string(to.time) + " s cannot be taken again nearby",
                             "explicit Runge-Kutta, derivative of a step", "look for what is not smooth there");
     step_.finish(to, Multipliers::later);
+    to.contacts = from.contacts;
+    equations_.memory().track_contacts(to);
   }
 
  private:
+  EquationsOfMotion& equations_;
   RungeKuttaStep step_;
   State start_;
 };

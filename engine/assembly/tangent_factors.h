@@ -31,9 +31,8 @@ class TangentFactors final : public ComplexFactor {
                          const VectorX* increment) override;
   void solve_complex(ComplexVectorRef rv, ComplexVectorRef rl) const override;
 
-  // ---- what derivatives of a run take: tangents and their transposes, without contacts and without friction by
-  // reactions (SceneError) ----
-  /// The blocks of S, the weighted derivative of the residual, for add_tangent_product().
+  // ---- what derivatives of a run take: tangents and their transposes, without friction by reactions (SceneError) ----
+  /// The blocks of S, the weighted derivative of the residual, for add_tangent_product(); without contacts.
   void form_tangent(const TangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
                     const VectorX* increment);
   /// out += S x or Sᵀ x, compliant rows eliminated, with the blocks formed last.
@@ -43,10 +42,11 @@ class TangentFactors final : public ComplexFactor {
   /// The same with blocks that were formed before: formed() as it was then.
   void add_tangent_product(const std::vector<double>& blocks, const VectorX& x, VectorX& out, bool transposed) const;
   const std::vector<double>& formed() const { return work_.values; }
-  /// Factorises [Sᵀ Gᵀ; G 0] instead of [S Gᵀ; G 0], for solve(). The blocks formed last are then those of Sᵀ.
+  /// Factorises [Sᵀ Gᵀ; G 0] instead of [S Gᵀ; G 0], for solve(), with contacts. The blocks formed last are then those
+  /// of Sᵀ.
   void factorize_transposed(const TangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
                             const VectorX* increment);
-  /// The same of blocks that were formed before.
+  /// The same of blocks that were formed before, without contacts.
   void factorize_transposed(const std::vector<double>& blocks);
   /// The same at complex weights, for solve_complex(); corrections are turns of the present state.
   void factorize_complex_transposed(const ComplexTangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda);

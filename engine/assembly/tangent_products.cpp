@@ -26,9 +26,9 @@ void transpose_blocks(const BlockStructure& blocks, Scalar* values) {
 
 void TangentFactors::form_tangent(const TangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
                                   const VectorX* increment) {
-  if (contacts_ || evaluator_.reacts())
-    throw SceneError("the tangent of a scene with contacts or friction by reactions has no transpose here",
-                     "TangentFactors::form_tangent", "leave these out, or take differences of whole runs");
+  if (evaluator_.reacts())
+    throw SceneError("the tangent of a scene with friction by reactions has no transpose here",
+                     "TangentFactors::form_tangent", "leave it out, or take differences of whole runs");
   evaluator_.write_tangent(weights, v_dot, lambda, increment);
 }
 
@@ -36,11 +36,17 @@ void TangentFactors::factorize_transposed(const TangentWeights& weights, ConstVe
                                           const VectorX* increment) {
   form_tangent(weights, v_dot, lambda, increment);
   factorize_transposed(work_.values);
+  if (!contacts_) return;
+  contacts_->form(weights, increment);
+  contact_correction_->form(
+      *contacts_, weights.position, weights.velocity, unknown_count(), [&](double* x) { factor_.solve(x); },
+      /*transposed=*/true);
 }
 
 void TangentFactors::factorize_transposed(const std::vector<double>& formed) {
   if (&formed != &work_.values) work_.values = formed;
   transpose_blocks(blocks_, work_.values.data());
+  if (contact_correction_) contact_correction_->clear();
   factor_.factorize(work_.values);
   if (!factor_.weak_rows().empty()) exchange_weak_rows();
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <vector>
 
 #include "engine/contact/contact_forces.h"
@@ -16,12 +17,20 @@ class ContactCorrection {
   using Vector = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
   using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
 
-  /// `solve(x)`: x := K₀⁻¹ x, `unknowns` long, velocities first.
+  /// `solve(x)`: x := K₀⁻¹ x, `unknowns` long, velocities first. Transposed: of K₀ᵀ + H'ᵀ Dᵀ H, with solve of K₀ᵀ.
   template <class Solve>
-  void form(const ContactForces& forces, Scalar position, Scalar velocity, int unknowns, Solve&& solve) {
+  void form(const ContactForces& forces, Scalar position, Scalar velocity, int unknowns, Solve&& solve,
+            bool transposed = false) {
     // Newton keeps a factor over evaluations that find other points: these are its own.
     rows_ = forces.rows();
     right_ = forces.right();
+    if (transposed)
+      for (const ContactRows::Row& row : rows_.points())
+        for (const ContactRows::Side& side : row.sides)
+          std::copy_n(rows_.values(side), row.rows * side.count, right_.begin() + side.H);
+    const auto left = [&](const ContactRows::Side& side) {
+      return transposed ? forces.right().data() + side.H : rows_.values(side);
+    };
     const int m = forces.stiff_rows();
     active_ = m > 0;
     if (!active_) return;
@@ -31,8 +40,7 @@ class ContactCorrection {
     for (const ContactRows::Row& row : rows.points())
       for (const ContactRows::Side& side : row.sides)
         for (int c = 0; c < side.count; ++c)
-          for (int i = 0; i < row.rows; ++i)
-            Z_(side.velocity + c, row.first + i) += rows.values(side)[i + row.rows * c];
+          for (int i = 0; i < row.rows; ++i) Z_(side.velocity + c, row.first + i) += left(side)[i + row.rows * c];
     for (int k = 0; k < m; ++k) solve(Z_.col(k).data());
     // 2. D, and E + D W.
     D_.setZero(m, m);
@@ -40,7 +48,7 @@ class ContactCorrection {
     for (const ContactRows::Row& row : rows.points())
       for (int c = 0; c < row.rows; ++c)
         for (int i = 0; i < row.rows; ++i, ++at)
-          D_(row.first + i, row.first + c) =
+          (transposed ? D_(row.first + c, row.first + i) : D_(row.first + i, row.first + c)) =
               -(position * forces.by_position()[at] + velocity * forces.by_velocity()[at]);
     small_.resize(m, m);
     y_.resize(m);

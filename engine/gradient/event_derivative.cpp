@@ -6,6 +6,7 @@
 #include "engine/gradient/parameter_derivative.h"
 #include "engine/gradient/sensor_derivative.h"
 #include "engine/motion/projection.h"
+#include "engine/motion/step_derivative.h"
 
 namespace lithe {
 
@@ -62,9 +63,10 @@ VectorX EventDerivative::rate(const State& state) {
 
 EventDerivative::Jump EventDerivative::at(int number, const State& before, const State& after) {
   constexpr double kGrazing = 1e-6;  // of what the function's terms come to
-  const ParametricEvent& event = scene_.events[static_cast<std::size_t>(number)];
   const Layout& layout = drawing_.system().layout();
   const Eigen::Index n = layout.v_count(), count = static_cast<Eigen::Index>(parameters_.size());
+  Jump jump{MatrixX::Identity(2 * n, 2 * n), MatrixX::Zero(2 * n, count), VectorX::Zero(2 * n), VectorX::Zero(count)};
+  const ParametricEvent& event = scene_.events[static_cast<std::size_t>(number)];
   const Drawing::Place place = drawing_.find(event.column);
   const auto moved = [&](double time, const VectorX& turn, const VectorX& velocity) {
     State state = before;
@@ -75,9 +77,11 @@ EventDerivative::Jump EventDerivative::at(int number, const State& before, const
   };
   // 1. The function, and its rate along the motion.
   SensorDerivative function(drawing_, place, {before, after});
+  State behind_event = before;
+  apply_event(event, drawing_, equations_, behind_event);
   VectorX of_state = VectorX::Zero(2 * n);
   function.add(before, 1, of_state.head(n), of_state.tail(n));
-  const VectorX ahead = rate(before), behind = rate(after);
+  const VectorX ahead = rate(before), behind = rate(behind_event);
   const double h = kDirectionStep / (1 + largest_entry(ahead));
   double slope = 0;
   for (const Offset& offset : kOffsets) {
@@ -92,11 +96,10 @@ EventDerivative::Jump EventDerivative::at(int number, const State& before, const
   const auto reach = [&](const Drawing& drawing, Evaluator& equations, State state) {
     apply_event(event, drawing, equations, state);
     VectorX to(2 * n);
-    layout.difference(after.q, state.q, to.head(n));
-    to.tail(n) = state.v - after.v;
+    layout.difference(behind_event.q, state.q, to.head(n));
+    to.tail(n) = state.v - behind_event.v;
     return to;
   };
-  Jump jump{MatrixX::Identity(2 * n, 2 * n), MatrixX::Zero(2 * n, count), {}, VectorX::Zero(count)};
   VectorX by_time = VectorX::Zero(2 * n);
   if (event.change) {
     const double of_v = 1 + largest_entry(before.v);
@@ -123,7 +126,45 @@ EventDerivative::Jump EventDerivative::at(int number, const State& before, const
   const VectorX shift = jump.by_state * ahead + by_time - behind;
   jump.by_state += shift * jump.time_by_state.transpose();
   jump.by_parameters += shift * jump.time_by_parameters.transpose();
+  add_start(behind_event, jump);
   return jump;
+}
+
+/// A method may move velocities as it starts (the shift of index 3), and carry what it finds there.
+void EventDerivative::add_start(const State& behind, Jump& jump) {
+  const Layout& layout = drawing_.system().layout();
+  const Eigen::Index n = layout.v_count();
+  const auto start = [&](Evaluator& equations, State state) -> VectorX {
+    const auto method = scene_.integrator();
+    method->start(equations, state);
+    const auto derivative = dynamic_cast<const DifferentiableSteps&>(*method).step_derivative();
+    const MatrixX history = derivative ? derivative->history(state) : MatrixX(n, 0);
+    VectorX all((2 + history.cols()) * n);
+    layout.difference(behind.q, state.q, all.head(n));
+    all.segment(n, n) = state.v;
+    all.tail(history.size()) = history.reshaped();
+    return all;
+  };
+  const VectorX as_run = start(equations_, behind);
+  if (as_run.size() == 2 * n) return;
+  MatrixX by_state = MatrixX::Zero(as_run.size(), 2 * n),
+          by_parameters = MatrixX::Zero(as_run.size(), jump.by_parameters.cols());
+  const double of_v = 1 + largest_entry(behind.v);
+  State near = behind;
+  for (Eigen::Index i = 0; i < 2 * n; ++i)
+    for (const Offset& offset : kOffsets) {
+      const double step = kDirectionStep * (i < n ? 1 : of_v);
+      const VectorX moved = offset.steps * step * VectorX::Unit(2 * n, i);
+      layout.retract(behind.q, moved.head(n), near.q);
+      near.v = behind.v + moved.tail(n);
+      by_state.col(i) += offset.weight / step * (start(equations_, near) - as_run);
+    }
+  for (int k = 0; k < by_parameters.cols(); ++k)
+    visit(k, [&](MovedDrawing& drawn, double weight) {
+      by_parameters.col(k) += weight * (start(drawn.equations, behind) - as_run);
+    });
+  jump.by_parameters = (by_state * jump.by_parameters + by_parameters).eval();
+  jump.by_state = (by_state * jump.by_state).eval();
 }
 
 }  // namespace lithe

@@ -5,23 +5,31 @@
 
 #include "engine/assembly/evaluator.h"
 #include "engine/gradient/differences.h"
+#include "engine/run/kinks.h"
 
 namespace lithe {
 
-EventLanding::EventLanding(const ParametricScene& scene, const Drawing& drawing, Integrator& integrator,
+EventLanding::EventLanding(const ParametricScene& scene, const Drawing& drawing, bool at_kinks, Integrator& integrator,
                            Evaluator& equations, const State& state)
-    : scene_(scene),
-      layout_(drawing.system().layout()),
+    : layout_(drawing.system().layout()),
       integrator_(integrator),
       equations_(equations),
       finder_(drawing.system()),
       now_(drawing.system()) {
+  const auto add = [&](const std::string& name, EventFunction function, double level, Event::Direction direction) {
+    functions_.push_back(function);
+    levels_.push_back(level);
+    finder_.add(name, std::move(function), level, direction);
+  };
   for (const ParametricEvent& event : scene.events) {
     const Drawing::Place place = drawing.find(event.column);
-    functions_.push_back(watch(drawing.sensor(place.sensor), place.column));
-    finder_.add(event.name, functions_.back(), event.level, event.direction);
+    add(event.name, watch(drawing.sensor(place.sensor), place.column), event.level, event.direction);
   }
-  finder_.start(integrator, state);
+  events_ = static_cast<int>(functions_.size());
+  if (at_kinks)
+    for (const Kink& kink : find_kinks(drawing.system()))
+      add(kink.name, kink.function, kink.level, Event::Direction::both);
+  if (!empty()) finder_.start(integrator, state);
 }
 
 void EventLanding::remember(State state) {
@@ -87,7 +95,7 @@ double EventLanding::by_newton(const State& state) {
 
 double EventLanding::value(const State& state) {
   now_.evaluate(state, Accelerations::solved);
-  return functions_[static_cast<std::size_t>(number_)](now_) - scene_.events[static_cast<std::size_t>(number_)].level;
+  return functions_[static_cast<std::size_t>(number_)](now_) - levels_[static_cast<std::size_t>(number_)];
 }
 
 }  // namespace lithe

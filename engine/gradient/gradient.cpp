@@ -46,10 +46,13 @@ class RunGradient {
     for (const Quantity& q : quantities_) column_of_.push_back(columns_.add(q.column, drawing));
     run(options.memory);
     const auto count = static_cast<int>(parameters.size());
+    touches_ = !drawing.system().contacts().empty();
+    repeats_backwards_ = !run_->derivative() && (touches_ || run_->passes_kinks());
     const std::string no_adjoint = why_no_adjoint();
     mode_ = options.mode;
     if (mode_ == Mode::automatic)
-      mode_ = count <= std::max<int>(kForwards, static_cast<int>(quantities_.size())) || !no_adjoint.empty()
+      mode_ = count <= std::max<int>(kForwards, static_cast<int>(quantities_.size())) || !no_adjoint.empty() ||
+                      repeats_backwards_
                   ? Mode::tangent
                   : Mode::adjoint;
     if (mode_ == Mode::adjoint && !no_adjoint.empty())
@@ -57,6 +60,7 @@ class RunGradient {
     find_parameters(parameters);
     equations_ = std::make_unique<TangentEquations>(drawing.system(), parameters_.get(), terms_.get());
     for (const Drawing::Place& place : columns_.places) sensors_.emplace_back(drawing, place, run_->probes());
+    refuse_contact_loads();
   }
 
   void find(VectorX& values, MatrixX& derivatives) {
@@ -76,21 +80,44 @@ class RunGradient {
 
  private:
   std::string why_no_adjoint() const {
-    const auto adjoint = run_->method().step_adjoint();
-    if (!adjoint) return "the steps of " + run_->method_name() + " have no adjoint yet";
+    if (!run_->method().step_adjoint())
+      return "the steps of " + run_->method_name() +
+             " have no adjoint: in directions that contacts block a step has no derivative; forwards there are none";
+    if (repeats_backwards_) return "";
     Evaluator equations(drawing_.system());
     if (!equations.velocity_rows().empty() || equations.reacts())
       return "rows on velocities alone (rolling) and friction by reactions have no adjoint yet";
-    return adjoint->refuse(equations);
+    return run_->method().step_adjoint()->refuse(equations);
+  }
+
+  /// Whether the derivative of a step is found by taking it again.
+  bool repeats(const TakenStep& step) const {
+    if (step.kinks && !step.kinks->empty()) return true;
+    return run_->derivative() ? run_->derivative()->by_repetition(step) : mode_ == Mode::tangent || repeats_backwards_;
+  }
+
+  /// The loads of rigid contacts are those of a step, and no function of the state.
+  void refuse_contact_loads() {
+    if (run_->derivative() || !Evaluator(drawing_.system()).parts().rigid_contacts) return;
+    for (std::size_t c = 0; c < sensors_.size(); ++c)
+      for (State state : run_->touching()) {
+        const double value = sensors_[c].value(state);
+        for (ContactTrace& trace : state.contacts) trace.force *= 1.5, trace.moment *= 1.5;
+        if (sensors_[c].value(state) != value)
+          throw SceneError(
+              "'" + columns_.names[c] + "' reads what contacts between rigid surfaces do, which has no derivative",
+              "the gradient of scene '" + scene_.name + "'", "ask for positions and velocities");
+      }
   }
 
   /// Very many parameters by the terms that they act on, where these can be told apart.
   void find_parameters(const std::vector<DesignParameter>& parameters) {
     const auto& places = columns_.places;
-    const bool many = parameters.size() > kFewParameters, repeated = !run_->derivative();
-    const bool weighed = mode_ == Mode::adjoint && run_->method().step_adjoint()->weighs_parameters();
+    const bool many = parameters.size() > kFewParameters;
+    const bool apart = run_->derivative() ? run_->repeats() || touches_ : mode_ == Mode::tangent || repeats_backwards_;
+    const bool weighed = !apart && mode_ == Mode::adjoint && run_->method().step_adjoint()->weighs_parameters();
     std::string why;
-    if (mode_ == Mode::adjoint && (many || weighed))
+    if (!apart && mode_ == Mode::adjoint && (many || weighed))
       terms_ = ParameterTerms::find(scene_, parameters, drawing_, run_->probes(), places, many, why);
     if (weighed && !terms_)
       throw SceneError(why, "the gradient of scene '" + scene_.name + "'",
@@ -98,7 +125,8 @@ class RunGradient {
     if (terms_ && many) return;
     parameters_ = std::make_unique<ParameterDerivative>(
         scene_, parameters, drawing_, run_->probes(), places,
-        repeated ? ParameterDerivative::Grouping::apart : ParameterDerivative::Grouping::by_rows);
+        apart ? ParameterDerivative::Grouping::apart : ParameterDerivative::Grouping::by_rows);
+    if (apart) repeated_ = std::make_unique<RepeatedSteps>(run_->method(), drawing_, *parameters_);
   }
   int parameter_count() const { return terms_ ? terms_->count() : parameters_->count(); }
 
@@ -161,13 +189,12 @@ class RunGradient {
   }
 
   static TakenStep step(const std::vector<RecordedRun::Taken>& states, std::size_t i) {
-    return {states[i - 1].state, states[i].state, states[i].record.get()};
+    return {states[i - 1].state, states[i].state, states[i].record.get(), &states[i].kinks};
   }
 
   void forwards(VectorX& values, MatrixX& derivatives) {
     Variation x = parameters_->start();
-    std::unique_ptr<RepeatedSteps> repeated;
-    if (!run_->derivative()) repeated = std::make_unique<RepeatedSteps>(run_->method(), drawing_, *parameters_);
+    const Eigen::Index n = x.turn.rows();
     const auto read = [&](int quantity, double weight, const VectorX& turn, const VectorX& velocity) {
       derivatives.row(quantity) += weight * (turn.transpose() * x.turn + velocity.transpose() * x.velocity);
     };
@@ -178,17 +205,17 @@ class RunGradient {
       for (std::size_t i = 1; i < states.size(); ++i) {
         if (const int event = run_->event_before(first + static_cast<long>(i)); event >= 0) {
           const EventDerivative::Jump jump = events_.at(event, states[i - 1].state, states[i].state);
-          MatrixX change(2 * x.turn.rows(), x.turn.cols());
-          change << x.turn, x.velocity;
+          MatrixX change = stacked(x).topRows(2 * n);
           const Eigen::RowVectorXd time = jump.time_by_state.transpose() * change + jump.time_by_parameters.transpose();
           at_jump(states[i - 1].state, states[i].state,
                   [&](int quantity, double weight) { derivatives.row(quantity) += weight * time; });
-          change = (jump.by_state * change + jump.by_parameters).eval();
-          x.turn = change.topRows(x.turn.rows()), x.velocity = change.bottomRows(x.turn.rows());
-        } else if (repeated)
-          repeated->tangent(states[i - 1].state, states[i].state, x);
+          MatrixX behind(jump.by_state.rows() + x.memory.rows(), change.cols());
+          behind << jump.by_state * change + jump.by_parameters, x.memory;
+          unstack(behind, n, x.history.size(), x);
+        } else if (const TakenStep taken = step(states, i); repeats(taken))
+          repeated_->tangent(taken, x);
         else
-          run_->derivative()->tangent(*equations_, step(states, i), x);
+          run_->derivative()->tangent(*equations_, taken, x);
         at_step(first + static_cast<long>(i), states[i].state, values, derivatives, read);
       }
     }
@@ -204,7 +231,8 @@ class RunGradient {
     const auto& method = dynamic_cast<const DifferentiableSteps&>(*integrator);
     const auto adjoint = method.step_adjoint();
     const auto derivative = method.step_derivative();
-    Variation x{MatrixX::Zero(velocities, count), MatrixX::Zero(velocities, count), {}};
+    const MatrixX none = MatrixX::Zero(velocities, count);
+    Variation x{none, none, {}, MatrixX::Zero(run_->memory_at_end(), count)};
     if (derivative)
       x.history.assign(static_cast<std::size_t>(derivative->history(start).cols()), MatrixX::Zero(velocities, count));
     MatrixX within = MatrixX::Zero(parameter_count(), count);
@@ -219,8 +247,7 @@ class RunGradient {
         at_step(first + static_cast<long>(i), states[i].state, values, derivatives, read);
         if (const int event = run_->event_before(first + static_cast<long>(i)); event >= 0) {
           const EventDerivative::Jump jump = events_.at(event, states[i - 1].state, states[i].state);
-          MatrixX wanted(2 * x.turn.rows(), count);
-          wanted << x.turn, x.velocity;
+          MatrixX wanted = stacked(x).topRows(jump.by_state.rows());
           within += jump.by_parameters.transpose() * wanted;
           wanted = (jump.by_state.transpose() * wanted).eval();
           at_jump(states[i - 1].state, states[i].state, [&](int quantity, double weight) {
@@ -228,9 +255,11 @@ class RunGradient {
             wanted.col(quantity) += weight * jump.time_by_state;
           });
           x.turn = wanted.topRows(velocities), x.velocity = wanted.bottomRows(velocities);
-          continue;
-        }
-        adjoint->adjoint(*equations_, step(states, i), x, within);
+          for (MatrixX& carried : x.history) carried.setZero();  // the method starts anew
+        } else if (const TakenStep taken = step(states, i); repeats(taken))
+          repeated_->adjoint(taken, x, within);
+        else
+          adjoint->adjoint(*equations_, taken, x, within);
       }
       if (s == 0) at_step(0, states[0].state, values, derivatives, read);
     }
@@ -241,7 +270,8 @@ class RunGradient {
       return;
     }
     const Variation& start_by = parameters_->start();
-    derivatives += within.transpose() + x.turn.transpose() * start_by.turn + x.velocity.transpose() * start_by.velocity;
+    derivatives += within.transpose() + x.turn.transpose() * start_by.turn +
+                   x.velocity.transpose() * start_by.velocity + x.memory.transpose() * start_by.memory;
     for (std::size_t i = 0; i < x.history.size(); ++i) derivatives += x.history[i].transpose() * start_by.history[i];
   }
 
@@ -277,9 +307,12 @@ class RunGradient {
   std::map<long, std::vector<Share>> weights_;       // by step
   std::unique_ptr<ParameterDerivative> parameters_;  // null: terms_ has all
   std::unique_ptr<ParameterTerms> terms_;
+  std::unique_ptr<RepeatedSteps> repeated_;  // null: no step is taken again
   std::unique_ptr<TangentEquations> equations_;
   std::deque<SensorDerivative> sensors_;
   Mode mode_{};
+  bool touches_ = false;            // there are contacts
+  bool repeats_backwards_ = false;  // all steps, whose own adjoint has no contacts and no kinks
 };
 
 /// Derivatives of quantities at rest.

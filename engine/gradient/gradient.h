@@ -63,14 +63,15 @@ struct Gradient {
 };
 
 /// Derivatives of what a scene comes to by its parameters: of the very steps that the scene's integrator takes
-/// (GeneralizedAlpha with a fixed step, index 3; ExplicitRungeKutta, Radau, LieBdf, these through events too; with
-/// redundant rows, drives, flexible bodies, beams), not of the motion that they approximate; and of equilibria and
-/// frequencies. The run itself keeps its bits.
+/// (GeneralizedAlpha with fixed steps, index 3; ExplicitRungeKutta, Radau, LieBdf; through events; with redundant rows,
+/// drives, flexible bodies, beams; with compliant contacts but for LieBdf; of MoreauJean with contacts between rigid
+/// surfaces), not of the motion that they approximate; and of equilibria and frequencies. The run itself keeps its
+/// bits.
 ///   Tangents of the elements are taken where they are exact, and are differenced where they are not; parameters act
 /// through drawings at value ± step (engine/gradient/README.md tells how well, and why so).
-/// Throws SceneError for what cannot be differentiated, by name: another integrator, contacts, a maximum that is
-/// reached twice or at an event, in adjoint mode rolling and friction by reactions; SimulationError where the run fails
-/// or is not smooth.
+/// Throws SceneError for what cannot be differentiated, by name: another integrator, contacts beyond these, a maximum
+/// that is reached twice or at an event, in adjoint mode rolling and friction by reactions; SimulationError where the
+/// run fails or is not smooth, such as where contacts are about to change.
 Gradient gradient(const ParametricScene& scene, const std::vector<Quantity>& quantities,
                   std::vector<DesignParameter> parameters, const GradientOptions& options = {});
 

@@ -6,6 +6,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/log.h"
+#include "engine/gradient/contact_numbers.h"
 #include "engine/gradient/differences.h"
 
 namespace lithe {
@@ -88,7 +89,8 @@ ParameterDerivative::ParameterDerivative(const ParametricScene& scene, std::vect
     for (VectorX* x : {&state.v, &state.v_dot, &state.lambda})
       *x += 0.3 * (1 + largest_entry(*x)) * random_vector(random, x->size());
   }
-  const bool few = grouping == Grouping::apart || count() <= kFew;
+  const bool touches = !nominal.system().contacts().empty();  // which parameters contacts know the probes may not show
+  const bool few = grouping == Grouping::apart || count() <= kFew || touches;
   Moved as_drawn(scene, parameters_);
   for (const State& state : probes_) as_drawn.residual(state, nominal_rows_.emplace_back());
 
@@ -100,7 +102,7 @@ ParameterDerivative::ParameterDerivative(const ParametricScene& scene, std::vect
     difference_start(k, drawings);
     check_smooth(k, drawings);
     const bool seen = is_seen(*drawings.front());
-    bool linear = !seen;
+    bool linear = !seen && !touches;
     for (std::size_t i = 0; linear && i < probes_.size(); ++i) {
       std::array<VectorX, 4> r;
       for (int j = 0; j < 4; ++j) drawings[static_cast<std::size_t>(j)]->residual(probes_[i], r[j]);
@@ -150,7 +152,7 @@ void ParameterDerivative::difference_start(int k, const std::vector<std::unique_
   const double h = parameters_[static_cast<std::size_t>(k)].step;
   VectorX turn = VectorX::Zero(layout.v_count()), velocity = turn, d(layout.v_count());
   MatrixX history, first_carried;
-  VectorX first_v;
+  VectorX first_v, memory, first_memory;
   for (std::size_t i = 0; i < drawings.size(); ++i) {
     State state = drawings[i]->drawing.system().initial_state();
     MatrixX carried;
@@ -163,7 +165,17 @@ void ParameterDerivative::difference_start(int k, const std::vector<std::unique_
     const double weight = kOffsets[i].weight / h;
     layout.difference(base.q, state.q, d);
     turn += weight * d;
-    if (i == 0) first_v = state.v, first_carried = carried, history.setZero(carried.rows(), carried.cols());
+    const VectorX remembered = contact_numbers(state.contacts);
+    if (i == 0) {
+      first_v = state.v, first_carried = carried, first_memory = remembered;
+      history.setZero(carried.rows(), carried.cols());
+      memory.setZero(remembered.size());
+    }
+    if (remembered.size() != first_memory.size())
+      throw SceneError("contacts that touch at the start do not with the parameter '" +
+                           parameters_[static_cast<std::size_t>(k)].name + "' moved",
+                       "scene '" + scene_.name + "'", "start with some overlap, or apart");
+    memory += weight * (remembered - first_memory);
     velocity += weight * (state.v - first_v);  // the weights add up to zero
     history += weight * (carried - first_carried);
   }
@@ -171,7 +183,9 @@ void ParameterDerivative::difference_start(int k, const std::vector<std::unique_
     start_.turn.setZero(layout.v_count(), count());
     start_.velocity = start_.turn;
     start_.history.assign(static_cast<std::size_t>(history.cols()), start_.turn);
+    start_.memory.setZero(memory.size(), count());
   }
+  start_.memory.col(k) = memory;
   start_.turn.col(k) = turn;
   start_.velocity.col(k) = velocity;
   for (std::size_t i = 0; i < start_.history.size(); ++i)

@@ -4,6 +4,7 @@
 
 #include "engine/base/error.h"
 #include "engine/gradient/differences.h"
+#include "engine/run/kinks.h"
 
 namespace lithe {
 
@@ -12,7 +13,7 @@ constexpr double kProbe = 1e-3;  // m, rad, to see on what a sensor depends
 }  // namespace
 
 SensorDerivative::SensorDerivative(const Drawing& drawing, Drawing::Place place, const std::vector<State>& probes)
-    : drawing_(drawing), place_(place), snapshot_(drawing.system()) {
+    : drawing_(drawing), place_(place), snapshot_(drawing.system()), bends_(!find_kinks(drawing.system()).empty()) {
   const Layout& layout = drawing.system().layout();
   for (const Layout::BodySlice& b : layout.bodies()) {
     const int count = (b.frame ? 6 : 0) + b.linear;
@@ -49,19 +50,19 @@ void SensorDerivative::add(const State& state, double weight, Eigen::Ref<VectorX
   for (const Part& part : parts_) {
     const double h = part.velocity ? kDirectionStep * (1 + largest_entry(state.v)) : kDirectionStep;
     for (int i = part.first; i < part.first + part.count; ++i) {
-      double sum = 0;
-      for (const Offset& offset : kOffsets) {
+      const auto at = [&](double t) -> VectorX {
         if (part.velocity) {
-          near.v[i] = state.v[i] + offset.steps * h;
+          near.v[i] = state.v[i] + t;
         } else {
-          by[i] = offset.steps * h;
+          by[i] = t;
           layout.retract(state.q, by, near.q);
         }
-        sum += offset.weight / h * value(near);
-      }
+        return VectorX::Constant(1, value(near));
+      };
+      const VectorX slope = bends_ ? bent_difference(h, at) : smooth_difference(h, at);
       by[i] = 0;
       near.v[i] = state.v[i];
-      (part.velocity ? velocity : turn)[i] += weight * sum;
+      (part.velocity ? velocity : turn)[i] += weight * slope[0];
     }
     near.q = state.q;
   }

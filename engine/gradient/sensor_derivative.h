@@ -22,6 +22,7 @@ class SensorDerivative {
   const Drawing& drawing_;
   Drawing::Place place_;
   Snapshot snapshot_;
+  const bool bends_;  // some force law has kinks
   struct Part {
     int first, count;
     bool velocity;  // else position

@@ -10,6 +10,7 @@
 #include "engine/gradient/differences.h"
 #include "engine/gradient/row_rates.h"
 #include "engine/motion/projection.h"
+#include "engine/run/kinks.h"
 
 namespace lithe {
 
@@ -17,6 +18,8 @@ namespace {
 
 constexpr int kFirstLooks = 8, kLooks = 32;  // at the elements' tangents: of the first states, then of every so many
 constexpr double kAgree = 2e-9;              // of a body's rows, between the elements' tangents and differences
+constexpr double kColumnsAgree = 1e-8;       // of a direction that moves all, with differenced columns
+constexpr double kTouchesAgree = 1e-5;       // likewise where surfaces have just met, and round-off is large
 constexpr double kAgreeAll = 1e-12;          // of all rows: round-off of the differences
 
 int velocities_of(const Layout::BodySlice& b) { return (b.frame ? 6 : 0) + b.linear; }
@@ -24,7 +27,7 @@ int velocities_of(const Layout::BodySlice& b) { return (b.frame ? 6 : 0) + b.lin
 }  // namespace
 
 TangentEquations::TangentEquations(const System& system, ParameterDerivative* parameters, ParameterTerms* terms)
-    : equations_(system), parameters_(parameters), terms_(terms) {}
+    : equations_(system), parameters_(parameters), terms_(terms), bends_(!find_kinks(system).empty()) {}
 
 TangentEquations::~TangentEquations() = default;
 
@@ -73,19 +76,17 @@ void TangentEquations::along(const Direction& direction, VectorX& force, VectorX
   const double size =
       std::max(largest_entry(direction.turn), largest_entry(direction.velocity) / (1 + largest_entry(state_.v)));
   const double h = size > 0 ? kDirectionStep / size : 1;
-  VectorX f, g;
-  force.setZero(state_.v.size());
-  rows.setZero(state_.lambda.size());
-  if (rates) rates->setZero(state_.lambda.size());
-  // In pairs, so that no direction gives zero to the bit.
-  VectorX f_behind, g_behind, g_dot, g_dot_behind;
-  for (std::size_t i = 0; i < kOffsets.size(); i += 2) {
-    evaluate(kOffsets[i].steps * h, direction, f, g, rates ? &g_dot : nullptr);
-    evaluate(kOffsets[i + 1].steps * h, direction, f_behind, g_behind, rates ? &g_dot_behind : nullptr);
-    if (rates) *rates += kOffsets[i].weight / h * (g_dot - g_dot_behind);
-    force += kOffsets[i].weight / h * (f - f_behind);
-    rows += kOffsets[i].weight / h * (g - g_behind);
-  }
+  VectorX g_dot;
+  const auto at = [&](double t) -> VectorX {
+    evaluate(t, direction, force, rows, rates ? &g_dot : nullptr);
+    VectorX all(force.size() + rows.size() + g_dot.size());
+    all << force, rows, g_dot;
+    return all;
+  };
+  const VectorX all = bends_ ? bent_difference(h, at) : smooth_difference(h, at);
+  force = all.head(force.size());
+  rows = all.segment(force.size(), rows.size());
+  if (rates) *rates = all.tail(g_dot.size());
 }
 
 void TangentEquations::parameter_columns(MatrixX& force, MatrixX& rows, MatrixX* rates) {
@@ -415,6 +416,7 @@ void TangentEquations::add_weighted(const WeightedSum& sum, const MatrixX& mu, c
 /// The elements' tangents against differences along a random direction, body by body.
 void TangentEquations::check_tangents() {
   ready_ = true;
+  if (equations_.contacts()) tangents_ = Tangents::differenced;
   if (tangents_ == Tangents::differenced) return difference_columns();
   if (tangents_ == Tangents::with_row_rates) find_row_rates(nullptr);
   // What an element leaves out it leaves out at every state, but where it vanishes: looked at first, and every so
@@ -475,6 +477,12 @@ void TangentEquations::find_colours() {
       of_row[row - velocities].insert(slice_of[column]);
     }
   });
+  for (const ContactRecord& contact : equations_.system().contacts()) {  // any of it may touch any other
+    std::set<int>& slices = of_row.emplace_back();
+    for (int s = 0; s < count; ++s)
+      for (int body : contact.bodies)
+        if (body >= 0 && bodies[s].body == bodies[body].body) slices.insert(s);
+  }
   for (const auto& slices : of_row)
     for (int a : slices) near[a].insert(slices.begin(), slices.end());
   influence_.clear();
@@ -534,7 +542,8 @@ void TangentEquations::difference_columns() {
     for (double& value : *x) value = static_cast<double>(random()) / 2147483648.0 - 1;
   along(direction, force, rows);
   const VectorX own = K_ * direction.turn + D_ * direction.velocity;
-  if ((own - force).lpNorm<Eigen::Infinity>() > 1e-8 * (largest_entry(force) + largest_entry(own)))
+  const double agree = equations_.contacts() ? kTouchesAgree : kColumnsAgree;
+  if ((own - force).lpNorm<Eigen::Infinity>() > agree * (largest_entry(force) + largest_entry(own)))
     throw SimulationError(
         "the equations near t = " + std::to_string(state_.time) + " s have no derivative that differences agree on",
         "TangentEquations", "look for what is not smooth there: friction at rest, a stop that closes");

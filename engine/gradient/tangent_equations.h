@@ -59,6 +59,7 @@ class TangentEquations final : public LinearEquations {
   Evaluator equations_;
   ParameterDerivative* parameters_;
   ParameterTerms* terms_;
+  const bool bends_;  // some force law has kinks
   State state_;
   State near_;
   Tangents tangents_ = Tangents::of_elements;

@@ -13,6 +13,7 @@ struct Variation {
   MatrixX turn;                  // δq in the axes of velocities: δp, turn in body axes, δη
   MatrixX velocity;              // δv
   std::vector<MatrixX> history;  // of the vectors that a method carries along besides q and v
+  MatrixX memory;                // of the numbers that contacts remember (contact_numbers()); often no rows
 };
 
 /// One of the equations near a state: r = M a + Gᵀ l - f or, without forces, M a + Gᵀ l; and rows at a level:
@@ -30,11 +31,19 @@ class StepRecord {
   virtual std::size_t bytes() const = 0;
 };
 
+/// A kink of a force law within a step: a part of it ended there, and the method started anew.
+struct PassedKink {
+  int number;                                // engine/run/kinks.h; -1: the part ended on the way, without
+  double stop, time;                         // s: that the step was to end at, and did
+  std::shared_ptr<const StepRecord> record;  // of the part that led there
+};
+
 /// A step of a run.
 struct TakenStep {
   const State& from;
   const State& to;
-  const StepRecord* record;  // null: the method keeps none
+  const StepRecord* record;                        // of its last part; null: the method keeps none
+  const std::vector<PassedKink>* kinks = nullptr;  // null or empty: a step without
 };
 
 /// The equations of motion near one state, differentiated to round-off by q, v, v_dot, λ and the parameters of a scene:
@@ -115,7 +124,9 @@ class StepDerivative : public StepAdjoint {
   /// column each.
   virtual MatrixX history(const State& state) const = 0;
   /// Why the step between these states cannot be differentiated; empty: it can.
-  virtual std::string refuse_step(const State& from, const State& to) const = 0;
+  virtual std::string refuse_step(const State& /*from*/, const State& /*to*/) const { return ""; }
+  /// Whether the method's equations here are not those of this step: it is then taken again nearby (RepeatedStep).
+  virtual bool by_repetition(const TakenStep& /*step*/) const { return false; }
   /// From the changes at `from` to those at `to`, a column a parameter. Throws as adjoint().
   virtual void tangent(LinearEquations& equations, const TakenStep& step, Variation& x) = 0;
 };
@@ -125,8 +136,13 @@ class StepDerivative : public StepAdjoint {
 class RepeatedStep {
  public:
   virtual ~RepeatedStep() = default;
-  /// q and v at to.time, from those of `from`. Throws SimulationError where the step fails.
-  virtual void take(const State& from, State& to) = 0;
+  /// What the method carries besides q and v (StepDerivative::history()) as a step from there with that record begins.
+  virtual MatrixX history(const State& /*from*/, const StepRecord* /*record*/) const { return {}; }
+  /// q, v and what contacts remember at to.time, from those of `from`; likewise the history, in place. The equations
+  /// have recalled what `from` remembers. Throws SimulationError where the step fails.
+  virtual void take(const State& from, const StepRecord* record, MatrixX& history, State& to) = 0;
+  /// Starts the method anew, for the next take().
+  virtual void restart(State& /*state*/, MatrixX& /*history*/) {}
 };
 
 /// An integrator whose steps can be differentiated. What it gives refers to it; null: there is no such thing for its
@@ -138,8 +154,13 @@ class DifferentiableSteps {
   virtual std::unique_ptr<StepAdjoint> step_adjoint() const { return step_derivative(); }
   /// Of the step taken last; null: states tell all.
   virtual std::shared_ptr<const StepRecord> step_record() const { return nullptr; }
-  /// Of a method that carries nothing from step to step but q and v: forwards by differences of its steps.
+  /// For derivatives by differences of steps: of methods without equations of their own here, of single steps
+  /// (StepDerivative::by_repetition) and of all where contacts are beyond these equations.
   virtual std::unique_ptr<RepeatedStep> repeated_step(EquationsOfMotion& /*equations*/) const { return nullptr; }
+  /// Why there is no such step with these equations; empty: there is, if at all.
+  virtual std::string refuse_repetition(EquationsOfMotion& /*equations*/) const { return ""; }
+  /// Whether the state is one between the ends of a step whose derivative there is: of a step that was cut in two.
+  virtual bool within_step(const State& /*state*/) const { return false; }
 };
 
 }  // namespace lithe

@@ -70,6 +70,34 @@ void expect_gradient(const ParametricScene& scene, const std::vector<Quantity>& 
   }
 }
 
+void expect_of_near_runs(const ParametricScene& scene, const std::vector<Quantity>& quantities,
+                         const std::vector<DesignParameter>& parameters, double tolerance, bool has_adjoint) {
+  constexpr double kNear = 1e-5;  // of the parameters
+  MatrixX expected(static_cast<Eigen::Index>(quantities.size()), static_cast<Eigen::Index>(parameters.size()));
+  for (std::size_t k = 0; k < parameters.size(); ++k) {
+    const auto moved = [&](double steps) {
+      std::vector<DesignParameter> near = parameters;
+      near[k].value *= 1 + steps * kNear;
+      return values(scene, quantities, near);
+    };
+    expected.col(static_cast<Eigen::Index>(k)) = (8 * (moved(1) - moved(-1)) - (moved(2) - moved(-2))) / (12 * kNear);
+  }
+  for (const auto mode : {GradientOptions::Mode::automatic, GradientOptions::Mode::adjoint}) {
+    if (mode == GradientOptions::Mode::adjoint && !has_adjoint) continue;
+    MatrixX found = gradient(scene, quantities, parameters, {.mode = mode}).derivatives;
+    for (std::size_t k = 0; k < parameters.size(); ++k) found.col(static_cast<Eigen::Index>(k)) *= parameters[k].value;
+    for (Eigen::Index i = 0; i < found.rows(); ++i) {
+      const double off =
+          (found.row(i) - expected.row(i)).lpNorm<Eigen::Infinity>() / expected.row(i).lpNorm<Eigen::Infinity>();
+      EXPECT_LE(off, tolerance) << scene.name << ", " << quantities[static_cast<std::size_t>(i)].name() << ": "
+                                << found.row(i) << "; of runs: " << expected.row(i);
+      if (std::getenv("LITHE_SHOW_ERRORS"))
+        std::printf("%s, %s: off %.1e of near runs\n", scene.name.c_str(),
+                    quantities[static_cast<std::size_t>(i)].name().c_str(), off);
+    }
+  }
+}
+
 void expect_close(const Gradient& found, const Gradient& expected, const std::vector<DesignParameter>& parameters) {
   VectorX scales(found.derivatives.cols());
   for (std::size_t k = 0; k < parameters.size(); ++k) scales[static_cast<Eigen::Index>(k)] = parameters[k].value;

@@ -22,6 +22,12 @@ inline MakeIntegrator exact_alpha(double step) {
 void expect_gradient(const ParametricScene& scene, const std::vector<Quantity>& quantities,
                      const std::vector<DesignParameter>& parameters, double tolerance = 1e-8, bool has_adjoint = true);
 
+/// The same against differences of fourth order of runs so near that they have the same contacts, which stick and slide
+/// alike; with the mode that gradient() chooses and, where there is one, the adjoint.
+void expect_of_near_runs(const ParametricScene& scene, const std::vector<Quantity>& quantities,
+                         const std::vector<DesignParameter>& parameters, double tolerance = 1e-8,
+                         bool has_adjoint = true);
+
 /// Two gradients by the same parameters, likewise relative, to 1e-8.
 void expect_close(const Gradient& found, const Gradient& expected, const std::vector<DesignParameter>& parameters);
 

@@ -65,8 +65,6 @@ TEST(RunGradient, RefusesByNameWhatItCannotDifferentiate) {
   EXPECT_NE(refusal(scene, value_at("tip_x", 0.7)).find("outside the run"), std::string::npos);
   scene.integrator = [] { return std::make_unique<GeneralizedAlpha>(GeneralizedAlpha::Parameters{}); };
   EXPECT_NE(refusal(scene, value_at("tip_x", 0.1)).find("cannot be differentiated"), std::string::npos);
-  scene.integrator = exact_alpha(7e-3);
-  EXPECT_NE(refusal(scene, value_at("tip_x", 0.1)).find("divides the duration"), std::string::npos);
 }
 
 }  // namespace
