@@ -33,8 +33,7 @@ Solution solve(SystemGraph& graph, double duration, const std::vector<Want>& wan
   const solving::Asked asked = solving::ask(graph, bodies, duration, wants, methods, options);
   const solving::RigidMotion rigid = solving::look_at_rigid(asked);
   const solving::Choice choice = solving::choose(asked, rigid);
-  const bool rigid_bodies_do = rigid.run.reached() && solving::is_rigid(choice.models);
-  const solving::Answer answer = rigid_bodies_do
+  const solving::Answer answer = choice.rigid
                                      ? solving::accept_rigid(asked, rigid, choice)
                                      : solving::refine_meshes(asked, rigid, solving::refine(asked, rigid, choice));
   return solving::certify(asked, rigid, answer, begun);
