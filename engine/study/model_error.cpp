@@ -146,48 +146,11 @@ class Estimate {
                             missing_ == Missing::modes ? std::numeric_limits<double>::infinity() : kFastest / interval);
     const auto& response = error.response;
 
-    // All together, at every sample.
-    std::vector<double> row(error.samples.columns.size());
-    const Eigen::Index looks = (samples - 1) / stride_ + 1;
-    for (const Marker& marker : loaded_)
-      error.feedback.push_back({interval * stride_, Matrix3X::Zero(3, looks), Matrix3X::Zero(3, looks), marker});
-    for (Eigen::Index k = 0; k < samples; k += stride_) {
-      error.states.push_back(moved(k, response));
-      if (missing_ == Missing::modes) record_feedback(error.states.back(), k, error.feedback);
-      read(error.states.back(), row);
-      row[0] = error.states.back().time;
-      error.samples.add_row(row);
-    }
-    const Table base = missing_ == Missing::modes && !all_linear() ? unmoved() : run_.samples;
-    error.effect = sample_differences(sensors_, error.samples, base);
-
-    // Each alone, where it is largest.
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const auto& e = elastic_[static_cast<size_t>(i)];
-      if (missing_ == Missing::modes && !e.fresh) continue;
-      Eigen::Index k = 0;
-      const double amplitude = response.displacement.row(i).cwiseAbs().maxCoeff(&k);
-      ModelError::Coordinate coordinate{e.body, e.mode, std::sqrt(stiffness[i]) / (2 * std::numbers::pi), amplitude,
-                                        std::vector<double>(sensors_.size(), 0)};
-      if (amplitude > 0) {
-        const auto alone = [&](const MatrixX& of) { return VectorX(VectorX::Unit(n, i) * of(i, k)); };
-        joints_hold_ = detail_ == Detail::each;
-        if (joints_hold_)
-          read(moved(k, alone(response.displacement), alone(response.rate), alone(response.acceleration)), row);
-        if (joints_hold_) {
-          Table one{run_.samples.columns, {}}, there{run_.samples.columns, {}};
-          row[0] = base.at(static_cast<int>(k), 0);
-          one.add_row(row);
-          for (std::size_t c = 0; c < row.size(); ++c) row[c] = base.at(static_cast<int>(k), static_cast<int>(c));
-          there.add_row(row);
-          coordinate.effect = sample_differences(sensors_, one, there);
-        } else {  // joints let it move with others only: its part by strain energy
-          const double part = std::sqrt(stiffness[i]) * amplitude / largest_energy_root(response, stiffness);
-          for (std::size_t w = 0; w < sensors_.size(); ++w) coordinate.effect[w] = part * error.effect[w];
-        }
-      }
-      error.coordinates.push_back(std::move(coordinate));
-    }
+    if (detail_ == Detail::whole) look_at_all(interval, error);
+    for (Eigen::Index i = 0; i < n; ++i)
+      if (missing_ == Missing::all || elastic_[static_cast<size_t>(i)].fresh)
+        error.coordinates.push_back(
+            look_at(i, std::sqrt(stiffness[i]), largest_energy_root(response, stiffness), error));
     return error;
   }
 
@@ -212,6 +175,54 @@ class Estimate {
   }
 
  private:
+  /// All together, at every sample.
+  void look_at_all(double interval, ModelError& error) {
+    std::vector<double> row(error.samples.columns.size());
+    const auto samples = static_cast<Eigen::Index>(run_.states.size()), looks = (samples - 1) / stride_ + 1;
+    for (const Marker& marker : loaded_)
+      error.feedback.push_back({interval * stride_, Matrix3X::Zero(3, looks), Matrix3X::Zero(3, looks), marker});
+    for (Eigen::Index k = 0; k < samples; k += stride_) {
+      error.states.push_back(moved(k, error.response));
+      if (missing_ == Missing::modes) record_feedback(error.states.back(), k, error.feedback);
+      read(error.states.back(), row);
+      row[0] = error.states.back().time;
+      error.samples.add_row(row);
+    }
+    const Table base = missing_ == Missing::modes && !all_linear() ? unmoved() : run_.samples;
+    error.effect = sample_differences(sensors_, error.samples, base);
+  }
+  /// One coordinate, of this root of its stiffness, where it is largest.
+  ModelError::Coordinate look_at(Eigen::Index i, double root, double energy_root, const ModelError& error) {
+    const auto& e = elastic_[static_cast<size_t>(i)];
+    const auto& response = error.response;
+    Eigen::Index k = 0;
+    const double amplitude = response.displacement.row(i).cwiseAbs().maxCoeff(&k);
+    ModelError::Coordinate coordinate{e.body, e.mode, root / (2 * std::numbers::pi), amplitude,
+                                      std::vector<double>(sensors_.size(), 0)};
+    if (amplitude == 0) return coordinate;
+    if (detail_ == Detail::whole) {
+      for (std::size_t w = 0; w < sensors_.size(); ++w)
+        coordinate.effect[w] = root * amplitude / energy_root * error.effect[w];
+      return coordinate;
+    }
+    const auto alone = [&](const MatrixX& of) {
+      return VectorX(VectorX::Unit(static_cast<Eigen::Index>(elastic_.size()), i) * of(i, k));
+    };
+    joints_hold_ = true;
+    const State with = moved(k, alone(response.displacement), alone(response.rate), alone(response.acceleration));
+    // Where joints let it move with others only, all of them.
+    const State moves = joints_hold_ ? with : moved(k, response);
+    const double part = joints_hold_ ? 1 : root * amplitude / energy_root;
+    Table one{run_.samples.columns, {}}, there{run_.samples.columns, {}};
+    std::vector<double> row(one.columns.size());
+    read(moves, row);
+    one.add_row(row);
+    read(embedded_[static_cast<std::size_t>(k)], row);
+    there.add_row(row);
+    coordinate.effect = sample_differences(sensors_, one, there);
+    for (double& effect : coordinate.effect) effect *= part;
+    return coordinate;
+  }
   bool all_linear() const {
     return std::all_of(run_.models.begin(), run_.models.end(),
                        [](const Fidelity& m) { return m.modes.empty() || m.deflection == Deflection::linear; });

@@ -30,8 +30,8 @@ enum class Missing {
   all,    // every elastic coordinate, where it is the equations that are richer: deflection of the second order
 };
 
-/// How the effect of a single coordinate is found: as its part of the whole by strain energy, or by itself, which costs
-/// a look at the sensors each.
+/// What is looked at: all coordinates together, where the effect of a single one is its part by strain energy; or each
+/// by itself, where it is largest, and no more.
 enum class Detail { whole, each };
 
 /// What a model's own equations leave over at a state that is no solution of them.

@@ -88,6 +88,7 @@ Asked ask(SystemGraph& graph, BodyModels& bodies, double duration, const std::ve
   for (const Want& w : wants) asked.sensors.push_back(w.sensor);
   for (DeformableBody* body : bodies.bodies()) body->body_frame();
   asked.remarks = look_at_contacts(graph, bodies);
+  for (const auto& entry : graph.contacts()) asked.contacts |= entry.contact->law() != ContactElement::Law::sensing;
   asked.finer = std::max(1, (kFewestSamples + options.samples - 1) / options.samples);
   for (int stride = 2; asked.samples() / stride >= kLooks; ++stride)
     if (asked.samples() % stride == 0) asked.stride = stride;

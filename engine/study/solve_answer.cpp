@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <map>
 #include <numeric>
@@ -11,6 +12,7 @@ namespace {
 
 using Models = std::vector<Fidelity>;
 
+constexpr double kDriven = 3;      // of what is allowed: the second order then drives modes that no load does
 constexpr double kUnresolved = 3;  // ω h beyond which steps damp a mode, so that a run does not show what it does
 
 // ---- richer models ----
@@ -30,6 +32,16 @@ bool complete(const Asked& asked, Models& models) {
     more |= modes.size() > known;
   }
   return more;
+}
+
+/// All modes up to the highest of each body.
+Models leading(Models models) {
+  for (Fidelity& m : models) {
+    if (m.modes.empty()) continue;
+    m.modes.resize(static_cast<std::size_t>(m.modes.back() + 1));
+    std::iota(m.modes.begin(), m.modes.end(), 0);
+  }
+  return models;
 }
 
 Models united(Models models, const Models& more) {
@@ -61,23 +73,29 @@ bool has(const Models& models, const ModelError::Coordinate& c) {
 class Search {
  public:
   Search(const Asked& asked, const RigidMotion& rigid, const Choice& choice)
-      : asked_(asked), rigid_(rigid), models_(choice.models), pace_(rigid.pace) {
+      : asked_(asked),
+        rigid_(rigid),
+        untold_(choice.untold),
+        models_(choice.models),
+        pace_(rigid.pace),
+        carried_(rigid.amplification) {
     answer_.judgement = {rigid.change, rigid.bounds, {}, choice.effects};
     answer_.trials = choice.trials, answer_.remarks = choice.remarks;
   }
 
   Answer find() {
-    for (int round = 0; round < asked_.options.most_runs; ++round) {
-      if (!begin()) continue;
-      climb();
+    int round = 0;
+    while (round < asked_.options.most_runs && !begin()) ++round;
+    if (round == asked_.options.most_runs) return std::move(answer_);
+    climb();
+    do {
       std::vector<double> left = model_errors();
       for (std::size_t w = 0; w < asked_.count(); ++w)
         left[w] = kPaceShare * std::max(judgement().bounds[w] - left[w], (1 - kModelShare) * judgement().bounds[w]);
       refine_pace(asked_, models_, left, rigid_.elastic_scale, ladder_);
-      const bool unchanged = compare_again();
+      compare_again();
       judge();
-      if (answer_.met() || (unchanged && !improve())) break;
-    }
+    } while (!answer_.met() && ++round < asked_.options.most_runs && improve());
     return std::move(answer_);
   }
 
@@ -92,11 +110,8 @@ class Search {
       return false;
     }
     measure_scale();
-    find_rest();
-    richer_ = deflected(asked_,
-                        united(models_, with_modes(asked_, judgement().effects.modes, rigid_.amplification,
-                                                   judgement().bounds, share_)),
-                        finest(asked_));
+    find_rest(ladder_.last());
+    richer_ = deflected(asked_, united(models_, modes_within(share_)), finest(asked_));
     if (!look_at_richer(ladder_.last())) {
       give_up(richer_);
       return false;
@@ -119,19 +134,25 @@ class Search {
     judgement().change = sample_changes(asked_.sensors, ladder_.last().samples);
     judgement().bounds = allowed(asked_, judgement().change, ladder_.last().samples);
   }
-  /// What the modes left out do along the motion of the run.
-  void find_rest() {
-    const ModelError rest = model_error(asked_.graph, asked_.bodies, ladder_.last(), asked_.bodies.all(),
+  /// What the modes left out do along the motion of the run, and how far the first order carries here: the change by
+  /// deformation as it came, over that predicted.
+  void find_rest(const ModelRun& run) {
+    const ModelError rest = model_error(asked_.graph, asked_.bodies, run, asked_.bodies.all(order_of(run.models)),
                                         Missing::modes, asked_.sensors, asked_.stride, Detail::each);
     auto& known = judgement().effects.modes;
-    for (const auto& c : rest.coordinates) {
+    for (const ModelError::Coordinate& c : rest.coordinates) {
       const auto at =
           std::find_if(known.begin(), known.end(), [&](const auto& k) { return k.body == c.body && k.mode == c.mode; });
-      if (at != known.end())
-        *at = c;
-      else
+      if (at == known.end())
         known.push_back(c);
+      else if (!untold_)
+        *at = c;
     }
+    if (!rigid_.reached()) return;
+    const auto came = sample_differences(asked_.sensors, run.samples, rigid_.run().samples);
+    for (std::size_t w = 0; w < asked_.count(); ++w)
+      if (rigid_.deformation[w] > 0)
+        carried_[w] = rigid_.amplification[w] * std::clamp(came[w] / rigid_.deformation[w], 1.0, 10.0);
   }
 
   /// To richer models, until what one is off by does.
@@ -146,14 +167,20 @@ class Search {
       if (!richen()) return;
     }
   }
+  Models modes_within(double share) const {
+    const Judgement& j = answer_.judgement;
+    return with_modes(asked_, j.effects.modes, carried_, j.bounds, share);
+  }
   bool richen() {
     Models next = models_;
-    if (!raise_order(asked_, next)) next = richer_;
+    if (!raise_order(asked_, next)) next = united(models_, modes_within(kModesShare / 4));
+    if (next == models_) next = richer_;
     Ladder ladder;
     if (next == rich_.models)
       ladder.runs.push_back(rich_), ladder.paces.push_back(pace_);
-    else if (!add_run(asked_, next, pace_, rigid_.elastic_scale, false, ladder, answer_.why))
+    else if (!add_run(asked_, next, pace_, rigid_.elastic_scale, true, ladder, answer_.why))
       return false;
+    if (order_of(next) == order_of(models_)) by_order_.clear();
     models_ = std::move(next);
     ladder_ = std::move(ladder);
     return true;
@@ -162,34 +189,37 @@ class Search {
   void note_order() {
     const ModelRun& run = ladder_.last();
     by_order_[order_of(models_)] = run.samples;
-    const auto apart = [&](Deflection a, Deflection b) {
-      const Table& richer = by_order_.contains(b) ? by_order_[b] : rich_.samples;
-      return sample_differences(asked_.sensors, by_order_[a], richer);
-    };
     Effects& effects = judgement().effects;
-    if (by_order_.contains(Deflection::linear)) effects.second_order = apart(Deflection::linear, Deflection::stiffened);
-    if (by_order_.contains(Deflection::stiffened))
-      effects.fourth_order = apart(Deflection::stiffened, Deflection::quadratic);
+    const auto measure = [&](Deflection poorer, Deflection richer, std::vector<double>& effect) {
+      if (by_order_.contains(poorer) && by_order_.contains(richer))
+        effect = sample_differences(asked_.sensors, by_order_[poorer], by_order_[richer]);
+    };
+    if (order_of(models_) == Deflection::linear)  // as long as no more is known
+      effects.second_order = sample_differences(asked_.sensors, run.samples, rich_.samples);
+    measure(Deflection::linear, Deflection::stiffened, effects.second_order);
+    measure(Deflection::stiffened, Deflection::quadratic, effects.fourth_order);
+    known_fourth_ |= by_order_.contains(Deflection::stiffened) && by_order_.contains(Deflection::quadratic);
   }
 
   // ---- errors ----
 
-  /// Of what the first order does at most once more.
+  /// Orders fall on as they fell beside the first; without data for the next it may do as much as the last.
   double beyond(std::size_t w) const {
-    const Effects& effects = answer_.judgement.effects;
-    const double first = rigid_.deformed_by(w), second = effects.second_order[w];
-    const double falls = first > 0 ? std::min(1.0, second / first) : 1;
-    double last = second;
-    if (finest(asked_) == Deflection::quadratic)
-      last = by_order_.contains(Deflection::stiffened) ? effects.fourth_order[w] : second * falls;
-    return finest(asked_) == Deflection::linear ? 0 : last * falls + kFieldsLeftOut * second;
+    const Deflection order = finest(asked_);
+    if (order == Deflection::linear) return 0;
+    const Judgement& j = answer_.judgement;
+    const double first = untold_ ? j.change[w] : rigid_.deformed_by(w), second = j.effects.second_order[w];
+    const double falls = first > 0 ? std::min(1.0, std::max(second, j.effects.fourth_order[w]) / first) : 1;
+    double next = second;
+    if (order == Deflection::quadratic) next = falls * (known_fourth_ ? j.effects.fourth_order[w] : second * falls);
+    return kBeyond * next + kFieldsLeftOut * second;
   }
   /// By the modes that neither has, or that steps hide.
   double unseen(std::size_t w) const {
     double sum = 0;
     for (const auto& c : answer_.judgement.effects.modes) {
       const bool hidden = 2 * M_PI * c.frequency * pace_.step > kUnresolved;
-      if (!has(models_, c) && (hidden || !has(richer_, c))) sum += rigid_.amplification[w] * c.effect[w];
+      if (!has(models_, c) && (hidden || !has(richer_, c))) sum += carried_[w] * c.effect[w];
     }
     return kCaution * sum + kCandidates * rigid_.deformed_by(w);
   }
@@ -202,31 +232,46 @@ class Search {
   std::vector<double> model_errors() {
     off_ = beside();
     std::vector<double> errors(asked_.count());
-    for (std::size_t w = 0; w < asked_.count(); ++w) errors[w] = kMeasured * off_[w] + unseen(w) + kCaution * beyond(w);
+    for (std::size_t w = 0; w < asked_.count(); ++w) errors[w] = kMeasured * off_[w] + unseen(w) + beyond(w);
     return errors;
   }
 
-  /// Where the pace was so coarse that the run has changed by as much as is allowed, the comparison is made again;
-  /// false if it then misses.
-  bool compare_again() {
-    if (ladder_.runs.size() < 2 || models_ == richer_) return true;
-    const auto moved = sample_differences(asked_.sensors, rich_.samples, ladder_.last().samples);
+  /// By how much samples are off the answer, in parts of what is allowed.
+  double moved(const Table& samples) const {
+    const auto apart = sample_differences(asked_.sensors, samples, ladder_.last().samples);
     double most = 0;
-    for (std::size_t w = 0; w < asked_.count(); ++w) most = std::max(most, moved[w] / judgement().bounds[w]);
-    if (most <= 1) return true;
-    const std::size_t coarser = ladder_.runs.size() - 2;
-    pace_ = ladder_.paces[coarser];
+    for (std::size_t w = 0; w < asked_.count(); ++w) most = std::max(most, apart[w] / answer_.judgement.bounds[w]);
+    return most;
+  }
+  /// An answer has been compared with a richer model, at a pace at which it has changed by less than is allowed.
+  void compare_again() {
+    const Models beside = richer_;
+    if (models_ == richer_) {
+      if (!ladder_.runs.front().states.empty()) find_rest(ladder_.runs.front());
+      share_ /= 5;
+      richer_ = united(richer_, modes_within(share_));
+    }
+    if (by_second_order() > kDriven) richer_ = leading(richer_);
+    richer_ = deflected(asked_, std::move(richer_), finest(asked_));
+    if (models_ == richer_ || (richer_ == beside && moved(rich_.samples) <= 1)) return;
+    std::size_t at = 0;
+    while (at + 2 < ladder_.runs.size() && moved(ladder_.runs[at].samples) > 1) ++at;
+    pace_ = ladder_.paces[at];
     ModelRun rich = run_at(asked_, richer_, pace_, rigid_.elastic_scale, false);
-    if (!rich.reached()) return true;
+    if (!rich.reached()) {
+      answer_.remarks.push_back("not compared with " + model_text(asked_.bodies, richer_) + ": " + rich.why);
+      return;
+    }
     rich_ = std::move(rich);
     by_order_.clear();
-    const auto errors = model_errors();
+  }
+  /// What the orders of deflection do, in parts of what is allowed.
+  double by_second_order() const {
+    const Judgement& j = answer_.judgement;
+    double most = 0;
     for (std::size_t w = 0; w < asked_.count(); ++w)
-      if (errors[w] > judgement().bounds[w]) {
-        if (!raise_order(asked_, models_)) models_ = richer_;
-        return false;
-      }
-    return true;
+      most = std::max(most, (j.effects.second_order[w] + j.effects.fourth_order[w]) / j.bounds[w]);
+    return most;
   }
 
   void judge() {
@@ -244,7 +289,7 @@ class Search {
       const bool finest_order = order_of(run.models) == finest(asked_);
       modes = finest_order ? off_[w] : std::min(off_[w], modes);
       error.truncation = kMeasured * modes + unseen(w);
-      error.deflection = kMeasured * (off_[w] - modes) + kCaution * beyond(w);
+      error.deflection = kMeasured * (off_[w] - modes) + beyond(w);
       if (!asked_.options.small_deflection && finest(asked_) == Deflection::linear)
         error.deflection = std::numeric_limits<double>::quiet_NaN();
       error.time = left[w];
@@ -254,25 +299,31 @@ class Search {
     note(asked_, answer_);
   }
 
-  /// What the richer model leaves out too; false if nothing is left to refine.
+  /// The richer model it was compared with, from where that was; false if it is not better.
   bool improve() {
     const StatedError parts = judgement().largest_parts();
-    if (!(parts.truncation > kModelShare) || share_ < kNoShare) return false;
-    share_ /= 10;
+    const bool at_order = order_of(models_) == finest(asked_);
+    if (models_ == richer_ || (at_order && parts.deflection > 1) ||
+        !(parts.truncation > kModelShare || (!at_order && parts.deflection > kModelShare)))
+      return false;
     models_ = richer_;
+    ladder_ = {{rich_}, {pace_}};
     return true;
   }
 
   const Asked& asked_;
   const RigidMotion& rigid_;
+  const bool untold_;
   Answer answer_{};
   Models models_, richer_;
   Pace pace_;
   double share_ = kRicherShare;
+  std::vector<double> carried_;  // what the motion at large makes of a deformation, at least 1
   ModelRun rich_;
   Ladder ladder_;
   std::map<Deflection, Table> by_order_;  // of the same modes at one pace
-  std::vector<double> off_;
+  bool known_fourth_ = false;
+  std::vector<double> off_;  // beside the richer model
 };
 
 }  // namespace

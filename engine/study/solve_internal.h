@@ -23,7 +23,8 @@ struct Asked {
   std::vector<Sensor> sensors{};  // of the wants
   int finer = 1;                  // of the samples that errors are looked for at, to those asked for
   int stride = 1;                 // of the samples that estimates look at
-  bool simplify = false;          // the graph can be: runs do it
+  bool simplify = false;          // the graph can be: runs do it, and steps end at every sample
+  bool contacts = false;          // surfaces meet and part: no order of accuracy holds across that
   std::vector<std::string> simplification{};
   std::vector<std::string> remarks{};
 
@@ -32,6 +33,7 @@ struct Asked {
   bool has_meshes() const;
   int samples() const { return finer * options.samples; }
   double interval() const { return duration / samples(); }  // s, of the samples
+  double longest_step() const { return simplify ? interval() : 2 * interval(); }
 };
 
 /// How time goes by: fixed steps, or a tolerance.
@@ -46,6 +48,8 @@ struct Ladder {
   std::vector<Pace> paces;
 
   const ModelRun& last() const { return runs.back(); }
+  /// The first by steps, or by tolerance, as the last is.
+  std::size_t begun() const;
 };
 
 /// What rigid bodies do, and what deformation would do to it. Vectors hold a number a wanted quantity; if no run
@@ -75,7 +79,8 @@ struct Effects {
 /// The models to begin with.
 struct Choice {
   std::vector<Fidelity> models;
-  bool rigid = false;  // rigid bodies do
+  bool rigid = false;   // rigid bodies do
+  bool untold = false;  // what is wanted does not move in the first order: effects are shares of strain energy
   Effects effects;
   std::vector<CertificateTrial> trials;
   std::vector<std::string> remarks;
@@ -157,22 +162,23 @@ std::vector<Fidelity> with_modes(const Asked& asked, const std::vector<ModelErro
 // ---- factors ----
 
 // Shares of what is allowed, in the choice.
-inline constexpr double kModesShare = 0.25;   // of all modes that are left out, together
-inline constexpr double kRicherShare = 0.03;  // of those that the richer model beside it leaves out
+inline constexpr double kModesShare = 0.5;    // of all modes that are left out, together
+inline constexpr double kRicherShare = 0.05;  // of those that the richer model beside it leaves out
 inline constexpr double kModelShare = 0.6;    // of what a model is off by beside the richer one
 inline constexpr double kRigidShare = 0.95;   // of all deformation, for rigid bodies to do
 inline constexpr double kPaceShare = 0.9;     // of what the model leaves, for the pace
 
 // What is measured beside a richer model is stated so much larger, and what is estimated, of the first order.
 inline constexpr double kMeasured = 1.3, kCaution = 2.5;
+inline constexpr double kBeyond = 1.5;   // of the order of deflection after the last
 inline constexpr double kPredicted = 2;  // of the change by all deformation, feedback included
-inline constexpr double kFirstTolerance = 1e-3, kLoosest = 0.1, kTightest = 1e-9;
+inline constexpr double kFirstTolerance = 1e-3, kLoosest = 1e-2, kTightest = 1e-9;
 inline constexpr double kRoundOff = 1e-3;  // of what round_off() takes for a change
 inline constexpr double kNoShare = 1e-9;   // modes below this part of what is allowed are idle
-inline constexpr int kLooks = 50, kFewestSamples = 100;
-inline constexpr double kSound = 0.02;  // of a change, that steps may leave in a rigid run that estimates rest on
+inline constexpr int kLooks = 50, kFeedbackStride = 2, kFewestSamples = 100;
+inline constexpr double kSound = 0.08;  // of a change, that steps may leave in a rigid run that estimates rest on
 // Of an error of second order found by halving the step; of one of tolerances, over the ratio of the two.
-inline constexpr double kStepsCaution = 1.8, kToleranceCaution = 3;
+inline constexpr double kStepsCaution = 2, kToleranceCaution = 3;
 // Of two meshes, errors being of second order: caution, the least ratio of their elements, and what may be left.
 inline constexpr double kMeshCaution = 1.8, kMeshRatio = 1.3, kMeshShare = 0.5;
 inline constexpr int kFewestElements = 4, kMostElements = 2000;

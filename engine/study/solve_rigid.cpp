@@ -8,48 +8,52 @@ namespace {
 
 constexpr int kRungs = 3;
 
-/// The least of what steps leave must be little for estimates to rest on them.
-bool is_sound(const Asked& asked, const Ladder& ladder) {
-  if (ladder.runs.size() < 2) return false;
+/// What steps leave in the last, in parts of what changes.
+double left_in(const Asked& asked, const Ladder& ladder) {
+  if (ladder.runs.size() < 2) return kInfinity;
   const auto left = left_by_pace(asked, ladder);
   const auto change = sample_changes(asked.sensors, ladder.last().samples);
+  double most = 0;
   for (std::size_t w = 0; w < asked.count(); ++w)
-    if (!(left[w] <= kSound * std::max(change[w], round_off(asked, ladder.last().samples, w)))) return false;
-  return true;
+    most = std::max(most, left[w] / std::max(change[w], round_off(asked, ladder.last().samples, w)));
+  return most;
 }
 
-/// Steps as long as the samples are apart and half of that, or finer ones; a tolerance where these do not do.
+/// Steps as long as the samples are apart and half of that, or finer ones; a tolerance where these do not do. Estimates
+/// rest on the first that is sound.
 void run_rigid(const Asked& asked, RigidMotion& rigid) {
   const auto models = asked.bodies.rigid();
-  if (asked.methods.by_step) {
-    Ladder ladder;
-    Pace pace{asked.interval(), 0};
-    for (int rung = 0; rung < kRungs && !is_sound(asked, ladder); ++rung, pace = finer(pace)) {
-      if (ladder.runs.size() == 2) ladder.runs.erase(ladder.runs.begin()), ladder.paces.erase(ladder.paces.begin());
-      add_run(asked, models, pace, 1, true, ladder, rigid.why);
-    }
-    if (is_sound(asked, ladder)) {
-      rigid.ladder = std::move(ladder);
-      rigid.pace = rigid.ladder.paces.front();
-      return;
-    }
+  Ladder& ladder = rigid.ladder;
+  double left = kInfinity;
+  rigid.pace = {asked.interval(), 0};
+  for (int rung = 0; asked.methods.by_step && rung < kRungs && left > kSound; ++rung) {
+    const Pace pace{asked.interval() / (1 << rung), 0};
+    add_run(asked, models, pace, 1, ladder.runs.empty(), ladder, rigid.why);
+    left = left_in(asked, ladder);
   }
-  rigid.pace = {0, kFirstTolerance};
-  add_run(asked, models, rigid.pace, 1, true, rigid.ladder, rigid.why);
+  const bool coarse = 4 * left > kSound;  // the one before the last
+  if (ladder.runs.size() > 2 || coarse) {
+    Ladder sound;
+    rigid.pace = left > kSound ? Pace{0, kFirstTolerance} : ladder.paces[ladder.paces.size() - (coarse ? 1 : 2)];
+    if (add_run(asked, models, rigid.pace, 1, true, sound, rigid.why) && !coarse)
+      sound.runs.push_back(std::move(ladder.runs.back())), sound.paces.push_back(ladder.paces.back());
+    ladder = std::move(sound);
+  }
 }
 
 /// The run as deformation would have it: what it shows at once, and what it does to the motion at large.
 Table predict(const Asked& asked, RigidMotion& rigid) {
   const ModelRun& run = rigid.run();
+  const int stride = std::min(asked.stride, kFeedbackStride);
   rigid.deformed =
-      model_error(asked.graph, asked.bodies, run, asked.bodies.all(), Missing::modes, asked.sensors, asked.stride);
+      model_error(asked.graph, asked.bodies, run, asked.bodies.all(), Missing::modes, asked.sensors, stride);
   Table predicted = rigid.deformed.samples;
   const ModelRun moved = run_at(asked, asked.bodies.rigid(), rigid.pace, 1, false, rigid.deformed.feedback);
   if (!moved.reached()) return predicted;
   const std::size_t width = predicted.columns.size();
   for (int row = 0; row < predicted.row_count(); ++row)
     for (std::size_t c = 1; c < width; ++c) {
-      const int at = row * asked.stride, column = static_cast<int>(c);
+      const int at = row * stride, column = static_cast<int>(c);
       predicted.values[static_cast<std::size_t>(row) * width + c] +=
           moved.samples.at(at, column) - run.samples.at(at, column);
     }
