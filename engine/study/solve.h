@@ -28,6 +28,8 @@ struct SolveMethods {
   MakeIntegratorBy<Tolerance> by_tolerance;
   /// Of second order in its fixed step, s, at home with stiff modes: for coarse answers. None: left out.
   MakeIntegratorBy<double> by_step;
+  /// The same for scenes whose surfaces are rigid. None: these are refused.
+  MakeIntegratorBy<double> by_step_with_impacts;
 };
 
 struct SolveOptions {

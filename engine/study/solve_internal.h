@@ -25,6 +25,7 @@ struct Asked {
   int stride = 1;                 // of the samples that estimates look at
   bool simplify = false;          // the graph can be: runs do it, and steps end at every sample
   bool contacts = false;          // surfaces meet and part: no order of accuracy holds across that
+  bool impacts = false;           // and velocities jump there
   std::vector<std::string> simplification{};
   std::vector<std::string> remarks{};
 
@@ -120,6 +121,9 @@ Choice choose(const Asked& asked, const RigidMotion& rigid);
 Answer accept_rigid(const Asked& asked, const RigidMotion& rigid, const Choice& choice);
 /// Chosen is -1 if no model with modes reaches the end.
 Answer refine(const Asked& asked, const RigidMotion& rigid, const Choice& choice);
+/// Of scenes with rigid surfaces: models beside richer ones, and steps beside longer ones. Fills what rigid bodies do.
+/// Throws SimulationError if no model reaches the end.
+Answer answer_with_impacts(const Asked& asked, RigidMotion& rigid);
 /// The error by the meshes of the answer; where modes do not do, exact bodies, with as many elements as it takes. An
 /// answer without meshes comes back as it is. Throws SimulationError if still no model reaches the end.
 Answer refine_meshes(const Asked& asked, const RigidMotion& rigid, Answer answer);

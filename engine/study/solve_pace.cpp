@@ -9,9 +9,10 @@
 namespace lithe::solving {
 namespace {
 
-constexpr double kMostSteps = 8;    // a sample, before a tolerance is tried instead
-constexpr double kResolved = 1.2;   // ω h of the highest mode, where explicit steps cost less
-constexpr double kMostFiner = 4.5;  // than the last: what needs more is tried by a tolerance
+constexpr double kMostImpactSteps = 60;  // a sample
+constexpr double kMostSteps = 8;         // a sample, before a tolerance is tried instead
+constexpr double kResolved = 1.2;        // ω h of the highest mode, where explicit steps cost less
+constexpr double kMostFiner = 4.5;       // than the last: what needs more is tried by a tolerance
 
 /// Below which a tolerance costs less: steps that resolve the highest mode need no implicit method.
 double shortest_step(const Asked& asked, const std::vector<Fidelity>& models) {
@@ -33,6 +34,8 @@ double ratio(const Pace& coarse, const Pace& fine) {
 std::optional<Pace> next_pace(const Asked& asked, const std::vector<Fidelity>& models, const Pace& last, double part) {
   if (last.step > 0) {
     const double wanted = last.step / std::sqrt(part);
+    if (asked.impacts)
+      return last.step > asked.interval() / kMostImpactSteps ? std::optional(finer(last)) : std::nullopt;
     if (wanted < shortest_step(asked, models) || wanted < last.step / kMostFiner) return Pace{0, kLoosest};
     return Pace{last.step / std::clamp(std::exp2(std::ceil(std::log2(last.step / wanted))), 2.0, 4.0), 0};
   }
@@ -54,7 +57,9 @@ ModelRun run_at(const Asked& asked, const std::vector<Fidelity>& models, const P
                 bool dynamics, const std::vector<RecordedWrench::Parameters>& wrenches) {
   RunRequest request{asked.duration, asked.samples(), {0, 0}, asked.simplify, dynamics};
   if (pace.step == 0) request.tolerance = {pace.tolerance, std::min(1e-2, 0.1 * elastic_scale) * pace.tolerance};
-  const MakeIntegratorBy<Tolerance> by_step = [&](const Tolerance&) { return asked.methods.by_step(pace.step); };
+  const MakeIntegratorBy<Tolerance> by_step = [&](const Tolerance&) {
+    return asked.impacts ? asked.methods.by_step_with_impacts(pace.step) : asked.methods.by_step(pace.step);
+  };
   ModelRun run = run_model(asked.graph, asked.bodies, models, asked.sensors,
                            pace.step > 0 ? by_step : asked.methods.by_tolerance, request, wrenches);
   run.step = pace.step, run.tolerance = request.tolerance;
@@ -109,7 +114,8 @@ void refine_pace(const Asked& asked, const std::vector<Fidelity>& models, const 
     if (part <= 1) return;
     const Pace& last = ladder.paces.back();
     const bool single = ladder.runs.size() - ladder.begun() < 2;
-    if (single && last.step > 0 && 2 * last.step <= 1.01 * asked.longest_step()) {  // half the price of a finer one
+    if (single && last.step > 0 && !asked.impacts &&
+        2 * last.step <= 1.01 * asked.longest_step()) {  // half the price of a finer one
       Ladder coarser;
       if (add_run(asked, models, {2 * last.step, 0}, elastic_scale, false, coarser, why)) {
         ladder.runs.insert(ladder.runs.end() - 1, std::move(coarser.runs.back()));
