@@ -203,14 +203,14 @@ class Search {
 
   // ---- errors ----
 
-  /// Orders fall on as they fell beside the first; without data for the next it may do as much as the last.
+  /// Orders fall on as they fell beside the first; without data of the fourth, of which the third comes, by its root.
   double beyond(std::size_t w) const {
     const Deflection order = finest(asked_);
     if (order == Deflection::linear) return 0;
     const Judgement& j = answer_.judgement;
     const double first = untold_ ? j.change[w] : rigid_.deformed_by(w), second = j.effects.second_order[w];
     const double falls = first > 0 ? std::min(1.0, std::max(second, j.effects.fourth_order[w]) / first) : 1;
-    double next = second;
+    double next = second * std::sqrt(falls);
     if (order == Deflection::quadratic) next = falls * (known_fourth_ ? j.effects.fourth_order[w] : second * falls);
     return kBeyond * next + kFieldsLeftOut * second;
   }
