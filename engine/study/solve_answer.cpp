@@ -12,7 +12,7 @@ namespace {
 
 using Models = std::vector<Fidelity>;
 
-constexpr double kDriven = 3;      // of what is allowed: the second order then drives modes that no load does
+constexpr double kDriven = 15;     // of what is allowed: the second order then drives modes that no load does
 constexpr double kUnresolved = 3;  // ω h beyond which steps damp a mode, so that a run does not show what it does
 
 // ---- richer models ----
@@ -78,7 +78,8 @@ class Search {
         untold_(choice.untold),
         models_(choice.models),
         pace_(rigid.pace),
-        carried_(rigid.amplification) {
+        carried_(rigid.amplification),
+        deformed_(asked.count(), 0) {
     answer_.judgement = {rigid.change, rigid.bounds, {}, choice.effects};
     answer_.trials = choice.trials, answer_.remarks = choice.remarks;
   }
@@ -149,10 +150,10 @@ class Search {
         *at = c;
     }
     if (!rigid_.reached()) return;
-    const auto came = sample_differences(asked_.sensors, run.samples, rigid_.run().samples);
+    deformed_ = sample_differences(asked_.sensors, run.samples, rigid_.run().samples);
     for (std::size_t w = 0; w < asked_.count(); ++w)
       if (rigid_.deformation[w] > 0)
-        carried_[w] = rigid_.amplification[w] * std::clamp(came[w] / rigid_.deformation[w], 1.0, 10.0);
+        carried_[w] = rigid_.amplification[w] * std::clamp(deformed_[w] / rigid_.deformation[w], 1.0, 10.0);
   }
 
   /// To richer models, until what one is off by does.
@@ -171,9 +172,12 @@ class Search {
     const Judgement& j = answer_.judgement;
     return with_modes(asked_, j.effects.modes, carried_, j.bounds, share);
   }
+  /// Modes or the order of deflection, as the estimate of the one has its part in what the model is off by.
   bool richen() {
     Models next = models_;
-    if (!raise_order(asked_, next)) next = united(models_, modes_within(kModesShare / 4));
+    if (by_modes() || !raise_order(asked_, next))
+      next = deflected(asked_, united(models_, modes_within(kModesShare / 4)), order_of(models_));
+    if (next == models_) raise_order(asked_, next);
     if (next == models_) next = richer_;
     Ladder ladder;
     if (next == rich_.models)
@@ -201,6 +205,21 @@ class Search {
     known_fourth_ |= by_order_.contains(Deflection::stiffened) && by_order_.contains(Deflection::quadratic);
   }
 
+  /// Whether modes that the richer model has make the better part of the difference.
+  bool by_modes() const {
+    for (std::size_t w = 0; w < asked_.count(); ++w)
+      if (off_[w] > 0 && kMeasured * off_[w] > kModelShare * answer_.judgement.bounds[w] && left_out(w) > 0.5 * off_[w])
+        return true;
+    return false;
+  }
+  /// By the estimate: of the modes that the richer model has and the present one not.
+  double left_out(std::size_t w) const {
+    double sum = 0;
+    for (const auto& c : answer_.judgement.effects.modes)
+      if (!has(models_, c) && has(richer_, c)) sum += carried_[w] * c.effect[w];
+    return sum;
+  }
+
   // ---- errors ----
 
   /// Orders fall on as they fell beside the first; without data of the fourth, of which the third comes, by its root.
@@ -208,7 +227,7 @@ class Search {
     const Deflection order = finest(asked_);
     if (order == Deflection::linear) return 0;
     const Judgement& j = answer_.judgement;
-    const double first = untold_ ? j.change[w] : rigid_.deformed_by(w), second = j.effects.second_order[w];
+    const double first = std::max(deformed_[w], rigid_.deformed_by(w)), second = j.effects.second_order[w];
     const double falls = first > 0 ? std::min(1.0, std::max(second, j.effects.fourth_order[w]) / first) : 1;
     double next = second * std::sqrt(falls);
     if (order == Deflection::quadratic) next = falls * (known_fourth_ ? j.effects.fourth_order[w] : second * falls);
@@ -283,11 +302,8 @@ class Search {
     j.errors.assign(asked_.count(), {});
     for (std::size_t w = 0; w < asked_.count(); ++w) {
       StatedError& error = j.errors[w];
-      double modes = 0;  // of the difference, as far as the estimate has it
-      for (const auto& c : j.effects.modes)
-        if (!has(run.models, c) && has(richer_, c)) modes += c.effect[w];
       const bool finest_order = order_of(run.models) == finest(asked_);
-      modes = finest_order ? off_[w] : std::min(off_[w], modes);
+      const double modes = finest_order ? off_[w] : std::min(off_[w], left_out(w));
       error.truncation = kMeasured * modes + unseen(w);
       error.deflection = kMeasured * (off_[w] - modes) + beyond(w);
       if (!asked_.options.small_deflection && finest(asked_) == Deflection::linear)
@@ -318,7 +334,8 @@ class Search {
   Models models_, richer_;
   Pace pace_;
   double share_ = kRicherShare;
-  std::vector<double> carried_;  // what the motion at large makes of a deformation, at least 1
+  std::vector<double> carried_;   // what the motion at large makes of a deformation, at least 1
+  std::vector<double> deformed_;  // change by deformation, as a run has it
   ModelRun rich_;
   Ladder ladder_;
   std::map<Deflection, Table> by_order_;  // of the same modes at one pace

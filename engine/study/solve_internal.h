@@ -166,7 +166,7 @@ std::vector<Fidelity> with_modes(const Asked& asked, const std::vector<ModelErro
 // ---- factors ----
 
 // Shares of what is allowed, in the choice.
-inline constexpr double kModesShare = 0.5;    // of all modes that are left out, together
+inline constexpr double kModesShare = 0.3;    // of all modes that are left out, together
 inline constexpr double kRicherShare = 0.05;  // of those that the richer model beside it leaves out
 inline constexpr double kModelShare = 0.6;    // of what a model is off by beside the richer one
 inline constexpr double kRigidShare = 0.95;   // of all deformation, for rigid bodies to do

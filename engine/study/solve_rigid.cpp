@@ -25,20 +25,21 @@ void run_rigid(const Asked& asked, RigidMotion& rigid) {
   const auto models = asked.bodies.rigid();
   Ladder& ladder = rigid.ladder;
   double left = kInfinity;
-  rigid.pace = {asked.interval(), 0};
   for (int rung = 0; asked.methods.by_step && rung < kRungs && left > kSound; ++rung) {
-    const Pace pace{asked.interval() / (1 << rung), 0};
-    add_run(asked, models, pace, 1, ladder.runs.empty(), ladder, rigid.why);
+    rigid.pace = {asked.interval() / (1 << rung), 0};
+    add_run(asked, models, rigid.pace, 1, true, ladder, rigid.why);
     left = left_in(asked, ladder);
   }
-  const bool coarse = 4 * left > kSound;  // the one before the last
-  if (ladder.runs.size() > 2 || coarse) {
-    Ladder sound;
-    rigid.pace = left > kSound ? Pace{0, kFirstTolerance} : ladder.paces[ladder.paces.size() - (coarse ? 1 : 2)];
-    if (add_run(asked, models, rigid.pace, 1, true, sound, rigid.why) && !coarse)
-      sound.runs.push_back(std::move(ladder.runs.back())), sound.paces.push_back(ladder.paces.back());
-    ladder = std::move(sound);
+  if (left > kSound) {
+    ladder = {};
+    rigid.pace = {0, kFirstTolerance};
+    add_run(asked, models, rigid.pace, 1, true, ladder, rigid.why);
+    return;
   }
+  const auto unsound = static_cast<std::ptrdiff_t>(ladder.runs.size()) - (4 * left > kSound ? 1 : 2);
+  ladder.runs.erase(ladder.runs.begin(), ladder.runs.begin() + unsound);
+  ladder.paces.erase(ladder.paces.begin(), ladder.paces.begin() + unsound);
+  rigid.pace = ladder.paces.front();
 }
 
 /// The run as deformation would have it: what it shows at once, and what it does to the motion at large.
@@ -48,6 +49,9 @@ Table predict(const Asked& asked, RigidMotion& rigid) {
   rigid.deformed =
       model_error(asked.graph, asked.bodies, run, asked.bodies.all(), Missing::modes, asked.sensors, stride);
   Table predicted = rigid.deformed.samples;
+  const auto bounds = allowed(asked, sample_changes(asked.sensors, run.samples), run.samples);
+  for (std::size_t w = 0; w < asked.count(); ++w)
+    if (rigid.deformed.effect[w] > bounds[w]) return predicted;  // bodies must deform: their own runs tell the rest
   const ModelRun moved = run_at(asked, asked.bodies.rigid(), rigid.pace, 1, false, rigid.deformed.feedback);
   if (!moved.reached()) return predicted;
   const std::size_t width = predicted.columns.size();
