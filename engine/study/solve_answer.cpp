@@ -82,6 +82,12 @@ class Search {
         deformed_(asked.count(), 0) {
     answer_.judgement = {rigid.change, rigid.bounds, {}, choice.effects};
     answer_.trials = choice.trials, answer_.remarks = choice.remarks;
+    // Steps of two samples must resolve the loads; then a coarser run is compared, for a quarter of a finer one's
+    // price.
+    if (!rigid.reached() || rigid.pace.step != asked.interval() || asked.simplify || asked.contacts) return;
+    const auto left = left_by_pace(asked, rigid.ladder);
+    resolved_ = true;
+    for (std::size_t w = 0; w < asked.count(); ++w) resolved_ &= 16 * left[w] < rigid.bounds[w];
   }
 
   Answer find() {
@@ -93,7 +99,7 @@ class Search {
       std::vector<double> left = model_errors();
       for (std::size_t w = 0; w < asked_.count(); ++w)
         left[w] = kPaceShare * std::max(judgement().bounds[w] - left[w], (1 - kModelShare) * judgement().bounds[w]);
-      refine_pace(asked_, models_, left, rigid_.elastic_scale, ladder_);
+      refine_pace(asked_, models_, left, rigid_.elastic_scale, resolved_, ladder_);
       compare_again();
       judge();
     } while (!answer_.met() && ++round < asked_.options.most_runs && improve());
@@ -222,14 +228,14 @@ class Search {
 
   // ---- errors ----
 
-  /// Orders fall on as they fell beside the first; without data of the fourth, of which the third comes, by its root.
+  /// Orders fall on as they fell beside the first; without data of the fourth, hardly.
   double beyond(std::size_t w) const {
     const Deflection order = finest(asked_);
     if (order == Deflection::linear) return 0;
     const Judgement& j = answer_.judgement;
     const double first = std::max(deformed_[w], rigid_.deformed_by(w)), second = j.effects.second_order[w];
     const double falls = first > 0 ? std::min(1.0, std::max(second, j.effects.fourth_order[w]) / first) : 1;
-    double next = second * std::sqrt(falls);
+    double next = second * std::sqrt(std::sqrt(falls));
     if (order == Deflection::quadratic) next = falls * (known_fourth_ ? j.effects.fourth_order[w] : second * falls);
     return kBeyond * next + kFieldsLeftOut * second;
   }
@@ -333,6 +339,7 @@ class Search {
   Answer answer_{};
   Models models_, richer_;
   Pace pace_;
+  bool resolved_ = false;  // by steps twice as long
   double share_ = kRicherShare;
   std::vector<double> carried_;   // what the motion at large makes of a deformation, at least 1
   std::vector<double> deformed_;  // change by deformation, as a run has it
@@ -350,7 +357,7 @@ Answer accept_rigid(const Asked& asked, const RigidMotion& rigid, const Choice& 
   std::vector<double> left(asked.count());
   for (std::size_t w = 0; w < asked.count(); ++w)
     left[w] = kPaceShare * (rigid.bounds[w] - kPredicted * rigid.deformation[w]);
-  refine_pace(asked, asked.bodies.rigid(), left, rigid.elastic_scale, ladder);
+  refine_pace(asked, asked.bodies.rigid(), left, rigid.elastic_scale, false, ladder);
   Answer answer{.run = ladder.last(),
                 .judgement = {rigid.change, rigid.bounds, std::vector<StatedError>(asked.count()), choice.effects},
                 .trials = choice.trials,

@@ -94,7 +94,7 @@ Answer answer_with_impacts(const Asked& asked, RigidMotion& rigid) {
       left[w] = kPaceShare * std::max(j.bounds[w] - j.errors[w].truncation - sequence.deflection[w],
                                       (1 - kModelShare) * j.bounds[w]);
     Ladder ladder{{run}, {pace}};
-    refine_pace(asked, run.models, left, 1, ladder);
+    refine_pace(asked, run.models, left, 1, false, ladder);
     const auto time = left_by_pace(asked, ladder);
     answer.run = ladder.last();
     for (std::size_t w = 0; w < asked.count(); ++w) {

@@ -34,7 +34,6 @@ struct Asked {
   bool has_meshes() const;
   int samples() const { return finer * options.samples; }
   double interval() const { return duration / samples(); }  // s, of the samples
-  double longest_step() const { return simplify ? interval() : 2 * interval(); }
 };
 
 /// How time goes by: fixed steps, or a tolerance.
@@ -140,10 +139,10 @@ bool add_run(const Asked& asked, const std::vector<Fidelity>& models, const Pace
              bool dynamics, Ladder& ladder, std::string& why);
 /// What its pace leaves over in the last run, by the differences of the runs; infinite of a single one.
 std::vector<double> left_by_pace(const Asked& asked, const Ladder& ladder);
-/// Finer paces until that is within `allowed`; from fixed steps to tolerances where the steps would be many. The ladder
-/// ends with the finest that reaches the end.
+/// Finer paces until that is within `allowed`, a single run of fixed steps compared with a `coarser` one; from fixed
+/// steps to tolerances where the steps would be many. The ladder ends with the finest that reaches the end.
 void refine_pace(const Asked& asked, const std::vector<Fidelity>& models, const std::vector<double>& allowed,
-                 double elastic_scale, Ladder& ladder);
+                 double elastic_scale, bool coarser, Ladder& ladder);
 /// Half the step, a tenth of the tolerance.
 Pace finer(const Pace& pace);
 /// Allowed errors of a motion with these changes.
@@ -182,7 +181,7 @@ inline constexpr double kNoShare = 1e-9;   // modes below this part of what is a
 inline constexpr int kLooks = 50, kFeedbackStride = 2, kFewestSamples = 100;
 inline constexpr double kSound = 0.08;  // of a change, that steps may leave in a rigid run that estimates rest on
 // Of an error of second order found by halving the step; of one of tolerances, over the ratio of the two.
-inline constexpr double kStepsCaution = 2, kToleranceCaution = 3;
+inline constexpr double kStepsCaution = 2, kToleranceCaution = 3, kContactCaution = 10;
 // Of two meshes, errors being of second order: caution, the least ratio of their elements, and what may be left.
 inline constexpr double kMeshCaution = 1.8, kMeshRatio = 1.3, kMeshShare = 0.5;
 inline constexpr int kFewestElements = 4, kMostElements = 2000;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kMostImpactSteps = 60;  // a sample
 constexpr double kMostSteps = 8;         // a sample, before a tolerance is tried instead
-constexpr double kResolved = 1.2;        // ω h of the highest mode, where explicit steps cost less
+constexpr double kResolved = 1.7;        // ω h of the highest mode, where explicit steps cost less
 constexpr double kMostFiner = 4.5;       // than the last: what needs more is tried by a tolerance
 
 /// Below which a tolerance costs less: steps that resolve the highest mode need no implicit method.
@@ -86,10 +86,10 @@ std::vector<double> left_by_pace(const Asked& asked, const Ladder& ladder) {
     return sample_differences(asked.sensors, ladder.runs[i - 1].samples, ladder.runs[i].samples);
   };
   std::vector<double> left = apart(n - 1);
-  if (asked.contacts) return left;
+  if (asked.impacts) return left;
   const double r = ratio(ladder.paces[n - 2], ladder.paces[n - 1]);
   if (ladder.paces.back().step == 0) {
-    for (double& e : left) e *= std::min(1.0, kToleranceCaution / r);
+    for (double& e : left) e *= std::min(1.0, (asked.contacts ? kContactCaution : kToleranceCaution) / r);
     return left;
   }
   std::vector<double> before(asked.count(), kInfinity);
@@ -98,14 +98,14 @@ std::vector<double> left_by_pace(const Asked& asked, const Ladder& ladder) {
   for (std::size_t w = 0; w < asked.count(); ++w) {
     // Of second order? Then the differences fall as they should; if not, the first is assumed.
     const double expected = before[w] * (1 - 1 / (r * r)) / (r_before * r_before - 1);
-    const bool second_order = left[w] < kStepsCaution * expected;
+    const bool second_order = !asked.contacts && left[w] < kStepsCaution * expected;
     left[w] *= std::min(1.0, kStepsCaution / (second_order ? r * r - 1 : r - 1));
   }
   return left;
 }
 
 void refine_pace(const Asked& asked, const std::vector<Fidelity>& models, const std::vector<double>& allowed,
-                 double elastic_scale, Ladder& ladder) {
+                 double elastic_scale, bool coarser, Ladder& ladder) {
   std::string why;
   while (!ladder.runs.empty()) {
     const std::vector<double> left = left_by_pace(asked, ladder);
@@ -114,12 +114,11 @@ void refine_pace(const Asked& asked, const std::vector<Fidelity>& models, const 
     if (part <= 1) return;
     const Pace& last = ladder.paces.back();
     const bool single = ladder.runs.size() - ladder.begun() < 2;
-    if (single && last.step > 0 && !asked.impacts &&
-        2 * last.step <= 1.01 * asked.longest_step()) {  // half the price of a finer one
-      Ladder coarser;
-      if (add_run(asked, models, {2 * last.step, 0}, elastic_scale, false, coarser, why)) {
-        ladder.runs.insert(ladder.runs.end() - 1, std::move(coarser.runs.back()));
-        ladder.paces.insert(ladder.paces.end() - 1, coarser.paces.back());
+    if (single && last.step > 0 && coarser) {
+      Ladder twice;
+      if (add_run(asked, models, {2 * last.step, 0}, elastic_scale, false, twice, why)) {
+        ladder.runs.insert(ladder.runs.end() - 1, std::move(twice.runs.back()));
+        ladder.paces.insert(ladder.paces.end() - 1, twice.paces.back());
         continue;
       }
     }
