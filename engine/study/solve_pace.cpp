@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kMostImpactSteps = 60;  // a sample
 constexpr double kMostSteps = 8;         // a sample, before a tolerance is tried instead
-constexpr double kResolved = 1.7;        // ω h of the highest mode, where explicit steps cost less
+constexpr double kResolved = 2.5;        // ω h of the highest mode, where explicit steps cost less
 constexpr double kMostFiner = 4.5;       // than the last: what needs more is tried by a tolerance
 
 /// Below which a tolerance costs less: steps that resolve the highest mode need no implicit method.
@@ -99,7 +99,7 @@ std::vector<double> left_by_pace(const Asked& asked, const Ladder& ladder) {
     // Of second order? Then the differences fall as they should; if not, the first is assumed.
     const double expected = before[w] * (1 - 1 / (r * r)) / (r_before * r_before - 1);
     const bool second_order = !asked.contacts && left[w] < kStepsCaution * expected;
-    left[w] *= std::min(1.0, kStepsCaution / (second_order ? r * r - 1 : r - 1));
+    left[w] *= std::min(1.0, second_order ? r / (r * r - 1) : kStepsCaution / (r - 1));  // with caution: r
   }
   return left;
 }
