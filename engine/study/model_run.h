@@ -43,9 +43,8 @@ struct ModelRun {
   Tolerance tolerance{};                  // 0: by fixed steps
   double step = 0;                        // s; 0: by tolerance
   IntegratorStatistics statistics{};
-  std::vector<bool> rough;  // of the sensors: depends on accelerations or reactions
-  double residual = 0;      // largest |g| at the samples, in the units of the rows
-  double cost = 0;          // s of CPU: set-up and run
+  double residual = 0;  // largest |g| at the samples, in the units of the rows
+  double cost = 0;      // s of CPU: set-up and run
   bool reached() const { return why.empty(); }
 };
 

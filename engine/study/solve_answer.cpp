@@ -12,7 +12,7 @@ namespace {
 
 using Models = std::vector<Fidelity>;
 
-constexpr double kDriven = 15;     // of what is allowed: the second order then drives modes that no load does
+constexpr double kDriven = 1;      // of what is allowed: the second order then drives modes that no load does
 constexpr double kUnresolved = 3;  // ω h beyond which steps damp a mode, so that a run does not show what it does
 
 // ---- richer models ----
@@ -34,13 +34,11 @@ bool complete(const Asked& asked, Models& models) {
   return more;
 }
 
-/// All modes up to the highest of each body.
-Models leading(Models models) {
-  for (Fidelity& m : models) {
-    if (m.modes.empty()) continue;
-    m.modes.resize(static_cast<std::size_t>(m.modes.back() + 1));
-    std::iota(m.modes.begin(), m.modes.end(), 0);
-  }
+/// All candidates of the bodies that deform.
+Models all_of(const Asked& asked, Models models) {
+  const Models all = asked.bodies.all();
+  for (std::size_t b = 0; b < models.size(); ++b)
+    if (!models[b].modes.empty()) models[b].modes = all[b].modes;
   return models;
 }
 
@@ -145,7 +143,7 @@ class Search {
   /// deformation as it came, over that predicted.
   void find_rest(const ModelRun& run) {
     const ModelError rest = model_error(asked_.graph, asked_.bodies, run, asked_.bodies.all(order_of(run.models)),
-                                        Missing::modes, asked_.sensors, asked_.stride, Detail::each);
+                                        asked_.sensors, asked_.stride, Detail::each);
     auto& known = judgement().effects.modes;
     for (const ModelError::Coordinate& c : rest.coordinates) {
       const auto at =
@@ -233,7 +231,8 @@ class Search {
     const Deflection order = finest(asked_);
     if (order == Deflection::linear) return 0;
     const Judgement& j = answer_.judgement;
-    const double first = std::max(deformed_[w], rigid_.deformed_by(w)), second = j.effects.second_order[w];
+    const double first = std::max(deformed_[w], rigid_.deformed_by(w));
+    const double second = std::min(j.effects.second_order[w], first);  // more, where lower orders run away
     const double falls = first > 0 ? std::min(1.0, std::max(second, j.effects.fourth_order[w]) / first) : 1;
     double next = second * std::sqrt(std::sqrt(falls));
     if (order == Deflection::quadratic) next = falls * (known_fourth_ ? j.effects.fourth_order[w] : second * falls);
@@ -271,12 +270,14 @@ class Search {
   /// An answer has been compared with a richer model, at a pace at which it has changed by less than is allowed.
   void compare_again() {
     const Models beside = richer_;
-    if (models_ == richer_) {
-      if (!ladder_.runs.front().states.empty()) find_rest(ladder_.runs.front());
-      share_ /= 5;
+    if (models_ == richer_ || order_of(models_) != Deflection::linear) {  // anew, along what it has become
+      const auto known = std::find_if(ladder_.runs.begin(), ladder_.runs.end(),
+                                      [](const ModelRun& run) { return !run.states.empty(); });
+      if (known != ladder_.runs.end()) find_rest(*known);
+      if (models_ == richer_) share_ /= 5;
       richer_ = united(richer_, modes_within(share_));
     }
-    if (by_second_order() > kDriven) richer_ = leading(richer_);
+    if (by_second_order() > kDriven) richer_ = all_of(asked_, richer_);
     richer_ = deflected(asked_, std::move(richer_), finest(asked_));
     if (models_ == richer_ || (richer_ == beside && moved(rich_.samples) <= 1)) return;
     std::size_t at = 0;

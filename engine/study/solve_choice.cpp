@@ -61,7 +61,7 @@ Choice choose(const Asked& asked, const RigidMotion& rigid) {
   if (choice.rigid) return choice;
   choice.effects.modes = choice.untold ? by_energy(asked, rigid)
                                        : model_error(asked.graph, asked.bodies, rigid.run(), asked.bodies.all(),
-                                                     Missing::modes, asked.sensors, asked.stride, Detail::each)
+                                                     asked.sensors, asked.stride, Detail::each)
                                              .coordinates;
   std::vector<double> bounds = rigid.bounds;
   if (choice.untold && !choice.effects.modes.empty()) {

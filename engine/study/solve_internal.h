@@ -172,7 +172,7 @@ inline constexpr double kRigidShare = 0.95;   // of all deformation, for rigid b
 inline constexpr double kPaceShare = 0.9;     // of what the model leaves, for the pace
 
 // What is measured beside a richer model is stated so much larger, and what is estimated, of the first order.
-inline constexpr double kMeasured = 1.3, kCaution = 2.5;
+inline constexpr double kMeasured = 1.6, kCaution = 2.5;
 inline constexpr double kBeyond = 1.5;   // of the order of deflection after the last
 inline constexpr double kPredicted = 2;  // of the change by all deformation, feedback included
 inline constexpr double kFirstTolerance = 1e-3, kLoosest = 1e-2, kTightest = 1e-9;
@@ -181,7 +181,7 @@ inline constexpr double kNoShare = 1e-9;   // modes below this part of what is a
 inline constexpr int kLooks = 50, kFeedbackStride = 2, kFewestSamples = 100;
 inline constexpr double kSound = 0.08;  // of a change, that steps may leave in a rigid run that estimates rest on
 // Of an error of second order found by halving the step; of one of tolerances, over the ratio of the two.
-inline constexpr double kStepsCaution = 2, kToleranceCaution = 3, kContactCaution = 10;
+inline constexpr double kStepsCaution = 2, kToleranceCaution = 3;
 // Of two meshes, errors being of second order: caution, the least ratio of their elements, and what may be left.
 inline constexpr double kMeshCaution = 1.8, kMeshRatio = 1.3, kMeshShare = 0.5;
 inline constexpr int kFewestElements = 4, kMostElements = 2000;

@@ -86,10 +86,10 @@ std::vector<double> left_by_pace(const Asked& asked, const Ladder& ladder) {
     return sample_differences(asked.sensors, ladder.runs[i - 1].samples, ladder.runs[i].samples);
   };
   std::vector<double> left = apart(n - 1);
-  if (asked.impacts) return left;
+  if (asked.contacts) return left;
   const double r = ratio(ladder.paces[n - 2], ladder.paces[n - 1]);
   if (ladder.paces.back().step == 0) {
-    for (double& e : left) e *= std::min(1.0, (asked.contacts ? kContactCaution : kToleranceCaution) / r);
+    for (double& e : left) e *= std::min(1.0, kToleranceCaution / r);
     return left;
   }
   std::vector<double> before(asked.count(), kInfinity);
@@ -98,7 +98,7 @@ std::vector<double> left_by_pace(const Asked& asked, const Ladder& ladder) {
   for (std::size_t w = 0; w < asked.count(); ++w) {
     // Of second order? Then the differences fall as they should; if not, the first is assumed.
     const double expected = before[w] * (1 - 1 / (r * r)) / (r_before * r_before - 1);
-    const bool second_order = !asked.contacts && left[w] < kStepsCaution * expected;
+    const bool second_order = left[w] < kStepsCaution * expected;
     left[w] *= std::min(1.0, second_order ? r / (r * r - 1) : kStepsCaution / (r - 1));  // with caution: r
   }
   return left;

@@ -46,8 +46,7 @@ void run_rigid(const Asked& asked, RigidMotion& rigid) {
 Table predict(const Asked& asked, RigidMotion& rigid) {
   const ModelRun& run = rigid.run();
   const int stride = std::min(asked.stride, kFeedbackStride);
-  rigid.deformed =
-      model_error(asked.graph, asked.bodies, run, asked.bodies.all(), Missing::modes, asked.sensors, stride);
+  rigid.deformed = model_error(asked.graph, asked.bodies, run, asked.bodies.all(), asked.sensors, stride);
   Table predicted = rigid.deformed.samples;
   const auto bounds = allowed(asked, sample_changes(asked.sensors, run.samples), run.samples);
   for (std::size_t w = 0; w < asked.count(); ++w)
