@@ -2,6 +2,7 @@
 
 #include "integrators/automatic.h"
 #include "integrators/generalized_alpha.h"
+#include "integrators/nonsmooth_generalized_alpha.h"
 
 namespace lithe {
 
@@ -15,6 +16,11 @@ Solution solve(SystemGraph& graph, double duration, const std::vector<Want>& wan
                     [](double step) {
                       return std::make_unique<GeneralizedAlpha>(
                           GeneralizedAlpha::Parameters{.step = step, .spectral_radius = 0.8});
+                    },
+                .by_step_with_impacts =
+                    [](double step) {
+                      return std::make_unique<NonsmoothGeneralizedAlpha>(
+                          NonsmoothGeneralizedAlpha::Parameters{.step = step, .spectral_radius = 0.8});
                     }},
                options);
 }

@@ -41,8 +41,7 @@ MatrixX DrivenOscillators::inertia() const {
 }
 
 DrivenOscillators::Response DrivenOscillators::respond(const MatrixX& accelerations, double interval,
-                                                       const VectorX& start, const VectorX& start_rate,
-                                                       double fastest) const {
+                                                       const VectorX& start, const VectorX& start_rate) const {
   const Eigen::Index n = accelerations.rows(), samples = accelerations.cols();
   const MatrixX g = V_.transpose() * root_.asDiagonal() * accelerations;
   MatrixX z(n, samples), rate(n, samples), acceleration(n, samples);
@@ -50,7 +49,7 @@ DrivenOscillators::Response DrivenOscillators::respond(const MatrixX& accelerati
                 rate0 = V_.transpose() * root_.asDiagonal() * start_rate;
   for (Eigen::Index i = 0; i < n; ++i) {
     const double w = frequencies_[i], d = damping_[i];
-    if (w == 0 || w > fastest) {
+    if (w == 0) {
       z.row(i).setZero(), rate.row(i).setZero(), acceleration.row(i).setZero();
       continue;
     }

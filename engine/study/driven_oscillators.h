@@ -1,7 +1,5 @@
 #pragma once
 
-#include <limits>
-
 #include "engine/base/math.h"
 
 namespace lithe {
@@ -18,10 +16,9 @@ class DrivenOscillators {
   struct Response {
     MatrixX displacement, rate, acceleration;  // of δη, n x samples
   };
-  /// `accelerations`: n x samples, evenly spaced by `interval` s; start: δη and δη̇ at the first. Oscillators faster
-  /// than `fastest`, rad/s, stay at rest.
-  Response respond(const MatrixX& accelerations, double interval, const VectorX& start, const VectorX& start_rate,
-                   double fastest = std::numeric_limits<double>::infinity()) const;
+  /// `accelerations`: n x samples, evenly spaced by `interval` s; start: δη and δη̇ at the first.
+  Response respond(const MatrixX& accelerations, double interval, const VectorX& start,
+                   const VectorX& start_rate) const;
   /// Accelerations of unit forces.
   const MatrixX& mobility() const { return A_; }
   /// Forces of unit accelerations: the inverse, zero for what is held.

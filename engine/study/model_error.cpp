@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "engine/assembly/evaluated.h"
@@ -13,11 +12,6 @@
 namespace lithe {
 namespace {
 
-constexpr double kJointsHold = 1e-10;  // of the rows, in their units: far below what is estimated
-constexpr int kMostProjections = 4;
-// Radians a sample, of oscillators that the second order moves: in faster ones it is lost in what the integrator
-// leaves.
-constexpr double kFastest = 20;
 constexpr double kFollows = 0.05;  // of a motion, that joints do not let it make
 
 /// Where the coordinates of one system are in a richer one.
@@ -85,31 +79,16 @@ class Embedding {
   std::vector<Elastic> elastic_;
 };
 
-/// G x at a state: ġ is affine in v.
-VectorX constraint_rate(EquationsOfMotion& equations, const State& state, const VectorX& x) {
-  const int rows = equations.layout().row_count();
-  VectorX moved(rows), still(rows);
-  if (rows == 0) return moved;
-  equations.evaluate(state.time, state.q, VectorX::Zero(x.size()), Level::velocity);
-  equations.constraint(Level::velocity, still);
-  equations.evaluate(state.time, state.q, x, Level::velocity);
-  equations.constraint(Level::velocity, moved);
-  return moved - still;
-}
-
 class Estimate {
  public:
   Estimate(const System& system, const BodyModels& bodies, const ModelRun& run, const std::vector<Fidelity>& richer,
-           Missing missing, const std::vector<Sensor>& sensors, int stride, Detail detail = Detail::whole,
-           const std::vector<Remainder>& own = {})
+           const std::vector<Sensor>& sensors, int stride, Detail detail)
       : system_(system),
         bodies_(bodies),
         run_(run),
         sensors_(sensors),
-        missing_(missing),
         stride_(stride),
         detail_(detail),
-        own_(own),
         embedding_(bodies, run, richer, system.layout()),
         equations_(system),
         snapshot_(system),
@@ -141,77 +120,66 @@ class Estimate {
     }
     const double interval = run_.states[1].time - run_.states[0].time;
     inertia_ = oscillators.inertia();
-    error.response =
-        oscillators.respond(accelerations, interval, start, start_rate,
-                            missing_ == Missing::modes ? std::numeric_limits<double>::infinity() : kFastest / interval);
+    error.response = oscillators.respond(accelerations, interval, start, start_rate);
     const auto& response = error.response;
 
-    // All together, at every sample.
+    if (detail_ == Detail::whole) look_at_all(interval, error);
+    for (Eigen::Index i = 0; i < n; ++i)
+      if (elastic_[static_cast<size_t>(i)].fresh)
+        error.coordinates.push_back(
+            look_at(i, std::sqrt(stiffness[i]), largest_energy_root(response, stiffness), error));
+    return error;
+  }
+
+ private:
+  /// All together, at every sample.
+  void look_at_all(double interval, ModelError& error) {
     std::vector<double> row(error.samples.columns.size());
-    const Eigen::Index looks = (samples - 1) / stride_ + 1;
+    const auto samples = static_cast<Eigen::Index>(run_.states.size()), looks = (samples - 1) / stride_ + 1;
     for (const Marker& marker : loaded_)
       error.feedback.push_back({interval * stride_, Matrix3X::Zero(3, looks), Matrix3X::Zero(3, looks), marker});
     for (Eigen::Index k = 0; k < samples; k += stride_) {
-      error.states.push_back(moved(k, response));
-      if (missing_ == Missing::modes) record_feedback(error.states.back(), k, error.feedback);
+      error.states.push_back(moved(k, error.response));
+      record_feedback(error.states.back(), k, error.feedback);
       read(error.states.back(), row);
       row[0] = error.states.back().time;
       error.samples.add_row(row);
     }
-    const Table base = missing_ == Missing::modes && !all_linear() ? unmoved() : run_.samples;
+    const Table base = all_linear() ? run_.samples : unmoved();
     error.effect = sample_differences(sensors_, error.samples, base);
-
-    // Each alone, where it is largest.
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const auto& e = elastic_[static_cast<size_t>(i)];
-      if (missing_ == Missing::modes && !e.fresh) continue;
-      Eigen::Index k = 0;
-      const double amplitude = response.displacement.row(i).cwiseAbs().maxCoeff(&k);
-      ModelError::Coordinate coordinate{e.body, e.mode, std::sqrt(stiffness[i]) / (2 * std::numbers::pi), amplitude,
-                                        std::vector<double>(sensors_.size(), 0)};
-      if (amplitude > 0) {
-        const auto alone = [&](const MatrixX& of) { return VectorX(VectorX::Unit(n, i) * of(i, k)); };
-        joints_hold_ = detail_ == Detail::each;
-        if (joints_hold_)
-          read(moved(k, alone(response.displacement), alone(response.rate), alone(response.acceleration)), row);
-        if (joints_hold_) {
-          Table one{run_.samples.columns, {}}, there{run_.samples.columns, {}};
-          row[0] = base.at(static_cast<int>(k), 0);
-          one.add_row(row);
-          for (std::size_t c = 0; c < row.size(); ++c) row[c] = base.at(static_cast<int>(k), static_cast<int>(c));
-          there.add_row(row);
-          coordinate.effect = sample_differences(sensors_, one, there);
-        } else {  // joints let it move with others only: its part by strain energy
-          const double part = std::sqrt(stiffness[i]) * amplitude / largest_energy_root(response, stiffness);
-          for (std::size_t w = 0; w < sensors_.size(); ++w) coordinate.effect[w] = part * error.effect[w];
-        }
-      }
-      error.coordinates.push_back(std::move(coordinate));
-    }
-    return error;
   }
-
-  /// The states and samples of the richer model about the run, with this response.
-  ModelRun about(const DrivenOscillators::Response& response) {
-    ModelRun out = run_;
-    embed();
-    VectorX damping, stiffness;
-    properties(damping, stiffness);
-    inertia_ = DrivenOscillators(mobility(), damping, stiffness).inertia();
-    std::vector<double> row(run_.samples.columns.size());
-    out.samples.values.clear();
-    out.states.clear();
-    for (std::size_t k = 0; k < embedded_.size(); k += static_cast<std::size_t>(stride_)) {
-      out.states.push_back(moved(static_cast<Eigen::Index>(k), response));
-      read(out.states.back(), row);
-      row[0] = out.states.back().time;
-      out.samples.add_row(row);
+  /// One coordinate, of this root of its stiffness, where it is largest.
+  ModelError::Coordinate look_at(Eigen::Index i, double root, double energy_root, const ModelError& error) {
+    const auto& e = elastic_[static_cast<size_t>(i)];
+    const auto& response = error.response;
+    Eigen::Index k = 0;
+    const double amplitude = response.displacement.row(i).cwiseAbs().maxCoeff(&k);
+    ModelError::Coordinate coordinate{e.body, e.mode, root / (2 * std::numbers::pi), amplitude,
+                                      std::vector<double>(sensors_.size(), 0)};
+    if (amplitude == 0) return coordinate;
+    if (detail_ == Detail::whole) {
+      for (std::size_t w = 0; w < sensors_.size(); ++w)
+        coordinate.effect[w] = root * amplitude / energy_root * error.effect[w];
+      return coordinate;
     }
-    out.slices = system_.layout().bodies();
-    return out;
+    const auto alone = [&](const MatrixX& of) {
+      return VectorX(VectorX::Unit(static_cast<Eigen::Index>(elastic_.size()), i) * of(i, k));
+    };
+    joints_hold_ = true;
+    const State with = moved(k, alone(response.displacement), alone(response.rate), alone(response.acceleration));
+    // Where joints let it move with others only, all of them.
+    const State moves = joints_hold_ ? with : moved(k, response);
+    const double part = joints_hold_ ? 1 : root * amplitude / energy_root;
+    Table one{run_.samples.columns, {}}, there{run_.samples.columns, {}};
+    std::vector<double> row(one.columns.size());
+    read(moves, row);
+    one.add_row(row);
+    read(embedded_[static_cast<std::size_t>(k)], row);
+    there.add_row(row);
+    coordinate.effect = sample_differences(sensors_, one, there);
+    for (double& effect : coordinate.effect) effect *= part;
+    return coordinate;
   }
-
- private:
   bool all_linear() const {
     return std::all_of(run_.models.begin(), run_.models.end(),
                        [](const Fidelity& m) { return m.modes.empty() || m.deflection == Deflection::linear; });
@@ -296,30 +264,13 @@ class Estimate {
   void drive(Eigen::Index sample, const DrivenOscillators& oscillators, Eigen::Ref<VectorX> out) {
     const State& state = embedded_[static_cast<size_t>(sample)];
     VectorX r(zero_v_.size());
-    if (missing_ == Missing::modes) {
-      leave_over(state, r);
-      VectorX forces(out.size());
-      for (Eigen::Index i = 0; i < out.size(); ++i) {
-        const auto& e = elastic_[static_cast<size_t>(i)];
-        forces[i] = e.fresh ? -r[e.v] : 0;
-      }
-      out = oscillators.mobility() * forces;
-      return;
+    leave_over(state, r);
+    VectorX forces(out.size());
+    for (Eigen::Index i = 0; i < out.size(); ++i) {
+      const auto& e = elastic_[static_cast<size_t>(i)];
+      forces[i] = e.fresh ? -r[e.v] : 0;
     }
-    factorize(state);
-    equations_.residual(state.v_dot, state.lambda, r);
-    VectorX y(zero_rows_.size());
-    equations_.constraint(Level::acceleration, y);
-    y -= constraint_rate(equations_, state, state.v_dot);
-    if (!own_.empty()) {
-      const Remainder& known = own_[static_cast<size_t>(sample)];
-      VectorX own(r.size());
-      embedding_.velocities(known.forces, own);
-      r -= own, y -= known.accelerations;
-    }
-    VectorX x = -r;
-    equations_.solve(x, y);
-    for (Eigen::Index i = 0; i < out.size(); ++i) out[i] = x[elastic_[static_cast<size_t>(i)].v];
+    out = oscillators.mobility() * forces;
   }
 
   /// Motions of all coordinates that go with these of the elastic ones: joints hold, no momentum comes of it. Forces on
@@ -351,25 +302,6 @@ class Estimate {
     return x;
   }
 
-  /// Moves a state onto the joints with least effort: of mass, and of stiffness as if it had a tenth of the run to
-  /// yield.
-  void close_joints(State& state) {
-    const double slow = std::pow(0.1 * run_.states.back().time, 2);
-    VectorX g(zero_rows_.size()), q(state.q.size());
-    for (int round = 0; round < kMostProjections && g.size() > 0; ++round) {
-      equations_.recall(state.quarter_turns);
-      equations_.evaluate(state.time, state.q, zero_v_, Level::acceleration);  // at rest: nothing softens by spin
-      equations_.constraint(Level::position, g);
-      if (g.cwiseAbs().maxCoeff() < kJointsHold) return;
-      equations_.factorize({slow, 0, 1}, zero_v_, zero_rows_, nullptr);
-      VectorX d = zero_v_;
-      g = -g;
-      equations_.solve(d, g);
-      system_.layout().retract(state.q, d, q);
-      state.q = q;
-    }
-  }
-
   /// A sample with these motions of the elastic coordinates added.
   State moved(Eigen::Index sample, const VectorX& displacement, const VectorX& rate, const VectorX& acceleration) {
     State state = embedded_[static_cast<size_t>(sample)];
@@ -389,7 +321,6 @@ class Estimate {
     VectorX q(state.q.size());
     system_.layout().retract(state.q, d, q);
     state.q = q;
-    if (missing_ == Missing::all) close_joints(state);
     return state;
   }
   State moved(Eigen::Index sample, const DrivenOscillators::Response& response) {
@@ -432,10 +363,8 @@ class Estimate {
   const BodyModels& bodies_;
   const ModelRun& run_;
   const std::vector<Sensor>& sensors_;
-  Missing missing_;
   int stride_;
   Detail detail_;
-  const std::vector<Remainder>& own_;
   Embedding embedding_;
   Evaluator equations_;
   Snapshot snapshot_;
@@ -450,37 +379,10 @@ class Estimate {
 }  // namespace
 
 ModelError model_error(SystemGraph& graph, BodyModels& bodies, const ModelRun& run, const std::vector<Fidelity>& richer,
-                       Missing missing, const std::vector<Sensor>& sensors, int stride, Detail detail,
-                       const std::vector<Remainder>& own) {
+                       const std::vector<Sensor>& sensors, int stride, Detail detail) {
   bodies.set(richer);
   const System system = assemble(graph);
-  return Estimate(system, bodies, run, richer, missing, sensors, stride, detail, own).make();
-}
-
-ModelRun with_response(SystemGraph& graph, BodyModels& bodies, const ModelRun& run, const std::vector<Fidelity>& richer,
-                       const DrivenOscillators::Response& response, const std::vector<Sensor>& sensors, int stride) {
-  bodies.set(richer);
-  const System system = assemble(graph);
-  ModelRun out = Estimate(system, bodies, run, richer, Missing::modes, sensors, stride).about(response);
-  out.models = richer;
-  return out;
-}
-
-std::vector<Remainder> own_remainders(SystemGraph& graph, BodyModels& bodies, const ModelRun& run) {
-  bodies.set(run.models);
-  const System system = assemble(graph);
-  Evaluator equations(system);
-  std::vector<Remainder> remainders;
-  for (const State& state : run.states) {
-    Remainder r{VectorX(system.layout().v_count()), VectorX(system.layout().row_count())};
-    equations.recall(state.quarter_turns);
-    equations.evaluate(state.time, state.q, state.v, Level::acceleration);
-    equations.residual(state.v_dot, state.lambda, r.forces);
-    equations.constraint(Level::acceleration, r.accelerations);
-    r.accelerations -= constraint_rate(equations, state, state.v_dot);
-    remainders.push_back(std::move(r));
-  }
-  return remainders;
+  return Estimate(system, bodies, run, richer, sensors, stride, detail).make();
 }
 
 std::vector<double> sample_differences(const std::vector<Sensor>& sensors, const Table& a, const Table& b) {

@@ -24,36 +24,17 @@ struct ModelError {
   std::vector<RecordedWrench::Parameters> feedback;  // what deformation does to the motion at large
 };
 
-/// What is compared of two models.
-enum class Missing {
-  modes,  // those that the poorer model leaves out
-  all,    // every elastic coordinate, where it is the equations that are richer: deflection of the second order
-};
-
-/// How the effect of a single coordinate is found: as its part of the whole by strain energy, or by itself, which costs
-/// a look at the sensors each.
+/// What is looked at: all coordinates together, where the effect of a single one is its part by strain energy; or each
+/// by itself, where it is largest, and no more.
 enum class Detail { whole, each };
 
-/// What a model's own equations leave over at a state that is no solution of them.
-struct Remainder {
-  VectorX forces;         // M v̇ + Gᵀλ - f
-  VectorX accelerations;  // γ - G v̇, of the joints
-};
-
-/// The richer model's equations along a run of a poorer one: what they leave over, M v̇ + Gᵀλ - f, drives each elastic
-/// coordinate as an oscillator (DrivenOscillators), whose response is evaluated exactly and includes the quasi-static
-/// part; bodies recoil in the metric of their masses so that joints hold. What the deformation then does to the motion
-/// at large is `feedback`. All samples drive the oscillators; what they do is looked at in every `stride`th. The graph
-/// is left at the richer fidelity; a run with its dynamics is needed. `own`: own_remainders() of the poorer model where
-/// its states are no solution; empty: nothing.
+/// The equations of a model with more modes along a run of a poorer one: what they leave over, M v̇ + Gᵀλ - f, drives
+/// each mode that the run lacks as an oscillator (DrivenOscillators), whose response is evaluated exactly and includes
+/// the quasi-static part; bodies recoil in the metric of their masses so that joints hold. What the deformation then
+/// does to the motion at large is `feedback`. All samples drive the oscillators; what they do is looked at in every
+/// `stride`th. The graph is left at the richer fidelity; a run with its dynamics is needed.
 ModelError model_error(SystemGraph& graph, BodyModels& bodies, const ModelRun& run, const std::vector<Fidelity>& richer,
-                       Missing missing, const std::vector<Sensor>& sensors, int stride = 1,
-                       Detail detail = Detail::whole, const std::vector<Remainder>& own = {});
-/// The same elastic motion about another run of the poorer model: the states and samples of the richer one.
-ModelRun with_response(SystemGraph& graph, BodyModels& bodies, const ModelRun& run, const std::vector<Fidelity>& richer,
-                       const DrivenOscillators::Response& response, const std::vector<Sensor>& sensors, int stride = 1);
-/// Those of the run's model at its states.
-std::vector<Remainder> own_remainders(SystemGraph& graph, BodyModels& bodies, const ModelRun& run);
+                       const std::vector<Sensor>& sensors, int stride = 1, Detail detail = Detail::whole);
 
 /// Largest difference of two tables at the times that both have, a sensor each: the Euclidean norm over its columns.
 std::vector<double> sample_differences(const std::vector<Sensor>& sensors, const Table& a, const Table& b);

@@ -69,7 +69,6 @@ class Sampler final : public Observer {
       run_.residual = std::max(run_.residual, g.cwiseAbs().maxCoeff());
     }
     if (request_.dynamics) run_.states.push_back(at_);
-    if (request_.dynamics && next_ == request_.samples) find_rough();
   }
 
   void read() {
@@ -77,24 +76,6 @@ class Sampler final : public Observer {
     for (const Sensor& sensor : sensors_) {
       sensor.evaluate(snapshot_, std::span<double>(row_).subspan(column, sensor.columns().size()));
       column += sensor.columns().size();
-    }
-  }
-
-  /// Other accelerations and multipliers at the same place show in some sensors.
-  void find_rough() {
-    const std::vector<double> smooth = row_;
-    at_.v_dot.array() += 1 + at_.v_dot.cwiseAbs().maxCoeff();
-    if (at_.lambda.size() > 0) at_.lambda.array() += 1 + at_.lambda.cwiseAbs().maxCoeff();
-    snapshot_.evaluate(at_);
-    read();
-    run_.rough.clear();
-    std::size_t column = 1;
-    for (const Sensor& sensor : sensors_) {
-      const std::size_t end = column + sensor.columns().size();
-      run_.rough.push_back(!std::equal(row_.begin() + static_cast<std::ptrdiff_t>(column),
-                                       row_.begin() + static_cast<std::ptrdiff_t>(end),
-                                       smooth.begin() + static_cast<std::ptrdiff_t>(column)));
-      column = end;
     }
   }
 

@@ -40,11 +40,11 @@ struct ModelRun {
   std::vector<State> states;              // accelerations and multipliers are those of the equations of motion
   Table samples;                          // "t", then the columns of the sensors
   std::string integrator, why;            // why it did not reach the end; empty if it did
-  Tolerance tolerance{};
+  Tolerance tolerance{};                  // 0: by fixed steps
+  double step = 0;                        // s; 0: by tolerance
   IntegratorStatistics statistics{};
-  std::vector<bool> rough;  // of the sensors: depends on accelerations or reactions
-  double residual = 0;      // largest |g| at the samples, in the units of the rows
-  double cost = 0;          // s of CPU: set-up and run
+  double residual = 0;  // largest |g| at the samples, in the units of the rows
+  double cost = 0;      // s of CPU: set-up and run
   bool reached() const { return why.empty(); }
 };
 

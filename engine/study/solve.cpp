@@ -31,10 +31,14 @@ Solution solve(SystemGraph& graph, double duration, const std::vector<Want>& wan
   const double begun = thread_seconds();
   BodyModels bodies(graph);
   const solving::Asked asked = solving::ask(graph, bodies, duration, wants, methods, options);
+  if (asked.impacts) {
+    solving::RigidMotion rigid;
+    const solving::Answer answer = solving::answer_with_impacts(asked, rigid);
+    return solving::certify(asked, rigid, answer, begun);
+  }
   const solving::RigidMotion rigid = solving::look_at_rigid(asked);
   const solving::Choice choice = solving::choose(asked, rigid);
-  const bool rigid_bodies_do = rigid.run.reached() && solving::is_rigid(choice.models);
-  const solving::Answer answer = rigid_bodies_do
+  const solving::Answer answer = choice.rigid
                                      ? solving::accept_rigid(asked, rigid, choice)
                                      : solving::refine_meshes(asked, rigid, solving::refine(asked, rigid, choice));
   return solving::certify(asked, rigid, answer, begun);
@@ -45,25 +49,27 @@ Solution solve(SystemGraph& graph, double duration, const std::vector<Want>& wan
 namespace lithe::solving {
 namespace {
 
-/// Impulses are not for the methods that a certificate rests on; what a force does to modes is looked at by samples.
-std::vector<std::string> look_at_contacts(const SystemGraph& graph, const BodyModels& bodies) {
-  std::vector<std::string> remarks;
-  for (const auto& entry : graph.contacts()) {
+/// Which contacts there are, and what is not known of them.
+void look_at_contacts(Asked& asked) {
+  for (const auto& entry : asked.graph.contacts()) {
     const ContactElement* contact = entry.contact;
     if (contact->law() == ContactElement::Law::sensing) continue;
-    if (contact->law() == ContactElement::Law::rigid)
-      throw SceneError("solve() certifies smooth motion, and '" + contact->name() + "' has rigid surfaces",
-                       contact->where(),
-                       "give it a Compliance law, or run the scene with MoreauJean or NonsmoothGeneralizedAlpha");
+    asked.contacts = true;
+    if (contact->law() == ContactElement::Law::rigid) {
+      if (!asked.methods.by_step_with_impacts)
+        throw SceneError("'" + contact->name() + "' has rigid surfaces, and no method given to solve() takes impulses",
+                         contact->where(), "give SolveMethods::by_step_with_impacts, or the contact a Compliance law");
+      asked.impacts = true;
+      continue;
+    }
     const auto touches = [&](const DeformableBody* body) {
       return std::any_of(entry.markers.begin(), entry.markers.end(), [&](const Marker& m) { return m.body == body; });
     };
-    for (const DeformableBody* body : bodies.bodies())
+    for (const DeformableBody* body : asked.bodies.bodies())
       if (touches(body))
-        remarks.push_back("'" + contact->name() + "' touches '" + body->name() +
-                          "': what impacts between two samples do to its modes is not in the statement");
+        asked.remarks.push_back("'" + contact->name() + "' touches '" + body->name() +
+                                "': modes that impacts shorter than the samples' distance drive are ranked by guess");
   }
-  return remarks;
 }
 
 /// Whether the graph can be simplified, and how.
@@ -88,7 +94,7 @@ Asked ask(SystemGraph& graph, BodyModels& bodies, double duration, const std::ve
   Asked asked{graph, bodies, duration, wants, methods, options};
   for (const Want& w : wants) asked.sensors.push_back(w.sensor);
   for (DeformableBody* body : bodies.bodies()) body->body_frame();
-  asked.remarks = look_at_contacts(graph, bodies);
+  look_at_contacts(asked);
   asked.finer = std::max(1, (kFewestSamples + options.samples - 1) / options.samples);
   for (int stride = 2; asked.samples() / stride >= kLooks; ++stride)
     if (asked.samples() % stride == 0) asked.stride = stride;

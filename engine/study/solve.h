@@ -31,6 +31,8 @@ struct SolveMethods {
   MakeIntegratorBy<Tolerance> by_tolerance;
   /// Of second order in its fixed step, s, at home with stiff modes: for coarse answers. None: left out.
   MakeIntegratorBy<double> by_step;
+  /// The same for scenes whose surfaces are rigid. None: these are refused.
+  MakeIntegratorBy<double> by_step_with_impacts;
 };
 
 struct SolveOptions {
@@ -54,20 +56,19 @@ struct Solution {
 /// large the error that remains is.
 ///   1. A run with rigid bodies. Its accelerations, spins and reactions drive every candidate mode of every body
 ///      (model_error.h); what the modes do to the motion at large is found by a second rigid run under these loads.
-///   2. Modes stay out as long as their effects together are a small part of what is allowed. What the second order of
-///      deflection would do (stiffening, large deflection) is estimated likewise, and its terms are taken if it counts.
-///   3. The model so chosen runs, at a tolerance that follows from two rigid runs; what it leaves out is estimated anew
-///      along its own motion. How far it came from what was predicted scales the statement. If it is not within the
-///      bounds, what counts most is refined, and it runs again.
-///   4. Bodies that can be drawn with any number of elements (bodies/beam/slender_body.h) run with half as many too,
+///   2. Rigid bodies do if all of deformation does little. Otherwise modes stay out as long as their effects together
+///      are a small part of what is allowed.
+///   3. The model so chosen runs beside a richer one (more modes, the finest order of deflection), both in the same
+///      steps: their difference is what it leaves out. It gets more modes, or the next order, until that is allowed.
+///   4. Finer steps, or a tolerance, until what they leave over is allowed too, by the differences of the runs.
+///   5. Bodies that can be drawn with any number of elements (bodies/beam/slender_body.h) run with half as many too,
 ///      which tells their part of the error; where modes do not suffice, they are exact, with more elements until it is
 ///      met.
-/// Two runs with fixed steps of one and of half a sampling interval come first: where their difference says that they
-/// do, they are the cheapest.
 /// Bodies without candidates stay as they are drawn. integrators/solve.h has the default methods.
-/// Compliant contacts are forces like others, but impacts between two samples are not seen by the estimate (a remark).
-/// Throws SceneError for no or invalid wants, a duration that is not positive, contacts of rigid surfaces, and whatever
-/// drawing throws; SimulationError if no model reaches the end.
+/// Contacts: errors of steps are taken to be of first order across compliant ones. Where surfaces are rigid, models
+/// with a quarter, half and all of the candidate modes are compared, and steps by halving them (remarks say what is not
+/// known). Throws SceneError for no or invalid wants, a duration that is not positive, rigid surfaces without a method
+/// for them, and whatever drawing throws; SimulationError if no model reaches the end.
 Solution solve(SystemGraph& graph, double duration, const std::vector<Want>& wants, const SolveMethods& methods,
                const SolveOptions& options = {});
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "engine/study/solve_internal.h"
 
@@ -11,93 +12,67 @@ bool rigid_bodies_do(const Asked& asked, const RigidMotion& rigid) {
   return true;
 }
 
-/// Whether the second or fourth order of deflection must be in the model.
-bool counts(const RigidMotion& rigid, const std::vector<double>& effect) {
-  for (std::size_t w = 0; w < effect.size(); ++w)
-    if (!(kCaution * effect[w] < kSecondOrder * rigid.bounds[w])) return true;
+/// Something that is wanted does not move in the first order: what moves it is not known, so that nothing may be left
+/// out.
+bool tells_nothing(const Asked& asked, const RigidMotion& rigid) {
+  for (std::size_t w = 0; w < asked.count(); ++w)
+    if (rigid.change[w] <= round_off(asked, rigid.run().samples, w)) return true;
   return false;
 }
 
-struct ChosenModes {
-  std::vector<Fidelity> models;
-  ModelError error;  // from the rigid run to these
-};
-
-/// Modes that are left out make the body stiffer: the rest of them together may do less than their sum.
-ChosenModes choose_modes(const Asked& asked, const RigidMotion& rigid, const ModelError& all) {
-  double share = kModesShare;
-  const auto with = [&] { return with_modes(asked, all.coordinates, rigid.amplification, rigid.bounds, share); };
-  const auto error = [&](const std::vector<Fidelity>& models) {
-    return model_error(asked.graph, asked.bodies, rigid.run, models, Missing::modes, asked.sensors, asked.stride);
-  };
-  const auto close_to_all = [&](const ModelError& some) {
-    const auto difference = sample_differences(asked.sensors, some.samples, all.samples);
-    for (std::size_t w = 0; w < asked.count(); ++w)
-      if (!(rigid.amplification[w] * difference[w] < kModesShare * rigid.bounds[w])) return false;
-    return true;
-  };
-  ChosenModes chosen{with(), {}};
-  chosen.error = error(chosen.models);
-  for (int round = 0; round < kMostChoices && !close_to_all(chosen.error); ++round) {
-    const auto before = chosen.models;
-    while (chosen.models == before && share > kNoShare) {
-      share /= 4;
-      chosen.models = with();
+/// By a run of all modes: as each takes part in the strain energy of its body, so much it counts.
+std::vector<ModelError::Coordinate> by_energy(const Asked& asked, const RigidMotion& rigid) {
+  std::vector<ModelError::Coordinate> modes;
+  const ModelRun run = run_at(asked, asked.bodies.all(), rigid.pace, rigid.elastic_scale, true);
+  if (!run.reached()) return modes;
+  const auto change = sample_changes(asked.sensors, run.samples);
+  for (int b = 0; b < asked.bodies.count(); ++b) {
+    const DeformableBody* body = asked.bodies.bodies()[static_cast<std::size_t>(b)];
+    const auto slice =
+        std::find_if(run.slices.begin(), run.slices.end(), [&](const auto& s) { return s.body == body; });
+    const VectorX root = body->candidate_stiffness().cwiseSqrt();
+    VectorX most = VectorX::Zero(root.size());
+    for (const State& state : run.states)
+      most = most.cwiseMax(state.q.segment(slice->q + (slice->frame ? 7 : 0), slice->linear).cwiseAbs());
+    const VectorX energy = root.cwiseProduct(most);
+    for (int k = 0; k < energy.size(); ++k) {
+      modes.push_back({b, k, root[k] / (2 * M_PI), most[k], change});
+      for (double& effect : modes.back().effect) effect *= energy[k] / std::max(energy.maxCoeff(), 1e-300);
     }
-    if (chosen.models == before) break;
-    chosen.error = error(chosen.models);
   }
-  return chosen;
-}
-
-/// From the motion predicted with the first-order modes: what the second order makes of it.
-void add_second_order(const Asked& asked, const RigidMotion& rigid, const ModelError& first, Choice& choice) {
-  std::vector<Fidelity>& models = choice.models;
-  Effects& effects = choice.effects;
-  effects.second_order.assign(asked.count(), 0), effects.fourth_order.assign(asked.count(), 0);
-  if (is_rigid(models) || !rigid.corrected || finest(asked) == Deflection::linear) return;
-  const ModelRun bent =
-      with_response(asked.graph, asked.bodies, *rigid.corrected, models, first.response, asked.sensors);
-  const auto own = own_remainders(asked.graph, asked.bodies, bent);
-  const auto error = [&](Deflection deflection) {
-    return model_error(asked.graph, asked.bodies, bent, deflected(asked, models, deflection), Missing::all,
-                       asked.sensors, asked.stride, Detail::whole, own);
-  };
-  const ModelError stiffened = error(Deflection::stiffened);
-  effects.second_order = stiffened.effect;
-  if (finest(asked) == Deflection::quadratic)
-    effects.fourth_order = sample_differences(asked.sensors, error(Deflection::quadratic).samples, stiffened.samples);
-  if (counts(rigid, effects.second_order)) {
-    double most = 0;
-    for (std::size_t w = 0; w < asked.count(); ++w)
-      most = std::max(most, kCaution * effects.second_order[w] / rigid.bounds[w]);
-    choice.trials.push_back({model_text(asked.bodies, models), 0, false, most, 0});
-    models = deflected(asked, models, Deflection::stiffened);
-  }
-  if (counts(rigid, effects.fourth_order)) models = deflected(asked, models, Deflection::quadratic);
-}
-
-/// Rigid bodies could not move as the scene asks: all modes.
-Choice fallback(const Asked& asked, const RigidMotion& rigid) {
-  const std::vector<double> none(asked.count(), 0);
-  return {asked.bodies.all(), {{}, none, none}, {}, {"with rigid bodies the run fails: " + rigid.run.why}};
+  return modes;
 }
 
 }  // namespace
 
 Choice choose(const Asked& asked, const RigidMotion& rigid) {
-  if (!rigid.run.reached()) return fallback(asked, rigid);
+  const std::vector<double> none(asked.count(), 0);
   Choice choice;
-  if (asked.bodies.count() == 0) return choice;
+  choice.effects.second_order = choice.effects.fourth_order = none;
+  if (!rigid.reached()) {
+    choice.models = asked.bodies.all();
+    choice.remarks = {"with rigid bodies the run fails: " + rigid.why};
+    return choice;
+  }
   choice.models = asked.bodies.rigid();
   choice.effects.modes = rigid.deformed.coordinates;
-  if (rigid_bodies_do(asked, rigid)) return choice;
-  const ModelError all = model_error(asked.graph, asked.bodies, rigid.run, asked.bodies.all(), Missing::modes,
-                                     asked.sensors, asked.stride, Detail::each);
-  choice.effects.modes = all.coordinates;
-  const ChosenModes chosen = choose_modes(asked, rigid, all);
-  choice.models = chosen.models;
-  add_second_order(asked, rigid, chosen.error, choice);
+  choice.untold = asked.bodies.count() > 0 && tells_nothing(asked, rigid);
+  choice.rigid = asked.bodies.count() == 0 || (!choice.untold && rigid_bodies_do(asked, rigid));
+  if (choice.rigid) return choice;
+  choice.effects.modes = choice.untold ? by_energy(asked, rigid)
+                                       : model_error(asked.graph, asked.bodies, rigid.run(), asked.bodies.all(),
+                                                     asked.sensors, asked.stride, Detail::each)
+                                             .coordinates;
+  std::vector<double> bounds = rigid.bounds;
+  if (choice.untold && !choice.effects.modes.empty()) {
+    bounds.assign(asked.count(), 0);
+    for (const auto& c : choice.effects.modes)
+      for (std::size_t w = 0; w < asked.count(); ++w) bounds[w] = std::max(bounds[w], c.effect[w]);
+    bounds = allowed(asked, bounds, rigid.run().samples);
+  }
+  for (double share = kModesShare; is_rigid(choice.models) && share > kNoShare; share /= 4)
+    choice.models = with_modes(asked, choice.effects.modes, rigid.amplification, bounds, share);
+  if (is_rigid(choice.models)) choice.models = asked.bodies.all();
   return choice;
 }
 

@@ -23,7 +23,9 @@ struct Asked {
   std::vector<Sensor> sensors{};  // of the wants
   int finer = 1;                  // of the samples that errors are looked for at, to those asked for
   int stride = 1;                 // of the samples that estimates look at
-  bool simplify = false;          // the graph can be: runs do it
+  bool simplify = false;          // the graph can be: runs do it, and steps end at every sample
+  bool contacts = false;          // surfaces meet and part: no order of accuracy holds across that
+  bool impacts = false;           // and velocities jump there
   std::vector<std::string> simplification{};
   std::vector<std::string> remarks{};
 
@@ -31,26 +33,41 @@ struct Asked {
   /// Bodies can be drawn with other numbers of elements, and exact.
   bool has_meshes() const;
   int samples() const { return finer * options.samples; }
+  double interval() const { return duration / samples(); }  // s, of the samples
 };
 
-/// What rigid bodies do, and what deformation would do to it. Vectors hold a number a wanted quantity; if the run
-/// fails, all but the amplification are empty.
+/// How time goes by: fixed steps, or a tolerance.
+struct Pace {
+  double step = 0;       // s; 0: by tolerance
+  double tolerance = 0;  // relative
+};
+
+/// Runs of one model, each at a finer pace than the one before: their differences tell what is left in the last.
+struct Ladder {
+  std::vector<ModelRun> runs;
+  std::vector<Pace> paces;
+
+  const ModelRun& last() const { return runs.back(); }
+  /// The first by steps, or by tolerance, as the last is.
+  std::size_t begun() const;
+};
+
+/// What rigid bodies do, and what deformation would do to it. Vectors hold a number a wanted quantity; if no run
+/// reaches the end, all but the amplification are empty.
 struct RigidMotion {
-  ModelRun run;
-  std::optional<ModelRun> tighter;    // at a tenth of the tolerance
-  std::optional<ModelRun> corrected;  // under the feedback of deformation
+  Ladder ladder;                      // the first with its dynamics; empty: none reaches the end
+  Pace pace;                          // at which models begin
+  std::string why;                    // none reaches the end
   ModelError deformed;                // by all candidate modes
   std::vector<double> change;         // largest in the motion predicted with all modes
   std::vector<double> bounds;         // allowed errors
   std::vector<double> deformation;    // change by all modes, feedback included
   std::vector<double> amplification;  // what the motion at large makes of a deformation, at least 1
-  std::vector<double> time_worth;     // error over tolerance
   double elastic_scale = 1;           // largest modal coordinate
-  double tolerance = 0;               // for the answer
 
+  bool reached() const { return !ladder.runs.empty(); }
+  const ModelRun& run() const { return ladder.runs.front(); }
   double deformed_by(std::size_t w) const { return deformation.empty() ? 0 : deformation[w]; }
-  /// Reactions or accelerations are wanted.
-  bool is_rough() const;
 };
 
 /// What parts of the model do to the wanted quantities, as far as it is known.
@@ -62,6 +79,8 @@ struct Effects {
 /// The models to begin with.
 struct Choice {
   std::vector<Fidelity> models;
+  bool rigid = false;   // rigid bodies do
+  bool untold = false;  // what is wanted does not move in the first order: effects are shares of strain energy
   Effects effects;
   std::vector<CertificateTrial> trials;
   std::vector<std::string> remarks;
@@ -101,6 +120,9 @@ Choice choose(const Asked& asked, const RigidMotion& rigid);
 Answer accept_rigid(const Asked& asked, const RigidMotion& rigid, const Choice& choice);
 /// Chosen is -1 if no model with modes reaches the end.
 Answer refine(const Asked& asked, const RigidMotion& rigid, const Choice& choice);
+/// Of scenes with rigid surfaces: models beside richer ones, and steps beside longer ones. Fills what rigid bodies do.
+/// Throws SimulationError if no model reaches the end.
+Answer answer_with_impacts(const Asked& asked, RigidMotion& rigid);
 /// The error by the meshes of the answer; where modes do not do, exact bodies, with as many elements as it takes. An
 /// answer without meshes comes back as it is. Throws SimulationError if still no model reaches the end.
 Answer refine_meshes(const Asked& asked, const RigidMotion& rigid, Answer answer);
@@ -109,9 +131,20 @@ Solution certify(const Asked& asked, const RigidMotion& rigid, const Answer& ans
 
 // ---- what several of them use ----
 
-/// Absolute tolerances follow from the largest modal coordinate.
-RunRequest request(const Asked& asked, double tolerance, double elastic_scale, bool dynamics);
-ModelRun run_logged(const Asked& asked, const std::vector<Fidelity>& models, const RunRequest& request);
+/// The graph is left at the models. Absolute tolerances follow from `elastic_scale`, the largest modal coordinate.
+ModelRun run_at(const Asked& asked, const std::vector<Fidelity>& models, const Pace& pace, double elastic_scale,
+                bool dynamics, const std::vector<RecordedWrench::Parameters>& wrenches = {});
+/// One more run of a ladder; false, and `why`, if it does not reach the end.
+bool add_run(const Asked& asked, const std::vector<Fidelity>& models, const Pace& pace, double elastic_scale,
+             bool dynamics, Ladder& ladder, std::string& why);
+/// What its pace leaves over in the last run, by the differences of the runs; infinite of a single one.
+std::vector<double> left_by_pace(const Asked& asked, const Ladder& ladder);
+/// Finer paces until that is within `allowed`, a single run of fixed steps compared with a `coarser` one; from fixed
+/// steps to tolerances where the steps would be many. The ladder ends with the finest that reaches the end.
+void refine_pace(const Asked& asked, const std::vector<Fidelity>& models, const std::vector<double>& allowed,
+                 double elastic_scale, bool coarser, Ladder& ladder);
+/// Half the step, a tenth of the tolerance.
+Pace finer(const Pace& pace);
 /// Allowed errors of a motion with these changes.
 std::vector<double> allowed(const Asked& asked, const std::vector<double>& change, const Table& samples);
 /// Of a quantity, far above what it changes by when it does not change.
@@ -119,9 +152,6 @@ double round_off(const Asked& asked, const Table& samples, std::size_t w);
 CertificateTrial trial(const Asked& asked, const ModelRun& run, double error);
 /// The trial of a run that is judged, as the one chosen so far.
 void note(const Asked& asked, Answer& answer);
-/// With fixed steps, s.
-ModelRun run_stepped(const Asked& asked, const std::vector<Fidelity>& models, double step, bool dynamics);
-
 bool is_rigid(const std::vector<Fidelity>& models);
 /// The finest order of deflection that any body has data for.
 Deflection finest(const Asked& asked);
@@ -134,30 +164,27 @@ std::vector<Fidelity> with_modes(const Asked& asked, const std::vector<ModelErro
 
 // ---- factors ----
 
-// Shares of what is allowed, in the choice: what is stated in the end is estimated along the answer itself.
-inline constexpr double kModesShare = 0.25;  // of all modes that are left out, together
-inline constexpr double kSecondOrder = 0.6;  // of the second order, if it is left out
-inline constexpr double kTimeShare = 0.1;
-inline constexpr double kRigidShare = 0.95;  // of all deformation, for rigid bodies to do
+// Shares of what is allowed, in the choice.
+inline constexpr double kModesShare = 0.3;    // of all modes that are left out, together
+inline constexpr double kRicherShare = 0.05;  // of those that the richer model beside it leaves out
+inline constexpr double kModelShare = 0.6;    // of what a model is off by beside the richer one
+inline constexpr double kRigidShare = 0.95;   // of all deformation, for rigid bodies to do
+inline constexpr double kPaceShare = 0.9;     // of what the model leaves, for the pace
 
-// Estimates are of the first order: what is stated is so much more.
-inline constexpr double kCaution = 2.5;
+// What is measured beside a richer model is stated so much larger, and what is estimated, of the first order.
+inline constexpr double kMeasured = 1.6, kCaution = 2.5;
+inline constexpr double kBeyond = 1.5;   // of the order of deflection after the last
 inline constexpr double kPredicted = 2;  // of the change by all deformation, feedback included
 inline constexpr double kFirstTolerance = 1e-3, kLoosest = 1e-2, kTightest = 1e-9;
-// Error of elastic motion over tolerance times motion, of explicit methods and of implicit ones.
-inline constexpr double kExplicitTime = 0.5, kImplicitTime = 1.5;
 inline constexpr double kRoundOff = 1e-3;  // of what round_off() takes for a change
 inline constexpr double kNoShare = 1e-9;   // modes below this part of what is allowed are idle
-inline constexpr int kMostChoices = 6, kLooks = 25, kFewestSamples = 100;
-// Error of the finer of two runs of a method of second order over their difference, a third, with caution; and what
-// may be of it.
-inline constexpr double kStepsLeft = 0.6, kStepsShare = 0.4;
-inline constexpr double kCoarse = 3e-3;  // of a change: what is wanted better is not tried so
+inline constexpr int kLooks = 50, kFeedbackStride = 2, kFewestSamples = 100;
+inline constexpr double kSound = 0.08;  // of a change, that steps may leave in a rigid run that estimates rest on
+// Of an error of second order found by halving the step; of one of tolerances, over the ratio of the two.
+inline constexpr double kStepsCaution = 2, kToleranceCaution = 3;
 // Of two meshes, errors being of second order: caution, the least ratio of their elements, and what may be left.
 inline constexpr double kMeshCaution = 1.8, kMeshRatio = 1.3, kMeshShare = 0.5;
 inline constexpr int kFewestElements = 4, kMostElements = 2000;
-// Error of reactions and accelerations over their change by a tolerance ten times looser.
-inline constexpr double kRoughTime = 0.3;
 inline constexpr double kCandidates = 5e-4;  // of what deformation does, beyond the candidate modes
 // Of the second order, by make_basis() (Reduction::deflection_tolerance).
 inline constexpr double kFieldsLeftOut = 0.004;

@@ -63,11 +63,9 @@ Models all_modes(const Asked& asked, const Answer& answer, double factor) {
 
 /// What the elements behind the modes leave over, and finer ones while that alone is too much.
 void refine_reduced(const Asked& asked, const RigidMotion& rigid, Answer& answer) {
-  const double tolerance = answer.run.tolerance.relative;  // 0: fixed steps
+  const Pace pace{answer.run.step, answer.run.tolerance.relative};
   const auto run = [&](double times) {
-    const Models models = all_modes(asked, answer, times);
-    return tolerance > 0 ? run_logged(asked, models, request(asked, tolerance, rigid.elastic_scale, false))
-                         : run_stepped(asked, models, 0.5 * asked.duration / asked.samples(), false);
+    return run_at(asked, all_modes(asked, answer, times), pace, rigid.elastic_scale, false);
   };
   std::vector<StatedError>& errors = answer.judgement.errors;
   const auto state = [&](const std::vector<double>& left) {
@@ -120,8 +118,7 @@ void judge_others(const Asked& asked, const Answer& modal, const Models& models,
 /// there.
 void judge_exact(const Asked& asked, const RigidMotion& rigid, const Answer& modal, const ModelRun& coarse,
                  ModelRun fine, Answer& answer) {
-  const ModelRun looser =
-      run_logged(asked, coarse.models, request(asked, 10 * coarse.tolerance.relative, rigid.elastic_scale, false));
+  const ModelRun looser = run_at(asked, coarse.models, {0, 10 * coarse.tolerance.relative}, rigid.elastic_scale, false);
   Judgement& judgement = answer.judgement;
   judgement.change = sample_changes(asked.sensors, fine.samples);
   judgement.bounds = allowed(asked, judgement.change, fine.samples);
@@ -132,7 +129,7 @@ void judge_exact(const Asked& asked, const RigidMotion& rigid, const Answer& mod
   for (std::size_t w = 0; w < asked.count(); ++w) {
     StatedError& error = judgement.errors[w];
     error.mesh = mesh[w];
-    error.time = looser.reached() ? kRoughTime * time[w] : kInfinity;
+    error.time = looser.reached() ? kToleranceCaution / 10 * time[w] : kInfinity;
     error.solver = fine.residual + kRoundOff * round_off(asked, fine.samples, w);
   }
   answer.run = std::move(fine);
@@ -145,9 +142,9 @@ Answer answer_exactly(const Asked& asked, const RigidMotion& rigid, const Answer
                 .trials = modal.trials,
                 .remarks = modal.remarks,
                 .why = modal.why};
-  double factor = 1, tolerance = std::min(rigid.tolerance, kFirstTolerance);
+  double factor = 1, tolerance = kFirstTolerance;
   const auto run = [&](double times) {
-    return run_logged(asked, exact(asked, modal, times), request(asked, tolerance, rigid.elastic_scale, false));
+    return run_at(asked, exact(asked, modal, times), {0, tolerance}, rigid.elastic_scale, false);
   };
   std::optional<ModelRun> coarse;  // at the present tolerance
   for (int round = 0; round < asked.options.most_runs; ++round) {

@@ -1,62 +1,86 @@
 #include <algorithm>
-#include <utility>
+#include <cmath>
 
 #include "engine/study/solve_internal.h"
 
 namespace lithe::solving {
 namespace {
 
-/// The motion with all modes, as far as it can be told without running them.
-ModelRun predict(const Asked& asked, RigidMotion& rigid) {
-  if (asked.bodies.count() == 0) return rigid.run;
-  SystemGraph& graph = asked.graph;
-  BodyModels& bodies = asked.bodies;
-  rigid.deformed = model_error(graph, bodies, rigid.run, bodies.all(), Missing::modes, asked.sensors);
-  ModelRun corrected = run_model(graph, bodies, bodies.rigid(), asked.sensors, asked.methods.by_tolerance,
-                                 request(asked, kFirstTolerance, 1, true), rigid.deformed.feedback);
-  if (!corrected.reached()) return rigid.run;
-  rigid.corrected = std::move(corrected);
-  return with_response(graph, bodies, *rigid.corrected, bodies.all(), rigid.deformed.response, asked.sensors);
+constexpr int kRungs = 3;
+
+/// What steps leave in the last, in parts of what changes.
+double left_in(const Asked& asked, const Ladder& ladder) {
+  if (ladder.runs.size() < 2) return kInfinity;
+  const auto left = left_by_pace(asked, ladder);
+  const auto change = sample_changes(asked.sensors, ladder.last().samples);
+  double most = 0;
+  for (std::size_t w = 0; w < asked.count(); ++w)
+    most = std::max(most, left[w] / std::max(change[w], round_off(asked, ladder.last().samples, w)));
+  return most;
 }
 
-/// Two rigid runs tell what a tolerance is worth here.
-void find_tolerance(const Asked& asked, RigidMotion& rigid) {
-  ModelRun tighter = run_logged(asked, asked.bodies.rigid(), request(asked, kFirstTolerance / 10, 1, false));
-  if (!tighter.reached()) {
-    rigid.time_worth = rigid.change;  // what a tolerance is worth is not known
+/// Steps as long as the samples are apart and half of that, or finer ones; a tolerance where these do not do. Estimates
+/// rest on the first that is sound.
+void run_rigid(const Asked& asked, RigidMotion& rigid) {
+  const auto models = asked.bodies.rigid();
+  Ladder& ladder = rigid.ladder;
+  double left = kInfinity;
+  for (int rung = 0; asked.methods.by_step && rung < kRungs && left > kSound; ++rung) {
+    rigid.pace = {asked.interval() / (1 << rung), 0};
+    add_run(asked, models, rigid.pace, 1, true, ladder, rigid.why);
+    left = left_in(asked, ladder);
+  }
+  if (left > kSound) {
+    ladder = {};
+    rigid.pace = {0, kFirstTolerance};
+    add_run(asked, models, rigid.pace, 1, true, ladder, rigid.why);
     return;
   }
-  rigid.time_worth = sample_differences(asked.sensors, tighter.samples, rigid.run.samples);
-  for (double& worth : rigid.time_worth) worth /= kFirstTolerance;
-  rigid.tighter = std::move(tighter);
-  double tolerance = kLoosest;
-  for (std::size_t w = 0; w < asked.count(); ++w) {
-    const double worth = rigid.time_worth[w] + rigid.deformation[w];
-    if (worth > 0) tolerance = std::min(tolerance, kTimeShare * rigid.bounds[w] / worth);
-  }
-  if (rigid.is_rough()) tolerance = std::min(tolerance, kTimeShare * kLoosest);
-  rigid.tolerance = std::max(tolerance, kTightest);
+  const auto unsound = static_cast<std::ptrdiff_t>(ladder.runs.size()) - (4 * left > kSound ? 1 : 2);
+  ladder.runs.erase(ladder.runs.begin(), ladder.runs.begin() + unsound);
+  ladder.paces.erase(ladder.paces.begin(), ladder.paces.begin() + unsound);
+  rigid.pace = ladder.paces.front();
+}
+
+/// The run as deformation would have it: what it shows at once, and what it does to the motion at large.
+Table predict(const Asked& asked, RigidMotion& rigid) {
+  const ModelRun& run = rigid.run();
+  const int stride = std::min(asked.stride, kFeedbackStride);
+  rigid.deformed = model_error(asked.graph, asked.bodies, run, asked.bodies.all(), asked.sensors, stride);
+  Table predicted = rigid.deformed.samples;
+  const auto bounds = allowed(asked, sample_changes(asked.sensors, run.samples), run.samples);
+  for (std::size_t w = 0; w < asked.count(); ++w)
+    if (rigid.deformed.effect[w] > bounds[w]) return predicted;  // bodies must deform: their own runs tell the rest
+  const ModelRun moved = run_at(asked, asked.bodies.rigid(), rigid.pace, 1, false, rigid.deformed.feedback);
+  if (!moved.reached()) return predicted;
+  const std::size_t width = predicted.columns.size();
+  for (int row = 0; row < predicted.row_count(); ++row)
+    for (std::size_t c = 1; c < width; ++c) {
+      const int at = row * stride, column = static_cast<int>(c);
+      predicted.values[static_cast<std::size_t>(row) * width + c] +=
+          moved.samples.at(at, column) - run.samples.at(at, column);
+    }
+  return predicted;
 }
 
 }  // namespace
 
 RigidMotion look_at_rigid(const Asked& asked) {
   RigidMotion rigid;
-  rigid.tolerance = kFirstTolerance;
   rigid.amplification.assign(asked.count(), 1);
-  rigid.run = run_logged(asked, asked.bodies.rigid(), request(asked, kFirstTolerance, 1, true));
-  if (!rigid.run.reached()) return rigid;
-  const ModelRun predicted = predict(asked, rigid);
-  rigid.change = sample_changes(asked.sensors, predicted.samples);
+  run_rigid(asked, rigid);
+  if (!rigid.reached()) return rigid;
+  const Table& samples = rigid.run().samples;
+  const Table predicted = asked.bodies.count() > 0 ? predict(asked, rigid) : samples;
+  rigid.change = sample_changes(asked.sensors, predicted);
   double amplitude = 0;
   for (const auto& c : rigid.deformed.coordinates) amplitude = std::max(amplitude, c.amplitude);
   if (amplitude > 0) rigid.elastic_scale = amplitude;
-  rigid.deformation = sample_differences(asked.sensors, predicted.samples, rigid.run.samples);
-  rigid.bounds = allowed(asked, rigid.change, rigid.run.samples);
+  rigid.deformation = sample_differences(asked.sensors, predicted, samples);
+  rigid.bounds = allowed(asked, rigid.change, samples);
   for (std::size_t w = 0; w < asked.count(); ++w)
     if (asked.bodies.count() > 0 && rigid.deformed.effect[w] > 0)
       rigid.amplification[w] = std::max(1.0, rigid.deformation[w] / rigid.deformed.effect[w]);
-  find_tolerance(asked, rigid);
   return rigid;
 }
 

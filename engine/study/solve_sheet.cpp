@@ -107,11 +107,11 @@ Solution certify(const Asked& asked, const RigidMotion& rigid, const Answer& ans
   for (std::size_t b = 0; b < run.models.size(); ++b) c.bodies.push_back(describe(asked, rigid, answer, b));
   c.trials = answer.trials;
   c.chosen = answer.chosen;
-  if (rigid.run.reached() && !is_rigid(run.models)) {
+  if (rigid.reached() && !is_rigid(run.models)) {
     double error = 0;
     for (std::size_t w = 0; w < asked.count(); ++w)
       error = std::max(error, kPredicted * rigid.deformation[w] / bounds[w]);
-    c.trials.insert(c.trials.begin(), {"rigid", rigid.run.tolerance.relative, true, error, rigid.run.cost});
+    c.trials.insert(c.trials.begin(), {"rigid", rigid.run().tolerance.relative, true, error, rigid.run().cost});
     ++c.chosen;
   }
   for (const auto& remarks : {asked.remarks, answer.remarks, remarks_on_errors(asked, answer)})

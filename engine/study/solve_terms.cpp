@@ -2,15 +2,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "engine/base/log.h"
 #include "engine/study/solve_internal.h"
-#include "engine/study/study_run.h"
 
 namespace lithe::solving {
-
-bool RigidMotion::is_rough() const {
-  return !run.reached() || std::find(run.rough.begin(), run.rough.end(), true) != run.rough.end();
-}
 
 double Judgement::largest_part() const {
   double most = 0;
@@ -34,21 +28,6 @@ StatedError Judgement::largest_parts() const {
 }
 
 // ---- runs ----
-
-RunRequest request(const Asked& asked, double tolerance, double elastic_scale, bool dynamics) {
-  return {asked.duration,
-          asked.samples(),
-          {tolerance, std::min(1e-2, 0.1 * elastic_scale) * tolerance},
-          asked.simplify,
-          dynamics};
-}
-
-ModelRun run_logged(const Asked& asked, const std::vector<Fidelity>& models, const RunRequest& request) {
-  ModelRun r = run_model(asked.graph, asked.bodies, models, asked.sensors, asked.methods.by_tolerance, request);
-  log::debug("solve: " + model_text(asked.bodies, models) + ", tolerance " + short_number(request.tolerance.relative) +
-             ": " + duration_text(r.cost) + (r.reached() ? "" : ", " + r.why));
-  return r;
-}
 
 std::vector<double> allowed(const Asked& asked, const std::vector<double>& change, const Table& samples) {
   std::vector<double> bounds(asked.count());
@@ -75,14 +54,6 @@ CertificateTrial trial(const Asked& asked, const ModelRun& run, double error) {
 void note(const Asked& asked, Answer& answer) {
   answer.trials.push_back(trial(asked, answer.run, answer.judgement.largest_part()));
   answer.chosen = static_cast<int>(answer.trials.size()) - 1;
-}
-
-ModelRun run_stepped(const Asked& asked, const std::vector<Fidelity>& models, double step, bool dynamics) {
-  ModelRun run = run_model(asked.graph, asked.bodies, models, asked.sensors,
-                           [&](const Tolerance&) { return asked.methods.by_step(step); },
-                           {asked.duration, asked.samples(), {}, asked.simplify, dynamics});
-  run.tolerance = {0, 0};
-  return run;
 }
 
 // ---- models ----
