@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <sstream>
 
 #include "engine/base/error.h"
+#include "engine/base/log.h"
 #include "engine/model/contact_element.h"
 #include "engine/model/islands.h"
 #include "engine/simplify/simplification.h"
@@ -31,6 +33,8 @@ Solution solve(SystemGraph& graph, double duration, const std::vector<Want>& wan
   const double begun = thread_seconds();
   BodyModels bodies(graph);
   const solving::Asked asked = solving::ask(graph, bodies, duration, wants, methods, options);
+  std::optional<log::Quiet> quiet;  // the drawing of each model would repeat what the simplification's has said
+  if (options.simplify) quiet.emplace();
   if (asked.impacts) {
     solving::RigidMotion rigid;
     const solving::Answer answer = solving::answer_with_impacts(asked, rigid);
