@@ -87,9 +87,7 @@ double Input::next_kink(double time) const {
 }
 
 Input::operator MotionLaw() const { return InputLaw{this}; }
-Input::operator std::function<double(double, double, double)>() const {
-  return InputEffort{this};
-}
+Input::operator std::function<double(double, double, double)>() const { return InputEffort{this}; }
 
 const Input* Input::of(const MotionLaw& law) {
   const auto* found = law.target<InputLaw>();
