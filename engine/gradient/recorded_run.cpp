@@ -36,7 +36,8 @@ RecordedRun::RecordedRun(const ParametricScene& scene, const Drawing& drawing, s
   if (method_) derivative_ = method_->step_derivative();
   if (!derivative_ && !(method_ && method_->repeated_step(equations_)))
     refuse(scene, "the steps of " + integrator_->name() + " with these settings cannot be differentiated yet",
-           "take GeneralizedAlpha{{.step = ...}} (index 3, one fixed step), ExplicitRungeKutta, Radau or LieBdf");
+           "take GeneralizedAlpha{{.step = ...}} (index 3, one fixed step), ExplicitRungeKutta, Radau or LieBdf; "
+           "for contacts between rigid surfaces MoreauJean");
   if (equations_.contacts()) refuse_contacts();
   repeats_ = !derivative_;
 

@@ -56,7 +56,9 @@ TEST(AlphaEventGradients, AreOfSecondOrderWhereTheEventMoves) {
       const MatrixX found = gradient(loop(exact_alpha(step)), end, kAlphaNumbers, {.mode = mode}).derivatives;
       const double off = ((found - expected).array() / expected.array()).abs().maxCoeff();
       if (std::getenv("LITHE_SHOW_ERRORS")) std::printf("steps of %g s: off %.1e\n", step, off);
-      if (before > 0) EXPECT_LT(off, before / 3);
+      if (before > 0) {
+        EXPECT_LT(off, before / 3);
+      }
       before = off;
     }
     EXPECT_LT(before, 2e-5);
