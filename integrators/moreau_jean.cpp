@@ -93,7 +93,7 @@ StepResult MoreauJean::advance(EquationsOfMotion& equations, State& state, doubl
       impulses_.finish_by(time);
       return advance(equations, state, state.time + impulses_.cut());
     }
-    statistics_.newton_iterations += impulses_.iterations();
+    statistics_.newton_iterations += impulses_.iterations() + friction_.sweeps();
   }
   if (!rubs) {
     layout.retract(state.q, d_, q_);

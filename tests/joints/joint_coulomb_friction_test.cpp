@@ -2,6 +2,7 @@
 
 #include "engine/assembly/evaluator.h"
 #include "engine/observe/recorder.h"
+#include "engine/run/simulation.h"
 #include "integrators/moreau_jean.h"
 #include "integrators/nonsmooth_generalized_alpha.h"
 #include "joints/contact/contact.h"
@@ -445,12 +446,12 @@ TEST(JointCoulombFriction, BadInputNamesWhatIsWrong) {
   Method method = radau(1e-6);
   expect_says(message_of<SceneError>([&] { block.scene.run(*method, 1); }), {"set-valued", "JointBristles"});
 
-  Scene both({0, 0, -kGravity}, [&](SystemGraph& graph) {
-    auto& cube = graph.add<RigidBody>("cube", {});
-    auto& guide = graph.add<PrismaticJoint>("guide", {graph.ground().marker(), cube.marker()});
-    rub(graph, {guide.displacement()}, guide, {.coefficient = 0.3});
-    graph.add<Contact>("floor",
-                       std::vector<Collider>{{graph.ground().marker(), shape::half_space()},
+  Scene both({0, 0, -kGravity}, [&](SystemGraph& drawn) {
+    auto& cube = drawn.add<RigidBody>("cube", {});
+    auto& guide = drawn.add<PrismaticJoint>("guide", {drawn.ground().marker(), cube.marker()});
+    rub(drawn, {guide.displacement()}, guide, {.coefficient = 0.3});
+    drawn.add<Contact>("floor",
+                       std::vector<Collider>{{drawn.ground().marker(), shape::half_space()},
                                              {cube.marker({0, 0, 1}), shape::sphere(0.1)}},
                        Contact::Parameters{.law = RigidSurfaces{}});
   });
