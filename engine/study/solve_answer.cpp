@@ -226,12 +226,14 @@ class Search {
 
   // ---- errors ----
 
+  /// The change by deformation.
+  double deformed(std::size_t w) const { return std::max(deformed_[w], rigid_.deformed_by(w)); }
   /// Orders fall on as they fell beside the first; without data of the fourth, hardly.
   double beyond(std::size_t w) const {
     const Deflection order = finest(asked_);
     if (order == Deflection::linear) return 0;
     const Judgement& j = answer_.judgement;
-    const double first = std::max(deformed_[w], rigid_.deformed_by(w));
+    const double first = deformed(w);
     const double second = std::min(j.effects.second_order[w], first);  // more, where lower orders run away
     const double falls = first > 0 ? std::min(1.0, std::max(second, j.effects.fourth_order[w]) / first) : 1;
     double next = second * std::sqrt(std::sqrt(falls));
@@ -245,7 +247,7 @@ class Search {
       const bool hidden = 2 * M_PI * c.frequency * pace_.step > kUnresolved;
       if (!has(models_, c) && (hidden || !has(richer_, c))) sum += carried_[w] * c.effect[w];
     }
-    return kCaution * sum + kCandidates * rigid_.deformed_by(w);
+    return kCaution * sum + kCandidates * deformed(w);
   }
   std::vector<double> beside() const {
     for (std::size_t i = 0; i < ladder_.runs.size(); ++i)

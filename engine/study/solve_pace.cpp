@@ -89,7 +89,13 @@ std::vector<double> left_by_pace(const Asked& asked, const Ladder& ladder) {
   if (asked.contacts) return left;
   const double r = ratio(ladder.paces[n - 2], ladder.paces[n - 1]);
   if (ladder.paces.back().step == 0) {
-    for (double& e : left) e *= std::min(1.0, kToleranceCaution / r);
+    // Runs of the same steps tell nothing of each other's: then the tolerance stands for its error.
+    const ModelRun& last = ladder.last();
+    const bool same = ladder.runs[n - 2].statistics.steps == last.statistics.steps;
+    const auto change = sample_changes(asked.sensors, last.samples);
+    for (std::size_t w = 0; w < asked.count(); ++w)
+      left[w] =
+          std::max(left[w] * std::min(1.0, kToleranceCaution / r), same ? last.tolerance.relative * change[w] : 0.0);
     return left;
   }
   std::vector<double> before(asked.count(), kInfinity);
