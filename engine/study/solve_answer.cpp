@@ -228,7 +228,7 @@ class ModelSearch {
 
   /// The change by deformation.
   double deformed(std::size_t w) const { return std::max(deformed_[w], rigid_.deformed_by(w)); }
-  /// Orders fall on as they fell beside the first; without data of the fourth, hardly.
+  /// Orders fall on as they fell beside the first; without data of the fourth, by the fourth root.
   double beyond(std::size_t w) const {
     const Deflection order = finest(asked_);
     if (order == Deflection::linear) return 0;
