@@ -71,8 +71,9 @@ void look_at_contacts(Asked& asked) {
     };
     for (const DeformableBody* body : asked.bodies.bodies())
       if (touches(body))
-        asked.remarks.push_back("'" + contact->name() + "' touches '" + body->name() +
-                                "': modes that impacts shorter than the samples' distance drive are ranked by guess");
+        asked.remarks.push_back(
+            "'" + contact->name() + "' touches '" + body->name() +
+            "': where an impact is shorter than the time between samples, which modes it drives is not well known");
   }
 }
 

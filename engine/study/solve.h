@@ -29,7 +29,7 @@ inline Want want(Sensor sensor, Precision precision) { return {std::move(sensor)
 /// The integrators that solve() works with.
 struct SolveMethods {
   MakeIntegratorBy<Tolerance> by_tolerance;
-  /// Of second order in its fixed step, s, at home with stiff modes: for coarse answers. None: left out.
+  /// Of second order in its fixed step, s, at home with stiff modes. None: by tolerance alone.
   MakeIntegratorBy<double> by_step;
   /// The same for scenes whose surfaces are rigid. None: these are refused.
   MakeIntegratorBy<double> by_step_with_impacts;

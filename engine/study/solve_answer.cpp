@@ -68,9 +68,9 @@ bool has(const Models& models, const ModelError::Coordinate& c) {
 
 /// Looks for the poorest model that a richer one differs little from, both at one pace, so that what the pace leaves
 /// falls out of the difference; then for a pace.
-class Search {
+class ModelSearch {
  public:
-  Search(const Asked& asked, const RigidMotion& rigid, const Choice& choice)
+  ModelSearch(const Asked& asked, const RigidMotion& rigid, const Choice& choice)
       : asked_(asked),
         rigid_(rigid),
         untold_(choice.untold),
@@ -124,7 +124,7 @@ class Search {
     return true;
   }
   bool look_at_richer(const ModelRun& run) {
-    rich_ = richer_ == run.models ? run : run_at(asked_, richer_, pace_, rigid_.elastic_scale, false);
+    rich_ = richer_ == run.models ? run : run_at(asked_, richer_, pace_, rigid_.elastic_scale, true);
     by_order_.clear();
     if (!rich_.reached()) answer_.why = rich_.why;
     return rich_.reached();
@@ -228,7 +228,7 @@ class Search {
 
   /// The change by deformation.
   double deformed(std::size_t w) const { return std::max(deformed_[w], rigid_.deformed_by(w)); }
-  /// Orders fall on as they fell beside the first; without data of the fourth, hardly.
+  /// Orders fall on as they fell beside the first; without data of the fourth, by the fourth root.
   double beyond(std::size_t w) const {
     const Deflection order = finest(asked_);
     if (order == Deflection::linear) return 0;
@@ -377,7 +377,7 @@ Answer accept_rigid(const Asked& asked, const RigidMotion& rigid, const Choice& 
 }
 
 Answer refine(const Asked& asked, const RigidMotion& rigid, const Choice& choice) {
-  return Search(asked, rigid, choice).find();
+  return ModelSearch(asked, rigid, choice).find();
 }
 
 }  // namespace lithe::solving

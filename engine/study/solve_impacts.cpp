@@ -18,7 +18,7 @@ Models lower(const Asked& asked, int part) {
 
 /// Runs with ever more modes, from rigid bodies to all candidates, and what all of them still leave out: no load is
 /// known that would drive the modes left out, for impacts are impulses.
-struct Sequence {
+struct ModelSequence {
   std::vector<ModelRun> runs;             // of the same steps
   std::vector<double> modes, deflection;  // left out by the last
   std::vector<double> second;             // done by the orders of deflection
@@ -36,14 +36,14 @@ std::vector<double> falls_on(const Asked& asked, const Table& a, const Table& b,
 }
 
 /// At the longest steps at which all of them reach the end.
-Sequence run_sequence(const Asked& asked, Pace& pace) {
+ModelSequence run_sequence(const Asked& asked, Pace& pace) {
   std::string why;
   for (int round = 0; round < asked.options.most_runs; ++round, pace = finer(pace)) {
     Ladder ladder;
     const auto add = [&](const Models& models) { return add_run(asked, models, pace, 1, false, ladder, why); };
     if (!add(asked.bodies.rigid())) continue;
     if (asked.bodies.count() > 0 && !(add(lower(asked, 4)) && add(lower(asked, 2)) && add(lower(asked, 1)))) continue;
-    Sequence sequence{std::move(ladder.runs), std::vector<double>(asked.count(), 0), {}, {}};
+    ModelSequence sequence{std::move(ladder.runs), std::vector<double>(asked.count(), 0), {}, {}};
     sequence.deflection = sequence.second = sequence.modes;
     const auto& runs = sequence.runs;
     if (runs.size() == 1) return sequence;
@@ -63,7 +63,7 @@ Sequence run_sequence(const Asked& asked, Pace& pace) {
 
 Answer answer_with_impacts(const Asked& asked, RigidMotion& rigid) {
   Pace pace{asked.interval(), 0};
-  const Sequence sequence = run_sequence(asked, pace);
+  const ModelSequence sequence = run_sequence(asked, pace);
   const Table& richest = sequence.richest().samples;
   rigid.ladder = {{sequence.runs.front()}, {pace}};
   rigid.pace = pace;

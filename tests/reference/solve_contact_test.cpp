@@ -21,8 +21,8 @@ namespace {
 constexpr double g = 9.81, kDrop = 0.4, kRadius = 0.1;  // m
 
 /// A ball let go above a plane; its height over the plane is watched.
-struct Ball {
-  explicit Ball(const Contact::Parameters& law) {
+struct BallOnFloor {
+  explicit BallOnFloor(const Contact::Parameters& law) {
     auto& ball =
         graph.add<RigidBody>("ball", {.mass = 2, .inertia = {8e-3, 8e-3, 8e-3}, .position = {0, 0, kRadius + kDrop}});
     graph.add<Contact>(
@@ -65,7 +65,7 @@ double bouncing(double t, double restitution) {
 TEST(SolveContact, a_ball_bounces_off_a_rigid_plane_as_the_closed_form_says) {
   for (const double restitution : {1.0, 0.7, 0.0}) {
     SCOPED_TRACE(restitution);
-    Ball ball({.law = RigidSurfaces{.restitution = restitution}});
+    BallOnFloor ball({.law = RigidSurfaces{.restitution = restitution}});
     const Solution solution = solve(ball.graph, 2, {want(ball.gap(), percent(0.1))});
     const double error = check(solution, [&](double t) { return bouncing(t, restitution); });
     EXPECT_LT(error, 1e-3 * kDrop);
@@ -89,7 +89,7 @@ TEST(SolveContact, a_ball_dips_into_a_linear_spring_as_the_oscillator_says) {
   };
   for (const double wanted : {5.0, 0.1}) {
     SCOPED_TRACE(wanted);
-    Ball ball({.law = Compliance{.stiffness = k, .exponent = 1, .restitution = 1}});
+    BallOnFloor ball({.law = Compliance{.stiffness = k, .exponent = 1, .restitution = 1}});
     const Solution solution = solve(ball.graph, 1.5, {want(ball.gap(), percent(wanted))});
     EXPECT_LT(check(solution, height), wanted / 100 * kDrop);
   }
@@ -151,7 +151,7 @@ TEST(SolveContact, a_flexible_bar_falls_onto_a_rigid_plane_as_another_method_say
 }
 
 TEST(SolveContact, rigid_surfaces_are_refused_where_no_method_takes_impulses) {
-  Ball ball({.law = RigidSurfaces{}});
+  BallOnFloor ball({.law = RigidSurfaces{}});
   expect_error<SceneError>(
       [&] {
         solve(ball.graph, 1, {want(ball.gap(), percent(1))},
