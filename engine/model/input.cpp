@@ -28,18 +28,18 @@ Input::Input(Parameters parameters) : parameters_(std::move(parameters)) {
                      "give .lower <= .upper");
   if (!std::isfinite(p.value)) throw SceneError("its value is not finite", "", "give a number");
   if (p.value < p.lower || p.value > p.upper)
-    throw SceneError(
-        "its value " + number_text(p.value) + " is outside its bounds " + number_text(p.lower) + " to " + number_text(p.upper), "",
-        "give a .value between .lower and .upper");
+    throw SceneError("its value " + number_text(p.value) + " is outside its bounds " + number_text(p.lower) + " to " +
+                         number_text(p.upper),
+                     "", "give a .value between .lower and .upper");
   reset();
 }
 
 void Input::require(double time, double value, const std::string& where) const {
   const std::string unit = parameters_.unit.empty() ? "" : " " + parameters_.unit;
   if (!std::isfinite(time) || !std::isfinite(value))
-    throw SceneError(
-        "input '" + name() + "' is given " + number_text(value) + unit + " at " + time_text(time) + ", which is not finite",
-        where, "give numbers");
+    throw SceneError("input '" + name() + "' is given " + number_text(value) + unit + " at " + time_text(time) +
+                         ", which is not finite",
+                     where, "give numbers");
   if (value < parameters_.lower || value > parameters_.upper)
     throw SceneError("input '" + name() + "' is given " + number_text(value) + unit + ", outside its bounds " +
                          number_text(parameters_.lower) + " to " + number_text(parameters_.upper),
