@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds the release preset, runs every test. A second call rebuilds only what changed.
+# Installs what is missing, builds the release preset, runs the tests. A second call rebuilds only what changed.
+#   --all              also the six longest: three machines, pages in a browser, the archives, the newcomer's hour
 #   LITHE_JOBS=2       jobs at once; all processors by default
 #   LITHE_SANITIZE=1   afterwards the same under AddressSanitizer and UndefinedBehaviorSanitizer
 # --everywhere[=NAME,...]: builds and tests for other processors, compilers and sanitizers instead; tools/everywhere.sh
@@ -9,18 +10,21 @@ case ${1:-} in
   --everywhere) exec tools/everywhere.sh ;;
   --everywhere=*) exec tools/everywhere.sh "${1#--everywhere=}" ;;
 esac
+left_out=(--label-exclude '^long$')
+[[ ${1:-} == --all ]] && left_out=()
 
 jobs=${LITHE_JOBS:-$(nproc)}
 presets=(release)
 [[ ${LITHE_SANITIZE:-0} == 1 ]] && presets+=(asan)
-stage_count=$((2 + 3 * ${#presets[@]}))
+stage_count=$((1 + 3 * ${#presets[@]}))
+[[ ${1:-} == --all ]] && stage_count=$((stage_count + 1))
 source tools/stages.sh
 
 stage_shown "packages" tools/install_packages.sh
 browser() { tools/install_packages.sh tools/page_packages.txt || echo "without it the page's tests are skipped"; }
-stage_shown "browser" browser
+[[ ${1:-} != --all ]] || stage_shown "browser" browser
 for preset in "${presets[@]}"; do
   stage "configure $preset" cmake --preset "$preset" -D LITHE_BENCH=OFF  # benchmarks are no tests: tools/bench.sh
   build "build $preset" cmake --build --preset "$preset" --parallel "$jobs"
-  stage_shown "tests $preset" ctest --preset "$preset" --parallel "$jobs" --no-tests=error
+  stage_shown "tests $preset" ctest --preset "$preset" --parallel "$jobs" --no-tests=error "${left_out[@]}"
 done

@@ -17,7 +17,7 @@ ModelPose z_along(int k) {
   for (int i = 0; i < 3; ++i) R((k + 1 + i) % 3, i) = 1;
   return {Vector3::Zero(), R};
 }
-ModelPose inverse(const ModelPose& pose) { return seen_from(pose, {}); }
+ModelPose seen_back(const ModelPose& pose) { return seen_from(pose, {}); }
 
 CompiledTree::Link::Angle angle(double c, double s, double within) {
   const double length = std::hypot(c, s);
@@ -142,7 +142,7 @@ void CompiledTreeMaker::add_joint(const SystemGraph::ConstraintEntry& entry, con
   joints_.push_back({entry.constraint, entry.markers[0], entry.markers[1], -1, -1, static_cast<int>(q_.size()),
                      static_cast<int>(v_.size()), axes});
   int parent = from.link;
-  ModelPose inwards = from.pose * on_body(inner), outwards = inverse(on_body(outer));
+  ModelPose inwards = from.pose * on_body(inner), outwards = seen_back(on_body(outer));
   if (ball) {
     add_link({.parent = parent, .motion = Motion::ball, .inner = inwards});
     parent = static_cast<int>(drafts_.size()) - 1;
@@ -155,7 +155,7 @@ void CompiledTreeMaker::add_joint(const SystemGraph::ConstraintEntry& entry, con
     if (reversed) own = own * ModelPose{Vector3::Zero(), Vector3(1, -1, -1).asDiagonal()};
     add_link({.parent = parent, .motion = k < 3 ? Motion::slide : Motion::turn, .inner = inwards * own});
     parent = static_cast<int>(drafts_.size()) - 1;
-    inwards = inverse(own);
+    inwards = seen_back(own);
     measure(*entry.constraint, entry.markers[0], entry.markers[1], k, axes.size() > 1);
   }
   const ModelPose body = inwards * outwards;
