@@ -79,8 +79,9 @@ void JointFrictionImpulses::form(EquationsOfMotion& equations, double h) {
     of.friction = [&law = *surface.friction](double speed) { return law.friction(speed); };
     of.presses.resize(by_lambda_[i].size());
     for (std::size_t k = 0; k < by_lambda_[i].size(); ++k) {
-      of.presses[k].by = by_lambda_[i][k] * L_;
-      of.presses[k].constant = by_lambda_[i][k] * felt_ - of.presses[k].by * p_;
+      const MatrixX& by = by_lambda_[i][k];
+      of.presses[k].by = by * L_.middleRows(surface.joint_row, by.cols());
+      of.presses[k].constant = by * felt_.segment(surface.joint_row, by.cols()) - of.presses[k].by * p_;
     }
   }
 }

@@ -6,23 +6,27 @@
 # --everywhere[=NAME,...]: builds and tests for other processors, compilers and sanitizers instead; tools/everywhere.sh
 set -euo pipefail
 cd "$(dirname "$0")/.."
+all=no left_out=(--label-exclude '^long$')
 case ${1:-} in
   --everywhere) exec tools/everywhere.sh ;;
   --everywhere=*) exec tools/everywhere.sh "${1#--everywhere=}" ;;
+  --all) all=yes left_out=() ;;
+  ?*)
+    sed -n '2,6s/^# \{0,1\}//p' "$0" >&2
+    exit 2
+    ;;
 esac
-left_out=(--label-exclude '^long$')
-[[ ${1:-} == --all ]] && left_out=()
 
 jobs=${LITHE_JOBS:-$(nproc)}
 presets=(release)
 [[ ${LITHE_SANITIZE:-0} == 1 ]] && presets+=(asan)
 stage_count=$((1 + 3 * ${#presets[@]}))
-[[ ${1:-} == --all ]] && stage_count=$((stage_count + 1))
+[[ $all == no ]] || stage_count=$((stage_count + 1))
 source tools/stages.sh
 
 stage_shown "packages" tools/install_packages.sh
 browser() { tools/install_packages.sh tools/page_packages.txt || echo "without it the page's tests are skipped"; }
-[[ ${1:-} != --all ]] || stage_shown "browser" browser
+[[ $all == no ]] || stage_shown "browser" browser
 for preset in "${presets[@]}"; do
   stage "configure $preset" cmake --preset "$preset" -D LITHE_BENCH=OFF  # benchmarks are no tests: tools/bench.sh
   build "build $preset" cmake --build --preset "$preset" --parallel "$jobs"

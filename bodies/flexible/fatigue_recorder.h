@@ -26,8 +26,8 @@ struct FatigueCriterion {
 
 /// Damage at the nodes of a flexible body by the stresses of a run: rainflow counting, an S-N curve and Miner's sum.
 /// It keeps the elastic coordinates alone, so that many curves and sets can be asked of one run; a run that starts anew
-/// starts it anew. Observe often enough
-/// that peaks are met: 20 states a period of the fastest mode of interest miss 1.2 % of its range at most.
+/// starts it anew. Observe often enough that peaks are met: 20 states a period of the fastest mode of interest miss
+/// 1.2 % of its range at most.
 ///   FatigueRecorder fatigue(shaft);
 ///   simulation.observe(fatigue, every(1e-4));
 ///   simulation.run(state, 2);

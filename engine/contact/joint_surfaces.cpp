@@ -54,10 +54,7 @@ void JointSurfaces::find_presses(const Surface& surface, std::vector<MatrixX>& b
   SetValuedFriction::Press P[SetValuedFriction::kMostPresses];
   const int count = surface.friction->presses(MarkerMotions(surface.markers, scene_.motion_of), P);
   by_lambda.resize(static_cast<std::size_t>(count));
-  for (int i = 0; i < count; ++i) {
-    by_lambda[i].setZero(3, scene_.constraint_rows);
-    by_lambda[i].middleCols(surface.joint_row, rows.count()) = P[i] * R;
-  }
+  for (int i = 0; i < count; ++i) by_lambda[i] = P[i] * R;
 }
 
 }  // namespace lithe

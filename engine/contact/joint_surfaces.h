@@ -42,7 +42,7 @@ class JointSurfaces {
   void start();
   /// How far all surfaces have slid since start(), along their directions, m.
   void slid(VectorX& way) const;
-  /// |P_i R| of a surface by the multipliers: a matrix for each, on the rows of the whole system.
+  /// P_i R of a surface by the multipliers of its joint: a matrix for each, 3 x the joint's rows from joint_row on.
   void find_presses(const Surface& surface, std::vector<MatrixX>& by_lambda) const;
   /// Multipliers, a column each, become those of least norm with the same forces where rows repeat others.
   virtual void felt(MatrixRef lambda) = 0;

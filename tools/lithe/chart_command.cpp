@@ -10,19 +10,10 @@ namespace lithe::command {
 namespace fs = std::filesystem;
 namespace {
 
-/// What is compiled around a scene. A main() of its own is left aside.
-std::string main_around(const fs::path& scene) {
-  return R"(#include "lithe/lithe.h"
-lithe::StudyScene scene();
-#define main main_of_the_scene
-#include ")" +
-         scene.string() + R"("
-#undef main
-int main(int count, char** words) {
+constexpr const char* kChartMain = R"(int main(int count, char** words) {
   lithe::chart_study(scene(), lithe::standard_methods(), lithe::reference_methods(), {words + 1, words + count});
 }
 )";
-}
 
 /// A path, or the name of one of the project's own studies.
 SceneFile find_study(const std::string& name, const Installation& installation) {
@@ -45,7 +36,7 @@ int chart(const ChartOptions& options) {
   const SceneFile scene = find_study(options.scene, installation);
   fs::path program;
   try {
-    program = compiled_scene(installation, scene, options.verbose, main_around(scene.path));
+    program = compiled_scene(installation, scene, options.verbose, text_around(scene.path, kChartMain));
   } catch (const CompileFailure& failure) {
     std::fprintf(stderr, "%s", failure.what());
     return 2;

@@ -22,15 +22,7 @@ struct CompileOptions {
   bool free = false, undamped = false, verbose = false;
 };
 
-/// What is compiled around a scene. A main() of its own is left aside.
-std::string writer_around(const fs::path& scene) {
-  return R"(#include "lithe/lithe.h"
-lithe::StudyScene scene();
-#define main main_of_the_scene
-#include ")" +
-         scene.string() + R"("
-#undef main
-int main(int, char** words) {
+constexpr const char* kWriterMain = R"(int main(int, char** words) {
   const lithe::StudyScene drawn = scene();
   lithe::SystemGraph graph{{.gravity = drawn.gravity}};
   drawn.draw(graph);
@@ -38,7 +30,6 @@ int main(int, char** words) {
   lithe::CompiledScene::of(system, words[1], {.right_angles_within = std::stod(words[3])}).write(words[2]);
 }
 )";
-}
 
 /// A scene in C++ is drawn by its own program, a model file here.
 int compile(const CompileOptions& options) {
@@ -50,7 +41,8 @@ int compile(const CompileOptions& options) {
   if (path.extension() == ".cpp") {
     const SceneFile scene = SceneFile::find(options.path);
     try {
-      const fs::path program = compiled_scene(Installation::find(), scene, options.verbose, writer_around(scene.path));
+      const fs::path program =
+          compiled_scene(Installation::find(), scene, options.verbose, text_around(scene.path, kWriterMain));
       const Finished drawn =
           run_captured({program.string(), name, options.folder, number_text(options.right_angles_within)});
       std::fprintf(stderr, "%s", drawn.output.c_str());

@@ -32,23 +32,17 @@ struct FmuOptions {
   bool verbose = false, with_libraries = false;
 };
 
-/// What is compiled around a scene. A main() of its own is left aside.
+/// What is compiled around a scene.
 std::string source_around(const fs::path& scene, const FmuOptions& options, const std::string& token) {
   const std::string integrator =
       options.step > 0
           ? "lithe::GeneralizedAlpha>(lithe::GeneralizedAlpha::Parameters{.step = " + number_text(options.step)
           : "lithe::Automatic>(lithe::Automatic::Parameters{.tolerance = {" + number_text(options.tolerance) + ", " +
                 number_text(0.01 * options.tolerance) + "}";
-  return R"(#include "lithe/lithe.h"
-#include "engine/fmu/fmu_instance.h"
-lithe::StudyScene scene();
-#define main main_of_the_scene
-#include ")" +
-         scene.string() + R"("
-#undef main
+  return text_around(scene, R"(#include "engine/fmu/fmu_instance.h"
 static lithe::FmuModel lithe_fmu_model() {
   return {scene(), [] { return std::make_unique<)" +
-         integrator + R"(}); }, ")" + token + R"("};
+                                integrator + R"(}); }, ")" + token + R"("};
 }
 #include "engine/fmu/fmi2_border.h"
 #include "engine/fmu/fmi3_border.h"
@@ -61,7 +55,7 @@ LITHE_FMU_EXPORT const char* lithe_fmu_facts() {
   }
   return facts.c_str();
 }
-)";
+)");
 }
 
 std::string identifier_of(const fs::path& path) {

@@ -157,6 +157,16 @@ fs::path compiled_scene(const Installation& installation, const SceneFile& scene
   return program;
 }
 
+std::string text_around(const fs::path& scene, const std::string& rest) {
+  return R"(#include "lithe/lithe.h"
+lithe::StudyScene scene();
+#define main main_of_the_scene
+#include ")" +
+         scene.string() + R"("
+#undef main
+)" + rest;
+}
+
 void become_scene(const fs::path& program, const std::vector<std::string>& arguments) {
   std::vector<std::string> command = {program.string()};
   command.insert(command.end(), arguments.begin(), arguments.end());

@@ -23,6 +23,9 @@ struct SceneFile {
 std::filesystem::path compiled_scene(const Installation& installation, const SceneFile& scene, bool verbose,
                                      const std::string& main_text = "");
 
+/// A main_text of a file that has `StudyScene scene()`: the file, whose own main() is left aside, then `rest`.
+std::string text_around(const std::filesystem::path& scene, const std::string& rest);
+
 /// Becomes the program. Throws FileError if it cannot be started.
 [[noreturn]] void become_scene(const std::filesystem::path& program, const std::vector<std::string>& arguments);
 
