@@ -32,11 +32,11 @@ def joint_coulomb_friction():
     kinetic = 0.75
     level = kinetic + (1 - kinetic) * np.exp(-((4 * s) ** 2))
     p.curve(np.concatenate([-s[::-1], s]), np.concatenate([-level[::-1], level]), 0)
-    p.key("MoreauJean, NonsmoothGeneralizedAlpha: sticks", 0, -0.95, 1.05)
+    p.key("set-valued: sticks", 0, 0.5, -0.2)
     way = np.linspace(-1, 1, 400)
     smooth = (kinetic + (1 - kinetic) * np.exp(-((4 * way) ** 2))) * np.tanh(way * 15)
     p.curve(way, smooth, 1)
-    p.key("regularised (JointFriction): creeps", 1, -0.95, 0.89)
+    p.key("smoothed: creeps", 1, 0.5, -0.42)
     return p
 
 
