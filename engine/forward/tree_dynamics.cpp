@@ -145,6 +145,13 @@ std::unique_ptr<TreeDynamics> TreeDynamics::make(const RigidScene& scene) {
   }
   tree->motions_.resize(tree->links_.size() + 1, tree->motions_[0]);
   tree->divide();
+  std::vector<BallTree::Link> balls;
+  for (const Link& link : tree->links_)
+    if (link.kind == Kind::spherical)
+      balls.push_back({link.q, link.v, link.parent, true, link.mass, link.inertia, link.r, link.r_parent});
+    else if (link.kind == Kind::root)
+      balls.push_back({link.q, link.v, -1, false, link.mass, link.inertia, Vector3::Zero(), Vector3::Zero()});
+  if (balls.size() == tree->links_.size()) tree->balls_.emplace(balls, tree->branches_, tree->trunk_, scene.gravity);
   return tree;
 }
 
@@ -341,11 +348,12 @@ void TreeDynamics::place(int i, const double* q, const double* v) {
 }
 
 void TreeDynamics::accelerations(const double* q, const double* v, const double* load, double* v_dot) {
+  if (balls_) return balls_->accelerations(q, v, load, v_dot, threads_);
   const int branches = static_cast<int>(branches_.size());
   // 1. Inwards: branches, then the trunk.
   for (int i : trunk_) place(i, q, v);
   const auto inwards = [&](int k) {
-    const Branch& b = branches_[k];
+    const BallTree::Range& b = branches_[k];
     for (int i = b.first; i < b.last; ++i) place(i, q, v);
     for (int i = b.last; i-- > b.first;) eliminate(i, q, v, load);
   };

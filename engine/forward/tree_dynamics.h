@@ -1,10 +1,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "engine/base/lanes.h"
 #include "engine/base/thread_team.h"
+#include "engine/forward/ball_tree.h"
 #include "engine/forward/rigid_scene.h"
 
 namespace lithe {
@@ -16,7 +18,7 @@ namespace lithe {
 /// number of threads.
 ///   F = I a + p of a subtree,  Sᵀ F = 0 for the free motions S of its joint,  a = a_parent + S y + c
 /// A few links in a row share the point that I, p and a refer to, the centre of mass of the first: there is nothing to
-/// shift between them, and their arms stay short beside their own size.
+/// shift between them, and their arms stay short beside their own size. Where all joints are balls, BallTree does it.
 class TreeDynamics final : public ForwardKernel {
  public:
   /// Null if the joints close a loop.
@@ -83,13 +85,11 @@ class TreeDynamics final : public ForwardKernel {
   std::vector<Link> links_;      // parents first, each subtree in a row
   std::vector<Motion> motions_;  // of ground, then of the links
   std::vector<FreeMotion> free_;
-  struct Branch {
-    int first, last;  // links: one or more whole subtrees
-  };
-  std::vector<Branch> branches_;
-  std::vector<int> trunk_;           // the links of no branch
-  std::vector<Articulated> handed_;  // what branches add to links of the trunk
-  std::vector<int> handed_to_;       // those links
+  std::vector<BallTree::Range> branches_;  // of links: one or more whole subtrees
+  std::vector<int> trunk_;                 // the links of no branch
+  std::vector<Articulated> handed_;        // what branches add to links of the trunk
+  std::vector<int> handed_to_;             // those links
+  std::optional<BallTree> balls_;
   ThreadTeam threads_;
   double ground_[3] = {0, 0, 0};  // its place and velocity
 };

@@ -59,6 +59,24 @@ void draw_tree(SystemGraph& graph) {
                           {.stiffness = 10, .damping = 1, .natural_length = 1.5});
 }
 
+/// Balls alone: ground - a, and on a: b, c and d; on c: e; and a free body f with g and h on it; springs across.
+void draw_balls(SystemGraph& graph) {
+  const Part a = body(graph, "a", {0.5, 0, 0}, {0.3, 0.2, -0.1}), b = body(graph, "b", {1.2, 0.3, 0}, {0, 0.4, 1}),
+             c = body(graph, "c", {0.4, 0.9, 0.2}, {1, 0, 0.3}), d = body(graph, "d", {0.3, -0.8, 0.1}, {0.2, 1, 0}),
+             e = body(graph, "e", {0.1, 1.6, 0.4}, {0.1, 0.2, 0.3}), f = body(graph, "f", {-1.5, 0.3, 0}, {0.6, 0, 0}),
+             g = body(graph, "g", {-2, 0.5, 0.1}, {0, 0, 0.5}), h = body(graph, "h", {-1.4, 1, 0.3}, {0.7, 0.1, 0});
+  const auto tie = [&](const char* name, const Part& A, const Part& B, const Vector3& at) {
+    graph.add<SphericalJoint>(name, {A.at(at), B.at(at)});
+  };
+  graph.add<SphericalJoint>("ground-a", {graph.ground().marker({0, 0.1, 0}), a.at({0, 0.1, 0})});
+  tie("b-a", b, a, {0.9, 0.1, 0}), tie("a-c", a, c, {0.5, 0.5, 0.1}), tie("d-a", d, a, {0.4, -0.4, 0});
+  tie("c-e", c, e, {0.2, 1.3, 0.3}), tie("g-f", g, f, {-1.8, 0.4, 0}), tie("f-h", f, h, {-1.4, 0.6, 0.2});
+  graph.add<SpringDamper>("spring", {b.at({1.4, 0.3, 0.1}), e.at({0.2, 1.7, 0})},
+                          {.stiffness = 40, .damping = 3, .natural_length = 0.5});
+  graph.add<SpringDamper>("tie", {d.at({0.3, -1, 0.2}), h.at({-1.4, 1.2, 0.4})},
+                          {.stiffness = 10, .damping = 1, .natural_length = 1.5});
+}
+
 /// Slider-crank and a four-bar loop on it, in the plane normal to world axis `normal`, with a spring.
 void draw_linkage(SystemGraph& graph, int normal) {
   const auto in = [&](double x, double y) {
@@ -120,6 +138,10 @@ void expect_same_accelerations(const std::function<void(SystemGraph&)>& draw, Fo
 
 TEST(ForwardDynamics, recursion_over_a_tree_of_every_lower_pair_gives_the_accelerations_of_bodies_with_constraints) {
   expect_same_accelerations(draw_tree, ForwardMethod::tree);
+}
+
+TEST(ForwardDynamics, recursion_over_balls_gives_the_accelerations_of_bodies_with_constraints) {
+  expect_same_accelerations(draw_balls, ForwardMethod::tree);
 }
 
 TEST(ForwardDynamics, a_linkage_with_loops_moves_in_its_plane_as_it_does_in_space) {
