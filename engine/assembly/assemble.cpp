@@ -554,13 +554,12 @@ class SystemBuilder {
 
   void choose_forward_method() {
     if (!options_.forward_dynamics) return;
-    auto scene = find_rigid_scene(system_);
+    const auto scene = find_rigid_scene(system_);
     if (!scene) return;
-    scene->threads = options_.threads;
     const auto kernel = make_forward_kernel(*scene);
     if (!kernel) return;
     system_.forward_method_ = kernel->method();
-    system_.rigid_ = std::make_unique<const RigidScene>(std::move(*scene));
+    system_.forward_threads_ = options_.threads;
   }
 
   void report() const {

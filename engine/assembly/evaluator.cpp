@@ -39,7 +39,8 @@ Evaluator::Evaluator(const System& system) : system_(system) {
             .has_loops = factors_->has_loops()};
   for (const RedundantRow& r : system.redundant_) facts_.redundant_rows.push_back(r.row);
   factors_->drop_rows(facts_.redundant_rows);
-  if (system.rigid_) forward_ = std::make_unique<ForwardPart>(*system.rigid_, *this);
+  if (system.forward_method_ != ForwardMethod::constraints)
+    forward_ = std::make_unique<ForwardPart>(system, system.forward_threads_, *this);
 }
 
 /// Here, where the parts are complete types.

@@ -16,7 +16,11 @@ bool ForwardPart::project(double, VectorRef q, VectorRef v, double tolerance) {
 }
 
 ForwardKernel& ForwardPart::kernel() {
-  if (!kernel_) kernel_ = make_forward_kernel(scene_);
+  if (!kernel_) {
+    auto scene = find_rigid_scene(system_);
+    scene->threads = threads_;
+    kernel_ = make_forward_kernel(*scene);
+  }
   return *kernel_;
 }
 

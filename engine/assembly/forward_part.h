@@ -8,11 +8,13 @@
 namespace lithe {
 
 class Evaluator;
+class System;
 
 /// Forward dynamics of one evaluator: a kernel for its rigid scene, with the forces that act in it.
 class ForwardPart final : public ForwardDynamics {
  public:
-  ForwardPart(const RigidScene& scene, Evaluator& evaluator) : scene_(scene), evaluator_(evaluator) {}
+  ForwardPart(const System& system, int threads, Evaluator& evaluator)
+      : system_(system), threads_(threads), evaluator_(evaluator) {}
 
   void accelerations(double time, ConstVectorRef q, ConstVectorRef v, VectorRef v_dot) override;
   bool project(double time, VectorRef q, VectorRef v, double tolerance) override;
@@ -20,7 +22,8 @@ class ForwardPart final : public ForwardDynamics {
  private:
   ForwardKernel& kernel();
 
-  const RigidScene& scene_;
+  const System& system_;
+  const int threads_;
   Evaluator& evaluator_;
   std::unique_ptr<ForwardKernel> kernel_;  // once asked for
 };

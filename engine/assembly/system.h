@@ -95,7 +95,7 @@ class System {
   bool reacts_ = false;            // a force element wants the reaction of a joint
   State initial_;
   ForwardMethod forward_method_ = ForwardMethod::constraints;
-  std::unique_ptr<const RigidScene> rigid_;  // null: forward_method_ is `constraints`
+  int forward_threads_ = 1;
 };
 
 struct AssembleOptions {
