@@ -28,8 +28,8 @@ for option in "$@"; do
 done
 
 counted_programs=(chain explicit_chain pendulum limit_chain limit_explicit limit_flexible beam limit_beam)
-# By GCC, as the peers and all earlier figures. Valgrind knows no AVX-512, nor all that Clang makes of x86-64-v3:
-# instructions are counted in a build for x86-64-v3.
+# Times are those of the default build, by Clang. Valgrind knows no AVX-512, nor all that Clang makes of x86-64-v3:
+# instructions are counted in a build for it by GCC, which also compiles the drivers of robots.
 counted=build/count
 stage_count=3
 [[ $mode == measure ]] && stage_count=5
@@ -49,7 +49,7 @@ case $mode in
   update) exec python3 tools/bench/check.py --counted $counted/tools/bench --update ;;
 esac
 
-stage "configure" cmake --preset gcc
-build "build" cmake --build --preset gcc --parallel "$jobs" --target tools/bench/all
-python3 tools/bench/benchmarks.py --timed build/gcc/tools/bench --counted $counted/tools/bench \
+stage "configure" cmake --preset release
+build "build" cmake --build --preset release --parallel "$jobs" --target tools/bench/all
+python3 tools/bench/benchmarks.py --timed build/release/tools/bench --counted $counted/tools/bench \
   --core "${LITHE_CORE:-0}" "${quick[@]}"

@@ -38,7 +38,7 @@ def measure(programs, counted, quick):
 
     rounds = 2 if quick else 5
     measured = {
-        "machine": machine.describe(),
+        "machine": machine.describe(programs.folder),
         "quick": quick,
         "sizes": SIZES,
         "fixed": steps.fixed_costs(programs, rounds, say),

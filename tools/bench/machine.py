@@ -12,7 +12,14 @@ def output(*command):
         return ""
 
 
-def describe():
+def compiler(folder):
+    """That of the build which this folder belongs to, as it names itself."""
+    cache = next(p / "CMakeCache.txt" for p in folder.resolve().parents if (p / "CMakeCache.txt").exists())
+    command = re.search(r"^CMAKE_CXX_COMPILER:\w+=(.*)$", cache.read_text(), re.MULTILINE)[1]
+    return (output(command, "--version").splitlines() or ["?"])[0]
+
+
+def describe(folder):
     fields = dict(re.findall(r"^([^:\n]+):\s+(.+)$", output("lscpu"), re.MULTILINE))
     flags = fields.get("Flags", "").split()
     vectors = next((name for flag, name in (("avx512f", "AVX-512"), ("avx2", "AVX2"), ("avx", "AVX")) if flag in flags),
@@ -28,7 +35,7 @@ def describe():
         "L1d": fields.get("L1d cache", "?"), "L2": fields.get("L2 cache", "?"), "L3": fields.get("L3 cache", "?"),
         "kernel": platform.release(),
         "system": release[1] if release else platform.system(),
-        "compiler": (output("g++", "--version").splitlines() or ["?"])[0],
+        "compiler": compiler(folder),
         "load_at_start": round(os.getloadavg()[0], 2),
     }
 
