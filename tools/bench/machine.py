@@ -14,8 +14,8 @@ def output(*command):
 
 def compiler(folder):
     """That of the build which this folder belongs to, as it names itself."""
-    cache = next(p / "CMakeCache.txt" for p in folder.resolve().parents if (p / "CMakeCache.txt").exists())
-    command = re.search(r"^CMAKE_CXX_COMPILER:\w+=(.*)$", cache.read_text(), re.MULTILINE)[1]
+    found = next(f for p in folder.resolve().parents for f in p.glob("CMakeFiles/*/CMakeCXXCompiler.cmake"))
+    command = re.search(r'^set\(CMAKE_CXX_COMPILER "(.*)"\)', found.read_text(), re.MULTILINE)[1]
     return (output(command, "--version").splitlines() or ["?"])[0]
 
 
