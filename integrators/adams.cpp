@@ -163,16 +163,7 @@ struct Adams::Memory : SundialsMemory<Adams::Memory> {
   }
 };
 
-Adams::Adams(Parameters parameters) : parameters_(parameters) {
-  require::at("Adams", [&] {
-    require::not_negative(parameters.first_step, "first_step");
-    require::not_negative(parameters.max_step, "max_step");
-    require::not_negative(parameters.tolerance.relative, "relative tolerance");
-    require::positive(parameters.tolerance.absolute, "absolute tolerance");
-  });
-  if (parameters.max_order < 1 || parameters.max_order > 12)
-    throw SceneError("max_order is " + std::to_string(parameters.max_order), "Adams", "give 1 to 12");
-}
+Adams::Adams(Parameters parameters) : parameters_(parameters) { check_sundials("Adams", parameters, 12); }
 
 Adams::~Adams() = default;
 

@@ -76,16 +76,7 @@ struct Ida::Memory : SundialsMemory<Ida::Memory> {
   void require(bool done, const char* what) const { SundialsMemory::require(done, what, "Ida"); }
 };
 
-Ida::Ida(Parameters parameters) : parameters_(parameters) {
-  require::at("Ida", [&] {
-    require::not_negative(parameters.first_step, "first_step");
-    require::not_negative(parameters.max_step, "max_step");
-    require::not_negative(parameters.tolerance.relative, "relative tolerance");
-    require::positive(parameters.tolerance.absolute, "absolute tolerance");
-  });
-  if (parameters.max_order < 1 || parameters.max_order > 5)
-    throw SceneError("max_order is " + std::to_string(parameters.max_order), "Ida", "give 1 to 5");
-}
+Ida::Ida(Parameters parameters) : parameters_(parameters) { check_sundials("Ida", parameters, 5); }
 
 Ida::~Ida() = default;
 

@@ -6,10 +6,25 @@
 #include <exception>
 #include <string>
 
+#include "engine/base/checks.h"
 #include "engine/base/error.h"
 #include "engine/base/math.h"
 
 namespace lithe {
+
+/// Throws SceneError for steps, tolerances or an order that `method` cannot have.
+template <class Parameters>
+void check_sundials(const char* method, const Parameters& parameters, int highest_order) {
+  require::at(method, [&] {
+    require::not_negative(parameters.first_step, "first_step");
+    require::not_negative(parameters.max_step, "max_step");
+    require::not_negative(parameters.tolerance.relative, "relative tolerance");
+    require::positive(parameters.tolerance.absolute, "absolute tolerance");
+  });
+  if (parameters.max_order < 1 || parameters.max_order > highest_order)
+    throw SceneError("max_order is " + std::to_string(parameters.max_order), method,
+                     "give 1 to " + std::to_string(highest_order));
+}
 
 /// What the solvers of SUNDIALS have in common here: their context, and callbacks that let no exception into C. To be
 /// derived from, as struct Memory : SundialsMemory<Memory>, which owns all else.

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <unordered_map>
 #include <vector>
 
 #include "bodies/flexible/readers/calculix_deck.h"
 #include "bodies/flexible/readers/dof_table.h"
+#include "bodies/flexible/readers/labelled_mesh.h"
 #include "bodies/flexible/readers/text_file.h"
 
 namespace lithe {
@@ -22,25 +22,6 @@ std::vector<std::string_view> tokens_of(TextFile& file) {
   auto fields = file.fields();
   if (fields.back().empty()) fields.pop_back();
   return fields;
-}
-
-FiniteElementModel mesh_of(const std::string& path) {
-  const CalculixDeck deck = read_calculix_deck(path);
-  FiniteElementModel model;
-  model.name = path;
-  model.node_ids = deck.node_ids;
-  model.node_sets = deck.node_sets;
-  model.elements = deck.elements;
-  model.nodes.resize(3, static_cast<Eigen::Index>(deck.positions.size()));
-  std::unordered_map<int, int> index;
-  for (size_t i = 0; i < deck.positions.size(); ++i) {
-    model.nodes.col(static_cast<Eigen::Index>(i)) = deck.positions[i];
-    index.emplace(deck.node_ids[i], static_cast<int>(i));
-  }
-  for (ElementBlock& block : model.elements)
-    for (auto& element : block.nodes)
-      for (int& node : element) node = index.at(node);
-  return model;
 }
 
 class MatrixReader {
@@ -152,7 +133,9 @@ class MatrixReader {
 }  // namespace
 
 FiniteElementModel read_abaqus(const AbaqusFiles& files) {
-  FiniteElementModel model = mesh_of(files.deck);
+  const CalculixDeck deck = read_calculix_deck(files.deck);
+  FiniteElementModel model = labelled_mesh(files.deck, deck.node_ids, deck.positions, deck.elements);
+  model.node_sets = deck.node_sets;
   const LabelledMatrix K = MatrixReader(files.stiffness, model.node_ids).read();
   const LabelledMatrix M = MatrixReader(files.mass, model.node_ids).read();
   const std::vector<DofRow> rows = rows_of(K, M);

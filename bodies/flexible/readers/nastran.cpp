@@ -1,9 +1,9 @@
 #include "bodies/flexible/readers/nastran.h"
 
 #include <algorithm>
-#include <unordered_map>
 
 #include "bodies/flexible/readers/dof_table.h"
+#include "bodies/flexible/readers/labelled_mesh.h"
 #include "bodies/flexible/readers/nastran_deck.h"
 #include "bodies/flexible/readers/nastran_op4.h"
 #include "bodies/flexible/readers/text_file.h"
@@ -18,23 +18,6 @@ struct Found {
   const LabelledMatrix* labelled = nullptr;
   const SparseMatrix* plain = nullptr;
 };
-
-FiniteElementModel mesh_of(const NastranDeck& deck, const std::string& path) {
-  FiniteElementModel model;
-  model.name = path;
-  model.node_ids = deck.node_ids;
-  model.elements = deck.elements;
-  model.nodes.resize(3, static_cast<Eigen::Index>(deck.positions.size()));
-  std::unordered_map<int, int> index;
-  for (size_t i = 0; i < deck.positions.size(); ++i) {
-    model.nodes.col(static_cast<Eigen::Index>(i)) = deck.positions[i];
-    index.emplace(deck.node_ids[i], static_cast<int>(i));
-  }
-  for (ElementBlock& block : model.elements)
-    for (auto& element : block.nodes)
-      for (int& node : element) node = index.at(node);
-  return model;
-}
 
 const Found& chosen(const std::vector<Found>& all, const std::string& asked, const std::vector<const char*>& usual,
                     const std::string& path) {
@@ -113,7 +96,7 @@ FiniteElementModel read_nastran(const NastranFiles& files) {
   if ((K.labelled == nullptr) != (M.labelled == nullptr))
     throw FileError("matrix " + K.name + " is of another format than " + M.name + ".", M.path,
                     "write both as DMIG, or both by OUTPUT4.");
-  FiniteElementModel model = mesh_of(deck, files.deck);
+  FiniteElementModel model = labelled_mesh(files.deck, deck.node_ids, deck.positions, deck.elements);
   if (K.labelled != nullptr) {
     const std::vector<DofRow> rows = rows_of(*K.labelled, *M.labelled);
     place_matrices(rows, assembled(*K.labelled, rows), assembled(*M.labelled, rows), K.path, model);
