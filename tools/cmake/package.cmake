@@ -22,7 +22,7 @@ foreach(internal
   list(FILTER public_headers EXCLUDE REGEX "^engine/${internal}\\.h$")
 endforeach()
 list(APPEND public_headers engine/assembly/batch_of.h)  # scenes with elements of their own
-foreach(internal dof_table fixed_columns matrix_entries ansys_archive nastran_deck shape_functions elastic_problem
+foreach(internal dof_table fixed_columns labelled_mesh matrix_entries ansys_archive nastran_deck shape_functions elastic_problem
     static_modes general_inertia eigen_modes quadratic_deflection readers/text_file)
   list(FILTER public_headers EXCLUDE REGEX "/${internal}\\.h$")
 endforeach()
