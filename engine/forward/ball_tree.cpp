@@ -41,13 +41,6 @@ inline Vector3 BallTree::Symmetric::operator*(const Vector3& a) const {
   return {xx * a[0] + xy * a[1] + xz * a[2], xy * a[0] + yy * a[1] + yz * a[2], xz * a[0] + yz * a[1] + zz * a[2]};
 }
 
-inline BallTree::Symmetric BallTree::Symmetric::cofactors() const {
-  return {yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy,
-          xx * zz - xz * xz, xy * xz - xx * yz, xx * yy - xy * xy};
-}
-
-inline double BallTree::Symmetric::determinant(const Symmetric& C) const { return xx * C.xx + xy * C.xy + xz * C.xz; }
-
 BallTree::BallTree(const std::vector<Link>& links, std::span<const Range> branches, std::span<const int> trunk,
                    const Vector3& gravity)
     : gravity_(gravity) {
@@ -176,19 +169,20 @@ void BallTree::eliminate(int i) {
     J.yz = J.yz + d[2] * shifted(0, 2) - d[0] * shifted(2, 2);
     J.zz = J.zz + d[0] * shifted(1, 2) - d[1] * shifted(0, 2);
   }
-  // The next link waits for M_e: so J⁻¹'s division goes on beside the products.
-  const Symmetric C = J.cofactors();
-  const double inverse = 1 / J.determinant(C);
-  for (int j = 0; j < 3; ++j) node.gain.col(j) = C * Vector3(H.row(j));
-  const Matrix3& gain = node.gain;
-  const auto left = [&](int a, int b) {
-    return inverse * (H(a, 0) * gain(0, b) + H(a, 1) * gain(1, b) + H(a, 2) * gain(2, b));
-  };
+  // J = L D Lᵀ: one turn after the other goes out. Backward stable, where J's cofactors lose digits of a slender link.
+  const double dx = 1 / J.xx, yx = J.xy * dx, zx = J.xz * dx;
+  const double yz = J.yz - yx * J.xz, dy = J.xx / (J.xx * J.yy - J.xy * J.xy), zy = yz * dy;
+  const double dz = 1 / (J.zz - zx * J.xz - zy * yz);
+  const Vector3 ux = H.col(0), uy = H.col(1) - yx * ux, uz = H.col(2) - zx * ux - zy * uy;
+  const Vector3 gx = dx * ux, gy = dy * uy, gz = dz * uz;
+  const auto left = [&](int a, int b) { return ux[a] * gx[b] + uy[a] * gy[b] + uz[a] * gz[b]; };
   node.M = {M.xx - left(0, 0), M.xy - left(0, 1), M.xz - left(0, 2),
             M.yy - left(1, 1), M.yz - left(1, 2), M.zz - left(2, 2)};
-  node.inverse = inverse;
-  node.rest = C * torque;
-  node.f = force - inverse * (H * node.rest);
+  const double ty = torque[1] - yx * torque[0], tz = torque[2] - zx * torque[0] - zy * ty;
+  node.f = force - torque[0] * gx - ty * gy - tz * gz;
+  node.yx = yx, node.zx = zx, node.zy = zy;
+  node.gain[0] = gx, node.gain[1] = gy, node.gain[2] = gz;
+  node.rest = {dx * torque[0], dy * ty, dz * tz};
 }
 
 void BallTree::inwards(const Range& range, const double* q, const double* v, const double* load) {
@@ -204,10 +198,18 @@ void BallTree::find(int i) {
   Four& four = fours_[i / 4];
   const int k = i % 4;
   if (!node.hangs) {
-    const Symmetric C = node.M.cofactors();
-    node.a = node.held ? Vector3(0, 0, 0) : C * node.f / -node.M.determinant(C);
+    node.a.setZero();
+    if (!node.held) {
+      const Symmetric& M = node.M;
+      Matrix3 all;
+      all << M.xx, M.xy, M.xz, M.xy, M.yy, M.yz, M.xz, M.yz, M.zz;
+      node.a = -all.llt().solve(node.f);
+    }
   }
-  const Vector3 alpha = -node.inverse * (node.gain * node.a + node.rest);
+  Vector3 alpha;
+  alpha[2] = -(node.gain[2].dot(node.a) + node.rest[2]);
+  alpha[1] = -(node.gain[1].dot(node.a) + node.rest[1]) - node.zy * alpha[2];
+  alpha[0] = -(node.gain[0].dot(node.a) + node.rest[0]) - node.yx * alpha[1] - node.zx * alpha[2];
   for (int c = node.child; c >= 0; c = nodes_[c].sibling) {
     Node& child = nodes_[c];
     const bool first = c == node.child;

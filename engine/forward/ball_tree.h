@@ -47,9 +47,6 @@ class BallTree {
   struct Symmetric {
     double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
     Vector3 operator*(const Vector3& a) const;
-    /// det(this) times the inverse.
-    Symmetric cofactors() const;
-    double determinant(const Symmetric& cofactors) const;
   };
   struct Node {
     int q = 0, v = 0, child = -1, sibling = -1;  // the latter: first of its children, the next of its parent's
@@ -57,8 +54,8 @@ class BallTree {
     Vector3 arm, d, swing;                       // of its ball from its parent's as in Four, of all but the first child
     Symmetric M;                                 // M_e
     Vector3 f, a;
-    double inverse;  // ω̇ = -inverse (gain a + rest)
-    Matrix3 gain;
+    double yx, zx, zy;  // below L's diagonal, J = L D Lᵀ
+    Vector3 gain[3];    // Lᵀ ω̇ = -(gain · a + rest)
     Vector3 rest;
   };
 

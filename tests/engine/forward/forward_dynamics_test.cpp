@@ -144,6 +144,33 @@ TEST(ForwardDynamics, recursion_over_balls_gives_the_accelerations_of_bodies_wit
   expect_same_accelerations(draw_balls, ForwardMethod::tree);
 }
 
+/// Wires a hundred million times easier to turn about their axes than across: no digit is lost across.
+TEST(ForwardDynamics, recursion_over_balls_bears_slender_links) {
+  const auto draw = [](SystemGraph& graph) {
+    Marker last = graph.ground().marker({0, 0, 0});
+    Vector3 at = Vector3::Zero();
+    for (int i = 0; i < 5; ++i) {
+      const Matrix3 A = rotation_exp(Vector3(0.3 * i, 0.7 - i, 0.2 + 0.4 * i));
+      const Vector3 along = A * Vector3(0.5, 0, 0);
+      auto& wire = graph.add<RigidBody>("wire " + std::to_string(i), {.mass = 1,
+                                                                      .inertia = {1e-9, 0.1, 0.1},
+                                                                      .position = at + along,
+                                                                      .orientation = A,
+                                                                      .angular_velocity = {0, 1.0 + i, 0.5}});
+      graph.add<SphericalJoint>("at " + wire.name(), {last, wire.marker({-0.5, 0, 0})});
+      last = wire.marker({0.5, 0, 0}), at += 2 * along;
+    }
+  };
+  const Scene general(draw, false), forward(draw, true);
+  const State state = general.system.initial_state();
+  Evaluator by_rows(general.system), by_forward(forward.system);
+  VectorX expected(state.v.size()), lambda(general.system.layout().row_count()), v_dot(state.v.size());
+  Projector(by_rows).accelerations(0, state.q, state.v, expected, lambda);
+  by_forward.parts().forward_dynamics->accelerations(0, state.q, state.v, v_dot);
+  for (int i = 0; i < v_dot.size(); i += 6)
+    EXPECT_LT((v_dot - expected).segment<3>(i).norm(), 1e-11 * expected.norm()) << "wire " << i / 6;
+}
+
 TEST(ForwardDynamics, a_linkage_with_loops_moves_in_its_plane_as_it_does_in_space) {
   for (int normal = 0; normal < 3; ++normal)
     expect_same_accelerations([&](SystemGraph& g) { draw_linkage(g, normal); }, ForwardMethod::planar);
