@@ -4,27 +4,15 @@
 #include <numeric>
 #include <utility>
 
-#include "engine/base/lanes.h"
+#include "engine/base/four_vectors.h"
 
 namespace lithe {
 namespace {
 
+using lanes::all;
+using lanes::FourVectors;
 using lanes::load4;
 using lanes::store4;
-
-Lanes all(double a) { return Lanes{a, a, a, a}; }
-
-/// A vector of each of four links.
-struct Three {
-  Lanes x, y, z;
-  Three operator+(const Three& b) const { return {x + b.x, y + b.y, z + b.z}; }
-  Three operator-(const Three& b) const { return {x - b.x, y - b.y, z - b.z}; }
-  Three operator*(const Lanes& s) const { return {x * s, y * s, z * s}; }
-  Lanes dot(const Three& b) const { return x * b.x + y * b.y + z * b.z; }
-  Three cross(const Three& b) const { return {y * b.z - z * b.y, z * b.x - x * b.z, x * b.y - y * b.x}; }
-};
-Three load(const double (*a)[4]) { return {load4(a[0]), load4(a[1]), load4(a[2])}; }
-void store(const Three& a, double (*to)[4]) { store4(a.x, to[0]), store4(a.y, to[1]), store4(a.z, to[2]); }
 
 /// That of one link.
 Vector3 number(const double (&a)[3][4], int k) { return {a[0][k], a[1][k], a[2][k]}; }
@@ -97,39 +85,41 @@ void BallTree::place(int number, const double* q, const double* v, const double*
   };
   // 1. Attitude (rotation_matrix), row by row, and the centre of mass from the ball.
   const Lanes e = at_q(3), x = at_q(4), y = at_q(5), z = at_q(6), one = all(1), two = all(2);
-  const Three rows[3] = {{one - two * (y * y + z * z), two * (x * y - e * z), two * (x * z + e * y)},
-                         {two * (x * y + e * z), one - two * (x * x + z * z), two * (y * z - e * x)},
-                         {two * (x * z - e * y), two * (y * z + e * x), one - two * (x * x + y * y)}};
-  const auto in_world = [&](const Three& a) { return Three{rows[0].dot(a), rows[1].dot(a), rows[2].dot(a)}; };
-  for (int i = 0; i < 3; ++i) store(rows[i], four.A + 3 * i);
+  const FourVectors rows[3] = {{one - two * (y * y + z * z), two * (x * y - e * z), two * (x * z + e * y)},
+                               {two * (x * y + e * z), one - two * (x * x + z * z), two * (y * z - e * x)},
+                               {two * (x * z - e * y), two * (y * z + e * x), one - two * (x * x + y * y)}};
+  const auto in_world = [&](const FourVectors& a) {
+    return FourVectors{rows[0].dot(a), rows[1].dot(a), rows[2].dot(a)};
+  };
+  for (int i = 0; i < 3; ++i) rows[i].store(four.A + 3 * i);
   const Lanes mass = load4(four.mass);
-  const Three w_body{at_v(v, 3), at_v(v, 4), at_v(v, 5)}, w = in_world(w_body);
-  const Three ball = in_world(load(four.r));
-  const Three center = ball * all(-1);
-  store(w, four.w), store(center, four.x);
+  const FourVectors w_body{at_v(v, 3), at_v(v, 4), at_v(v, 5)}, w = in_world(w_body);
+  const FourVectors ball = in_world(FourVectors::load(four.r));
+  const FourVectors center = ball * all(-1);
+  w.store(four.w), center.store(four.x);
   // 2. Inertia about the ball: A J Aᵀ.
   Lanes I[6];
   for (int k = 0; k < 6; ++k) I[k] = load4(four.inertia[k]);
-  const auto times_inertia = [&](const Three& a) {
-    return Three{I[0] * a.x + I[1] * a.y + I[2] * a.z, I[1] * a.x + I[3] * a.y + I[4] * a.z,
-                 I[2] * a.x + I[4] * a.y + I[5] * a.z};
+  const auto times_inertia = [&](const FourVectors& a) {
+    return FourVectors{I[0] * a.x + I[1] * a.y + I[2] * a.z, I[1] * a.x + I[3] * a.y + I[4] * a.z,
+                       I[2] * a.x + I[4] * a.y + I[5] * a.z};
   };
-  const Three JA[3] = {times_inertia(rows[0]), times_inertia(rows[1]), times_inertia(rows[2])};
+  const FourVectors JA[3] = {times_inertia(rows[0]), times_inertia(rows[1]), times_inertia(rows[2])};
   for (int i = 0, entry = 0; i < 3; ++i)
     for (int j = i; j < 3; ++j) store4(rows[i].dot(JA[j]), four.J[entry++]);
   // 3. Force and torque about the ball at no acceleration of the ball and of the turning.
-  const auto swing_of = [&](const Three& a) { return w * w.dot(a) - a * w.dot(w); };
-  const Three d = in_world(load(four.arm)), swing = swing_of(center);
-  Three turning = w_body.cross(times_inertia(w_body));
-  Three applied = Three{all(gravity_[0]), all(gravity_[1]), all(gravity_[2])} * mass;
+  const auto swing_of = [&](const FourVectors& a) { return w * w.dot(a) - a * w.dot(w); };
+  const FourVectors d = in_world(FourVectors::load(four.arm)), swing = swing_of(center);
+  FourVectors turning = w_body.cross(times_inertia(w_body));
+  FourVectors applied = FourVectors{all(gravity_[0]), all(gravity_[1]), all(gravity_[2])} * mass;
   if (loads) {
-    applied = applied + Three{at_v(loads, 0), at_v(loads, 1), at_v(loads, 2)};
-    turning = turning - Three{at_v(loads, 3), at_v(loads, 4), at_v(loads, 5)};
+    applied = applied + FourVectors{at_v(loads, 0), at_v(loads, 1), at_v(loads, 2)};
+    turning = turning - FourVectors{at_v(loads, 3), at_v(loads, 4), at_v(loads, 5)};
   }
-  store(d, four.d), store(swing_of(d), four.d_swing);
-  store(swing, four.swing);
-  store(swing * mass - applied, four.force);
-  store(in_world(turning) - center.cross(applied), four.torque);
+  d.store(four.d), swing_of(d).store(four.d_swing);
+  swing.store(four.swing);
+  (swing * mass - applied).store(four.force);
+  (in_world(turning) - center.cross(applied)).store(four.torque);
 }
 
 /// What hangs on the node, and itself, onto its ball.
@@ -233,10 +223,12 @@ void BallTree::outwards(const Range& range, double* v_dot) {
 /// Accelerations of the centres of mass, and ω̇ in body axes, of the first `count` of four links.
 void BallTree::write(int number, int count, double* v_dot) const {
   const Four& four = fours_[number];
-  const Three a = load(four.a), alpha = load(four.alpha), linear = a + alpha.cross(load(four.x)) + load(four.swing),
-              angular = load(four.A) * alpha.x + load(four.A + 3) * alpha.y + load(four.A + 6) * alpha.z;
+  const FourVectors a = FourVectors::load(four.a), alpha = FourVectors::load(four.alpha),
+                    linear = a + alpha.cross(FourVectors::load(four.x)) + FourVectors::load(four.swing),
+                    angular = FourVectors::load(four.A) * alpha.x + FourVectors::load(four.A + 3) * alpha.y +
+                              FourVectors::load(four.A + 6) * alpha.z;
   alignas(32) double found[6][4];
-  store(linear, found), store(angular, found + 3);
+  linear.store(found), angular.store(found + 3);
   for (int k = 0; k < count; ++k)
     for (int j = 0; j < 6; ++j) v_dot[nodes_[4 * number + k].v + j] = found[j][k];
 }
