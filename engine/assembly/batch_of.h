@@ -39,6 +39,9 @@ class BodyBatchOf final : public BodyBatch {
   void evaluate(Workspace& work, Caches& caches, Level level, Level markers) const override {
     for_each_named(bodies_, work.time, [&](std::size_t i) {
       const BodyRecord& record = records_[i];
+      if constexpr (requires(const T& body) { body.prefetch_markers(); }) {
+        if (i + 8 < bodies_.size()) bodies_[i + 8]->prefetch(), bodies_[i + 4]->prefetch_markers();
+      }
       const BodyState state = state_of(work, caches, i);
       bodies_[i]->T::evaluate(state, level);
       for (const auto& [marker, place] : record.markers)
