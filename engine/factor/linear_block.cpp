@@ -245,6 +245,7 @@ bool LinearBlock<Scalar>::has_sound_pivots() const {
 
 template <class Scalar>
 void LinearBlock<Scalar>::solve_linear(Eigen::Ref<Matrix> columns) const {
+  if (columns.cols() == 0) return;  // Eigen's SparseLU takes the address of the first one
   if (singular_) {
     columns.setConstant(std::numeric_limits<double>::quiet_NaN());
     return;
