@@ -4,7 +4,7 @@
 #include <numeric>
 #include <utility>
 
-#include "engine/study/solve_judgement.h"
+#include "engine/study/solve_judgement_internal.h"
 
 namespace lithe::solving {
 namespace {

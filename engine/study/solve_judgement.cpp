@@ -1,4 +1,4 @@
-#include "engine/study/solve_judgement.h"
+#include "engine/study/solve_judgement_internal.h"
 
 #include <algorithm>
 #include <cmath>

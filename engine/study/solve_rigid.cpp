@@ -36,7 +36,9 @@ void run_rigid(const Asked& asked, RigidMotion& rigid) {
     ladder = {};
     add_run(asked, models, {0, kFirstTolerance}, 1, true, ladder, rigid.why);
   }
-  const auto unused = static_cast<std::ptrdiff_t>(ladder.runs.size()) - 2;
+  // The last two; across a touch the difference from steps that are not sound says nothing.
+  const bool alone = asked.contacts && 4 * left > kSound;
+  const auto unused = static_cast<std::ptrdiff_t>(ladder.runs.size()) - (alone ? 1 : 2);
   if (unused > 0) {
     ladder.runs.erase(ladder.runs.begin(), ladder.runs.begin() + unused);
     ladder.paces.erase(ladder.paces.begin(), ladder.paces.begin() + unused);
