@@ -164,7 +164,10 @@ void refine_pace(const Asked& asked, const std::vector<Fidelity>& models, const 
       }
     }
     const std::optional<Pace> next = single ? finer(last) : next_pace(asked, models, last, part, before);
-    if (!next || !add_run(asked, models, *next, elastic_scale, false, ladder, why)) return;
+    if (!next) return;
+    if (add_run(asked, models, *next, elastic_scale, false, ladder, why)) continue;
+    // What is so loose may fail where a tighter one does not.
+    if (next->tolerance < kLoosest || !add_run(asked, models, finer(*next), elastic_scale, false, ladder, why)) return;
   }
 }
 

@@ -444,6 +444,25 @@ TEST(Solve, integrators_that_fail_at_tight_tolerances_are_told_not_certified) {
   }
 }
 
+TEST(Solve, a_method_that_fails_at_the_loosest_tolerance_is_tried_with_a_tighter_one) {
+  RigidPendulum scene;
+  int failed = 0;
+  const SolveMethods methods{
+      .by_tolerance = [&](const Tolerance& t) -> std::unique_ptr<Integrator> {
+        if (t.relative < 0.05) return automatic(t.relative);
+        ++failed;
+        return std::make_unique<Stuck>();
+      },
+      .by_step =
+          [](double step) { return std::make_unique<GeneralizedAlpha>(GeneralizedAlpha::Parameters{.step = step}); },
+      .by_step_with_impacts = {}};
+  const std::vector<Want> wants = {want(position(scene.tip, "tip"), percent(1e-3))};
+  const Solution solution = solve(scene.graph, 2, wants, methods);
+  check_sheet(solution, wants);
+  EXPECT_EQ(failed, 1);
+  EXPECT_TRUE(solution.certificate.met()) << solution.certificate.text();
+}
+
 TEST(Solve, refuses_what_is_no_question) {
   RigidPendulum scene;
   const std::vector<Want> wants = {want(position(scene.tip, "tip"), percent(1))};
