@@ -52,6 +52,10 @@ Json json(const CertificateTrial& trial) {
           {"cost_s", trial.cost}};
 }
 
+Json json(const CertificateCost& spent) {
+  return {{"what", spent.what}, {"runs", spent.runs}, {"steps", spent.steps}, {"cost_s", spent.cost}};
+}
+
 template <class Entry>
 Json json(const std::vector<Entry>& entries) {
   Json out = Json::array();
@@ -102,6 +106,7 @@ void Certificate::write_json(const std::string& path) const {
                       {"chosen", chosen >= 0 ? Json(chosen) : Json()},
                       {"cost_s", cost},
                       {"answer_cost_s", answer_cost},
+                      {"costs", json(costs)},
                       {"remarks", remarks}};
   PartialFile file(path);
   // Numbers that are not finite come out as null; names that are no UTF-8 are fixed.

@@ -56,6 +56,14 @@ struct CertificateTrial {
   double cost = 0;       // s of CPU
 };
 
+/// Where the time of choosing went: runs of one kind, the one that gave the answer among them.
+struct CertificateCost {
+  std::string what;  // "modes, fixed steps"
+  int runs = 0;
+  long steps = 0;   // of all of them; 0: no steps were taken
+  double cost = 0;  // s of CPU
+};
+
 std::string to_string(Deflection deflection);
 /// A fidelity in words, of so many candidate modes: "rigid", "3 of 20 modes, stiffened", "40 exact elements".
 std::string model_text(const Fidelity& fidelity, int candidates);
@@ -75,6 +83,7 @@ struct Certificate {
   int chosen = -1;                       // of the trials
   double cost = 0;                       // s of CPU, choosing included
   double answer_cost = 0;                // s of CPU of the run that gave the answer
+  std::vector<CertificateCost> costs;    // what `cost` went into; the rest is set-up and comparison
   std::vector<std::string> remarks;      // what a reader must know: what no model at hand reaches, and why
 
   /// Every quantity's stated error is within what was asked; false if nothing was asked.

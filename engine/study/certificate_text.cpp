@@ -222,6 +222,21 @@ std::string trial_table(const Certificate& sheet) {
   return rows.text();
 }
 
+/// Where the time of choosing went; nothing where it is not known.
+std::string cost_table(const Certificate& sheet) {
+  if (sheet.costs.empty()) return "";
+  TextTable rows;
+  rows.add({"  of these", "runs", "steps", "cost"});
+  double rest = sheet.cost;
+  for (const CertificateCost& spent : sheet.costs) {
+    rest -= spent.cost;
+    rows.add({"    " + spent.what, std::to_string(spent.runs), spent.steps > 0 ? std::to_string(spent.steps) : "-",
+              duration_text(spent.cost)});
+  }
+  rows.add({"    set-up, comparison", "", "", duration_text(std::max(0.0, rest))});
+  return rows.text();
+}
+
 std::string listed(const std::string& heading, const std::vector<std::string>& entries) {
   if (entries.empty()) return "";
   std::string out = "\n" + heading + "\n";
@@ -250,6 +265,7 @@ std::string Certificate::text() const {
     out += "  no run reached the end.\n";
   out += "  " + duration_text(cost) + " of CPU, choosing included; " + duration_text(answer_cost) +
          " for the run that gave the answer\n";
+  out += cost_table(*this);
 
   if (!trials.empty()) out += "\n" + trial_table(*this);
   return out + listed("Remarks", remarks);

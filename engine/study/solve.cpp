@@ -32,7 +32,8 @@ Solution solve(SystemGraph& graph, double duration, const std::vector<Want>& wan
                const SolveOptions& options) {
   const double begun = thread_seconds();
   BodyModels bodies(graph);
-  const solving::Asked asked = solving::ask(graph, bodies, duration, wants, methods, options);
+  std::vector<CertificateCost> costs;
+  const solving::Asked asked = solving::ask(graph, bodies, duration, wants, methods, options, costs);
   std::optional<log::Quiet> quiet;  // the drawing of each model would repeat what the simplification's has said
   if (options.simplify) quiet.emplace();
   if (asked.impacts) {
@@ -82,6 +83,7 @@ void look_for_simplification(Asked& asked) {
   Simplification simple(asked.graph);
   const std::size_t islands = split(simple.graph()).size();
   asked.simplify = simple.smaller() || islands > 1;
+  asked.redundant = !simple.whole().redundant_rows().empty();
   std::istringstream lines(simple.report());
   for (std::string line; std::getline(lines, line);) asked.simplification.push_back(line);
   if (islands > 1) asked.simplification.push_back(std::to_string(islands) + " islands have steps of their own");
@@ -90,13 +92,13 @@ void look_for_simplification(Asked& asked) {
 }  // namespace
 
 Asked ask(SystemGraph& graph, BodyModels& bodies, double duration, const std::vector<Want>& wants,
-          const SolveMethods& methods, const SolveOptions& options) {
+          const SolveMethods& methods, const SolveOptions& options, std::vector<CertificateCost>& costs) {
   if (wants.empty()) throw SceneError("nothing is wanted", "solve", "say what: want(position(tip), percent(1))");
   if (!(duration > 0) || !std::isfinite(duration))
     throw SceneError("the duration is " + short_number(duration) + " s", "solve", "give a positive time");
   if (options.samples < 4 || options.most_runs < 1)
     throw SceneError("solve needs at least 4 samples and one run", "solve", "give more");
-  Asked asked{graph, bodies, duration, wants, methods, options};
+  Asked asked{graph, bodies, duration, wants, methods, options, costs};
   for (const Want& w : wants) asked.sensors.push_back(w.sensor);
   for (DeformableBody* body : bodies.bodies()) body->body_frame();
   look_at_contacts(asked);

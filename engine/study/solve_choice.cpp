@@ -59,10 +59,9 @@ Choice choose(const Asked& asked, const RigidMotion& rigid) {
   choice.untold = asked.bodies.count() > 0 && tells_nothing(asked, rigid);
   choice.rigid = asked.bodies.count() == 0 || (!choice.untold && rigid_bodies_do(asked, rigid));
   if (choice.rigid) return choice;
-  choice.effects.modes = choice.untold ? by_energy(asked, rigid)
-                                       : model_error(asked.graph, asked.bodies, rigid.run(), asked.bodies.all(),
-                                                     asked.sensors, asked.stride, Detail::each)
-                                             .coordinates;
+  choice.effects.modes = choice.untold
+                             ? by_energy(asked, rigid)
+                             : estimate(asked, rigid.run(), asked.bodies.all(), asked.stride, Detail::each).coordinates;
   std::vector<double> bounds = rigid.bounds;
   if (choice.untold && !choice.effects.modes.empty()) {
     bounds.assign(asked.count(), 0);

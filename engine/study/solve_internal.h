@@ -12,6 +12,12 @@
 ///   Asked -> RigidMotion -> Choice -> Answer -> Solution
 namespace lithe::solving {
 
+/// How time goes by: fixed steps, or a tolerance.
+struct Pace {
+  double step = 0;       // s; 0: by tolerance
+  double tolerance = 0;  // relative
+};
+
 /// What is asked, and what the scene as drawn says of it before anything runs.
 struct Asked {
   SystemGraph& graph;
@@ -20,26 +26,24 @@ struct Asked {
   const std::vector<Want>& wants;
   const SolveMethods& methods;
   const SolveOptions& options;
-  std::vector<Sensor> sensors{};  // of the wants
-  int finer = 1;                  // of the samples that errors are looked for at, to those asked for
-  int stride = 1;                 // of the samples that estimates look at
-  bool simplify = false;          // the graph can be: runs do it, and steps end at every sample
-  bool contacts = false;          // surfaces meet and part: no order of accuracy holds across that
-  bool impacts = false;           // and velocities jump there
+  std::vector<CertificateCost>& costs;  // of all runs and estimates, as they are made
+  std::vector<Sensor> sensors{};        // of the wants
+  int finer = 1;                        // of the samples that errors are looked for at, to those asked for
+  int stride = 1;                       // of the samples that estimates look at
+  bool simplify = false;                // the graph can be: runs do it where it pays, and steps end at every sample
+  bool redundant = false;               // rows repeat others: reactions are more certain of the simpler graph
+  bool contacts = false;                // surfaces meet and part: no order of accuracy holds across that
+  bool impacts = false;                 // and velocities jump there
   std::vector<std::string> simplification{};
   std::vector<std::string> remarks{};
 
   std::size_t count() const { return wants.size(); }
   /// Bodies can be drawn with other numbers of elements, and exact.
   bool has_meshes() const;
+  /// A run at this pace is of the simpler graph. Not in steps that are longer than samples are apart.
+  bool simplifies(const Pace& pace) const;
   int samples() const { return finer * options.samples; }
   double interval() const { return duration / samples(); }  // s, of the samples
-};
-
-/// How time goes by: fixed steps, or a tolerance.
-struct Pace {
-  double step = 0;       // s; 0: by tolerance
-  double tolerance = 0;  // relative
 };
 
 /// Runs of one model, each at a finer pace than the one before: their differences tell what is left in the last.
@@ -55,8 +59,10 @@ struct Ladder {
 /// What rigid bodies do, and what deformation would do to it. Vectors hold a number a wanted quantity; if no run
 /// reaches the end, all but the amplification are empty.
 struct RigidMotion {
-  Ladder ladder;                      // the first with its dynamics; empty: none reaches the end
-  Pace pace;                          // at which models begin
+  Ladder ladder;                      // two runs, or one by tolerance; empty: none reaches the end
+  std::size_t used = 0;               // of these, with its dynamics: estimates rest on it
+  std::size_t coarsest = 0;           // of these, that differences may rest on
+  Pace pace;                          // of the run used, at which models begin
   std::string why;                    // none reaches the end
   ModelError deformed;                // by all candidate modes
   std::vector<double> change;         // largest in the motion predicted with all modes
@@ -66,7 +72,7 @@ struct RigidMotion {
   double elastic_scale = 1;           // largest modal coordinate
 
   bool reached() const { return !ladder.runs.empty(); }
-  const ModelRun& run() const { return ladder.runs.front(); }
+  const ModelRun& run() const { return ladder.runs[used]; }
   double deformed_by(std::size_t w) const { return deformation.empty() ? 0 : deformation[w]; }
 };
 
@@ -114,7 +120,7 @@ struct Answer {
 
 /// Throws SceneError as solve() does.
 Asked ask(SystemGraph& graph, BodyModels& bodies, double duration, const std::vector<Want>& wants,
-          const SolveMethods& methods, const SolveOptions& options);
+          const SolveMethods& methods, const SolveOptions& options, std::vector<CertificateCost>& costs);
 RigidMotion look_at_rigid(const Asked& asked);
 Choice choose(const Asked& asked, const RigidMotion& rigid);
 Answer accept_rigid(const Asked& asked, const RigidMotion& rigid, const Choice& choice);
@@ -134,6 +140,9 @@ Solution certify(const Asked& asked, const RigidMotion& rigid, const Answer& ans
 /// The graph is left at the models. Absolute tolerances follow from `elastic_scale`, the largest modal coordinate.
 ModelRun run_at(const Asked& asked, const std::vector<Fidelity>& models, const Pace& pace, double elastic_scale,
                 bool dynamics, const std::vector<RecordedWrench::Parameters>& wrenches = {});
+/// What these richer models would have made of a run (model_error.h).
+ModelError estimate(const Asked& asked, const ModelRun& run, const std::vector<Fidelity>& richer, int stride,
+                    Detail detail);
 /// One more run of a ladder; false, and `why`, if it does not reach the end.
 bool add_run(const Asked& asked, const std::vector<Fidelity>& models, const Pace& pace, double elastic_scale,
              bool dynamics, Ladder& ladder, std::string& why);
@@ -175,7 +184,7 @@ inline constexpr double kPaceShare = 0.9;     // of what the model leaves, for t
 inline constexpr double kMeasured = 1.6, kCaution = 2.5;
 inline constexpr double kBeyond = 1.5;   // of the order of deflection after the last
 inline constexpr double kPredicted = 2;  // of the change by all deformation, feedback included
-inline constexpr double kFirstTolerance = 1e-3, kLoosest = 1e-2, kTightest = 1e-9;
+inline constexpr double kFirstTolerance = 1e-3, kLoosest = 1e-1, kTightest = 1e-9;
 inline constexpr double kRoundOff = 1e-3;  // of what round_off() takes for a change
 inline constexpr double kNoShare = 1e-9;   // modes below this part of what is allowed are idle
 inline constexpr int kLooks = 50, kFeedbackStride = 2, kFewestSamples = 100;
@@ -185,7 +194,8 @@ inline constexpr double kStepsCaution = 2, kToleranceCaution = 3;
 // Of two meshes, errors being of second order: caution, the least ratio of their elements, and what may be left.
 inline constexpr double kMeshCaution = 1.8, kMeshRatio = 1.3, kMeshShare = 0.5;
 inline constexpr int kFewestElements = 4, kMostElements = 2000;
-inline constexpr double kCandidates = 5e-4;  // of what deformation does, beyond the candidate modes
+// Of what deformation does, beyond the candidate modes; where bodies touch, no candidate is made for the load.
+inline constexpr double kCandidates = 5e-4, kCandidatesTouched = 1e-3;
 // Of the second order, by make_basis() (Reduction::deflection_tolerance).
 inline constexpr double kFieldsLeftOut = 0.004;
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();

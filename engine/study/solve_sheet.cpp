@@ -116,6 +116,7 @@ Solution certify(const Asked& asked, const RigidMotion& rigid, const Answer& ans
   }
   for (const auto& remarks : {asked.remarks, answer.remarks, remarks_on_errors(asked, answer)})
     c.remarks.insert(c.remarks.end(), remarks.begin(), remarks.end());
+  c.costs = asked.costs;
   c.cost = thread_seconds() - begun;
   return solution;
 }

@@ -3,12 +3,14 @@
 
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "bodies/flexible/elements/meshes.h"
 #include "bodies/flexible/flexible_body.h"
 #include "bodies/rigid_body.h"
 #include "engine/output/csv.h"
 #include "engine/study/model_run.h"
+#include "integrators/generalized_alpha.h"
 #include "integrators/solve.h"
 #include "joints/coordinate_drive.h"
 #include "joints/fixed_joint.h"
@@ -71,6 +73,10 @@ void check_sheet(const Solution& solution, const std::vector<Want>& wants) {
   EXPECT_GT(c.steps, 0);
   EXPECT_GT(c.cost, 0);
   EXPECT_LE(c.answer_cost, c.cost);
+  double spent = 0;
+  for (const CertificateCost& cost : c.costs) spent += cost.cost;
+  EXPECT_GE(spent, c.answer_cost);
+  EXPECT_LE(spent, c.cost);
   EXPECT_EQ(c.met(), c.text().find("NOT MET") == std::string::npos);
 }
 
@@ -372,6 +378,33 @@ TEST(Solve, coordinates_that_come_and_go_with_the_model_are_refused_or_read_as_t
   }
 }
 
+TEST(Solve, the_sheet_counts_every_run) {
+  Pendulum scene;
+  int by_tolerance = 0, by_step = 0;
+  const SolveMethods counted{
+      .by_tolerance =
+          [&](const Tolerance& t) {
+            ++by_tolerance;
+            return automatic(t.relative);
+          },
+      .by_step =
+          [&](double step) {
+            ++by_step;
+            return std::make_unique<GeneralizedAlpha>(GeneralizedAlpha::Parameters{.step = step});
+          },
+      .by_step_with_impacts = {}};
+  const Certificate c = solve(scene.graph, 1, {want(position(scene.tip, "tip"), percent(1))}, counted).certificate;
+  std::map<std::string, CertificateCost> costs;
+  for (const CertificateCost& cost : c.costs) costs[cost.what] = cost;
+  const int flexible = costs["modes, fixed steps"].runs + costs["modes, by tolerance"].runs;
+  EXPECT_EQ(costs["rigid bodies"].runs + flexible, by_step + by_tolerance) << c.text();
+  EXPECT_GT(flexible, 0);
+  EXPECT_GT(costs["estimates along a run"].runs, 0);
+  // Nothing there depends on time: the rigid run is judged by one in steps twice as long, 50 for 100 samples.
+  EXPECT_EQ(costs["rigid bodies"].steps % 50, 0);
+  EXPECT_LE(costs["rigid bodies"].steps, 200) << c.text();
+}
+
 /// Fails at once, below a tolerance.
 class Stuck final : public Integrator {
  public:
@@ -409,6 +442,25 @@ TEST(Solve, integrators_that_fail_at_tight_tolerances_are_told_not_certified) {
     Pendulum flexible;
     run(flexible.graph, flexible.tip, 0.5);
   }
+}
+
+TEST(Solve, a_method_that_fails_at_the_loosest_tolerance_is_tried_with_a_tighter_one) {
+  RigidPendulum scene;
+  int failed = 0;
+  const SolveMethods methods{
+      .by_tolerance = [&](const Tolerance& t) -> std::unique_ptr<Integrator> {
+        if (t.relative < 0.05) return automatic(t.relative);
+        ++failed;
+        return std::make_unique<Stuck>();
+      },
+      .by_step =
+          [](double step) { return std::make_unique<GeneralizedAlpha>(GeneralizedAlpha::Parameters{.step = step}); },
+      .by_step_with_impacts = {}};
+  const std::vector<Want> wants = {want(position(scene.tip, "tip"), percent(1e-3))};
+  const Solution solution = solve(scene.graph, 2, wants, methods);
+  check_sheet(solution, wants);
+  EXPECT_EQ(failed, 1);
+  EXPECT_TRUE(solution.certificate.met()) << solution.certificate.text();
 }
 
 TEST(Solve, refuses_what_is_no_question) {

@@ -110,7 +110,7 @@ std::vector<CertifiedCase> cases_of(const Scene& scene, ElasticParts& parts, dou
     const Certificate& sheet = best.solution.certificate;
     run.model = sheet.chosen >= 0 ? sheet.trials[sheet.chosen].model : "";
     run.integrator = sheet.integrator, run.tolerance = sheet.tolerance;
-    run.cost = best.cost, run.answer_cost = sheet.answer_cost;
+    run.cost = best.cost, run.answer_cost = sheet.answer_cost, run.costs = sheet.costs;
     require_comparable(best.solution.samples, reference);
     const std::vector<double> errors = deviations(watched, best.solution.samples, reference);
     const std::vector<double> changes = sample_changes(watched, reference);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -90,6 +91,26 @@ Chart scatter(const std::string& title, const std::string& x_label, const std::s
     chart.lines.push_back(
         {.title = name, .x = {low, high}, .y = {factor * low, factor * high}, .style = LineStyle::dashed});
   return chart;
+}
+
+/// Of what the runs cost together: the share of each kind of run, with how many of them a run of solve() makes.
+std::string shares(const std::vector<Cases>& runs) {
+  std::map<std::string, CertificateCost> kinds;
+  double cost = 0;
+  for (const Cases& run : runs) {
+    if (std::isnan(run.front().run.cost)) continue;
+    cost += run.front().run.cost;
+    for (const CertificateCost& spent : run.front().run.costs) {
+      CertificateCost& kind = kinds[spent.what];
+      kind.runs += spent.runs, kind.steps += spent.steps, kind.cost += spent.cost;
+    }
+  }
+  std::string out;
+  for (const auto& [what, kind] : kinds)
+    out += format("  %-24s %5.1f %% of the cost, %.1f runs of %.0f steps\n", what.c_str(), 100 * kind.cost / cost,
+                  static_cast<double>(kind.runs) / static_cast<double>(runs.size()),
+                  static_cast<double>(kind.steps) / kind.runs);
+  return out;
 }
 
 nlohmann::ordered_json json(const CertifiedCase& c) {
@@ -307,7 +328,8 @@ std::string text(const std::vector<CertifiedCase>& cases) {
                "%d scenes, covered %.1f, %.1f, %.1f %%, overestimate %.2f in the median, %.1f at worst, cost %.2f "
                "(%.2f where short) times by hand, choosing %.2f of long runs\n",
                h.scenes, 100 * h.coverage_at[0], 100 * h.coverage_at[1], 100 * h.coverage_at[2], h.median_overestimate,
-               h.worst_overestimate, h.median_cost_ratio_20ms, h.median_cost_ratio_short, h.median_long_choosing);
+               h.worst_overestimate, h.median_cost_ratio_20ms, h.median_cost_ratio_short, h.median_long_choosing) +
+           shares(by_run(of_half(cases, seen)));
   }
   for (const CertifiedCase& c : cases) {
     if (c.covered() && c.met) continue;

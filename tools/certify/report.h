@@ -25,6 +25,7 @@ struct CertifiedRun {
   std::string failure;                // why there is no answer; empty if there is
   double tolerance = 0;
   double cost = kUnknown, answer_cost = kUnknown;  // s of CPU: of solve(), of its last run
+  std::vector<CertificateCost> costs;              // what the first went into
   HandTuned tuned;
   double cost_ratio() const { return cost / tuned.cost; }
   double cost_ratio_by_tolerance() const { return cost / tuned.by_tolerance; }

@@ -45,6 +45,7 @@ Certificate pendulum() {
   sheet.chosen = 2;
   sheet.cost = 0.2345;
   sheet.answer_cost = 0.118;
+  sheet.costs = {{"rigid bodies", 2, 300, 0.0145}, {"estimates along a run", 3, 0, 0.02}, {"modes", 1, 412, 0.19}};
   sheet.remarks = {"no number of linear modes reaches 1 %: the second order alone is 575 % of it"};
   return sheet;
 }
@@ -87,6 +88,9 @@ TEST(Certificate, TheSheetTellsWhatWasAskedAndWhatIsStated) {
   EXPECT_NE(text.find("\nMET: "), std::string::npos) << text;
   EXPECT_EQ(line_of(text, "Automatic"), "Automatic, tolerance 1e-5: 412 steps of 2.43 ms in the mean");
   EXPECT_EQ(line_of(text, "234 ms"), "234 ms of CPU, choosing included; 118 ms for the run that gave the answer");
+  EXPECT_EQ(line_of(text, "rigid bodies"), "rigid bodies 2 300 14.5 ms");
+  EXPECT_EQ(line_of(text, "estimates"), "estimates along a run 3 - 20 ms");
+  EXPECT_EQ(line_of(text, "set-up"), "set-up, comparison 10 ms");  // what is left of 234.5 ms
   for (const char* told :
        {"- 'bob' and 'rod' are welded: one body", "- 'frame' is tied", "- no number of linear modes"})
     EXPECT_NE(text.find(told), std::string::npos) << told << "\n" << text;
@@ -235,6 +239,8 @@ TEST(Certificate, JsonHoldsTheSheetAndNullForWhatIsNotFinite) {
   EXPECT_EQ(read.at("bodies").at(1).at("modes").get<std::vector<int>>(), std::vector<int>{});
   EXPECT_TRUE(read.at("trials").at(1).at("error").is_null());
   EXPECT_EQ(read.at("trials").at(0).at("cost_s").get<double>(), 0.0123);
+  EXPECT_EQ(read.at("costs").at(2).at("steps").get<long>(), 412);
+  EXPECT_EQ(read.at("costs").at(1).at("cost_s").get<double>(), 0.02);
   EXPECT_EQ(read.at("chosen").get<int>(), 2);
   EXPECT_EQ(read.at("simplification").size(), 2u);
   EXPECT_EQ(read.at("remarks").size(), 2u);
