@@ -104,7 +104,7 @@ LITHE_FMU_EXPORT fmi3Instance fmi3InstantiateCoSimulation(fmi3String, fmi3String
     intermediate = [=](double time) {
       fmi3Boolean ends = false;
       fmi3Float64 end = time;  // later ones are met here too: the next step of the integrator may pass them
-      update(environment, time, false, true, true, early_return, &ends, &end);
+      update(environment, time, true, true, true, early_return, &ends, &end);
       return ends && early_return;
     };
   return fmu::v3::instantiate(FmuInstance::Form::co_simulation, token, logging, environment, log, event_mode,

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <regex>
+#include <sstream>
 #include <stdexcept>
 
 namespace lithe::test {
@@ -70,6 +71,40 @@ void expect_valid_description(const ScriptFolder& scratch, int version) {
                                   : ""));
   EXPECT_EQ(valid.exit_code, 0) << valid.output;
   std::printf("%s", valid.output.c_str());
+}
+
+std::vector<std::vector<double>> native_rows(const ScriptFolder& scratch, const std::string& scene,
+                                             const std::string& before, const std::string& body) {
+  scratch.write("native.cpp", "#include \"" LITHE_SOURCE_DIR "/" + scene + "\"\n#include <cstdio>\n" + before + R"(
+int main() {
+  const StudyScene study = scene();
+  SystemGraph graph({.gravity = study.gravity});
+  const std::vector<Sensor> sensors = study.draw(graph);
+  const System system = assemble(graph);
+  GeneralizedAlpha method{{.step = 1e-3}};
+  Simulation simulation{system, method};
+  State state = system.initial_state();
+  Snapshot now(system);
+  const auto print = [&](const State& at, Accelerations accelerations) {
+    now.evaluate(at, accelerations);
+    std::printf("row");
+    for (const Sensor& sensor : sensors)
+      for (std::size_t c = 0; c < sensor.columns().size(); ++c)
+        std::printf(" %a", sensor.value(now, static_cast<int>(c)));
+    std::printf("\n");
+  };
+)" + body + "}\n");
+  const Outcome ran = scratch.shell("lithe run native.cpp");
+  EXPECT_EQ(ran.exit_code, 0) << ran.output;
+  std::vector<std::vector<double>> all;
+  std::istringstream lines(ran.output);
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with("row ")) continue;
+    std::istringstream words(line.substr(4));
+    std::vector<double>& row = all.emplace_back();
+    for (std::string word; words >> word;) row.push_back(std::strtod(word.c_str(), nullptr));
+  }
+  return all;
 }
 
 FmuLibrary::FmuLibrary(const fs::path& path) : handle_(dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL)) {

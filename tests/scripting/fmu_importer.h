@@ -26,6 +26,12 @@ struct UnpackedFmu {
 /// The unpacked description satisfies the standard's schema, where xmllint is installed.
 void expect_valid_description(const ScriptFolder& scratch, int version);
 
+/// What a program prints that drives the scene by Simulation, compiled by `lithe run` as FMUs are: rows of numbers, in
+/// every bit. `body` is in main(), after graph, system, method (GeneralizedAlpha, 1e-3 s), simulation, state and
+/// print(state, accelerations), which prints all outputs; `before` stands before main().
+std::vector<std::vector<double>> native_rows(const ScriptFolder& scratch, const std::string& scene,
+                                             const std::string& before, const std::string& body);
+
 /// Receives intermediate updates of an instance; returns whether to end the communication step.
 using IntermediateUpdate = std::function<bool(double time, bool may_end)>;
 

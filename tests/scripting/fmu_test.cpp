@@ -7,7 +7,6 @@
 #include <fstream>
 #include <random>
 #include <regex>
-#include <sstream>
 #include <thread>
 #include <vector>
 
@@ -35,51 +34,25 @@ struct Given {
 };
 Given given(int k) { return {k < 5 ? 0.0 : (k % 9 - 4) / 16.0, k < 12 ? 0.3125 : 0.3125 + (k % 7) / 64.0}; }
 
-/// The same steps by Simulation itself, as the documentation of FmuInstance says, in a program that `lithe run`
-/// compiles as FMUs are; all outputs after each step.
+/// The same steps by Simulation itself, as the documentation of FmuInstance says; all outputs after each step.
 std::vector<Values> native(const ScriptFolder& scratch, const std::string& scene, const std::string& other, int steps) {
-  scratch.write("native.cpp", "#include \"" LITHE_SOURCE_DIR "/" + scene + "\"\n#include <cstdio>\n" + kSchedule + R"(
-int main() {
-  const StudyScene study = scene();
-  SystemGraph graph({.gravity = study.gravity});
-  const std::vector<Sensor> sensors = study.draw(graph);
+  return native_rows(scratch, scene, kSchedule,
+                     R"(
   Input &torque = graph.input("torque"), &smooth = graph.input(")" +
-                                  other + R"(");
+                         other + R"(");
   graph.input("stiffness").reset(0, 1.7);
-  const System system = assemble(graph);
-  GeneralizedAlpha method{{.step = 1e-3}};
-  Simulation simulation{system, method};
-  State state = system.initial_state();
-  Snapshot now(system);
   smooth.reset(0, given(0).other);
-  for (int k = 0; k < )" + std::to_string(steps) +
-                                  R"(; ++k) {
+  for (int k = 0; k < )" +
+                         std::to_string(steps) + R"(; ++k) {
     const double end = state.time + 0.0123;
     torque.reset(state.time, given(k).torque);
     if (const double present = smooth.value(state.time); present != given(k).other)
       smooth.reset(state.time, present), smooth.set(end, given(k).other);
     simulation.run(state, end);
     // As observers see it.
-    now.evaluate(state, method.approximates_accelerations() ? Accelerations::solved : Accelerations::as_left);
-    std::printf("row");
-    for (const Sensor& sensor : sensors)
-      for (std::size_t c = 0; c < sensor.columns().size(); ++c)
-        std::printf(" %a", sensor.value(now, static_cast<int>(c)));
-    std::printf("\n");
+    print(state, method.approximates_accelerations() ? Accelerations::solved : Accelerations::as_left);
   }
-}
 )");
-  const Outcome ran = scratch.shell("lithe run native.cpp");
-  std::vector<Values> all;
-  std::istringstream lines(ran.output);
-  for (std::string line; std::getline(lines, line);) {
-    if (!line.starts_with("row ")) continue;
-    std::istringstream words(line.substr(4));
-    Values& row = all.emplace_back();
-    for (std::string word; words >> word;) row.push_back(std::strtod(word.c_str(), nullptr));
-  }
-  EXPECT_EQ(all.size(), static_cast<std::size_t>(steps)) << ran.output;
-  return all;
 }
 
 struct Case {
@@ -102,6 +75,7 @@ void use_events(const FmuLibrary& library, const UnpackedFmu& fmu, const Case& c
                 const std::vector<unsigned>& outputs) {
   const unsigned stiffness = fmu.reference("stiffness"), torque = fmu.reference("torque"),
                  other = fmu.reference(c.other), clock = fmu.reference("time");
+  constexpr int kError = 3;
   ImportedInstance* here = nullptr;
   std::vector<double> told;
   double wanted_end = 1e9;
@@ -111,8 +85,9 @@ void use_events(const FmuLibrary& library, const UnpackedFmu& fmu, const Case& c
     EXPECT_EQ(here->get({clock}, seen), 0);
     EXPECT_EQ(seen[0], time);
     EXPECT_EQ(here->get(outputs, seen), 0) << here->log.text;
-    EXPECT_EQ(here->set(torque, 0), 3) << "a step is under way";
-    EXPECT_EQ(here->step(time, kCommunication), 3);
+    EXPECT_EQ(here->set(other, 0.4), kError) << "it is smooth";
+    EXPECT_EQ(here->set(stiffness, 2), kError) << "a parameter";
+    EXPECT_EQ(here->step(time, kCommunication), kError);
     told.push_back(time);
     return time >= wanted_end;
   });
@@ -121,11 +96,11 @@ void use_events(const FmuLibrary& library, const UnpackedFmu& fmu, const Case& c
   EXPECT_EQ(one.set(stiffness, 1.7) | one.set(other, given(0).other) | one.start(), 0);
   bool changed = true, early = true;
   double time = 0, last = 0;
-  EXPECT_EQ(one.step(0, kCommunication), 3) << "it begins in event mode";
+  EXPECT_EQ(one.step(0, kCommunication), kError) << "it begins in event mode";
   for (int k = 0; k < 10; ++k) {
     if (k > 0) {
       EXPECT_EQ(one.call("EnterEventMode"), 0);
-      EXPECT_EQ(one.call("EnterContinuousTimeMode"), 3) << "that is model exchange";
+      EXPECT_EQ(one.call("EnterContinuousTimeMode"), kError) << "that is model exchange";
     }
     EXPECT_EQ(one.set(torque, given(k).torque), 0);
     EXPECT_EQ(one.update(changed), 0);
