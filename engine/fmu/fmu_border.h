@@ -11,6 +11,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/log.h"
+#include "engine/base/resource.h"
 #include "engine/fmu/fmu_instance.h"
 
 /// What the C functions of FMI 2.0 and 3.0 have in common: an instance with the mode it is in, behind which no

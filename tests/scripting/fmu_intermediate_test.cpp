@@ -84,8 +84,8 @@ TEST(Fmu, TakesInputsWithinCommunicationStepsAsTheNativeRunDoes) {
   ImportedInstance one(library, fmu.token(), [&](double time, bool) {
     look();
     const Within w = within(updates++);
-    if (w.jumps) EXPECT_EQ(here->set(torque, w.torque), 0) << here->log.text;
-    if (w.bends) EXPECT_EQ(here->set(target, w.target), 0) << here->log.text;
+    EXPECT_EQ(w.jumps ? here->set(torque, w.torque) : 0, 0) << here->log.text;
+    EXPECT_EQ(w.bends ? here->set(target, w.target) : 0, 0) << here->log.text;
     if (time >= end) return false;
     look();
     jumps_seen += rows[rows.size() - 2] != rows.back();
@@ -96,7 +96,7 @@ TEST(Fmu, TakesInputsWithinCommunicationStepsAsTheNativeRunDoes) {
   EXPECT_EQ(one.start() | one.call("EnterStepMode"), 0);
   double time = 0;
   const auto advance = [&](int k) {
-    if (torque_of_step(k) != 99) EXPECT_EQ(one.set(torque, torque_of_step(k)), 0);
+    EXPECT_EQ(torque_of_step(k) != 99 ? one.set(torque, torque_of_step(k)) : 0, 0);
     bool early = true;
     double last = 0;
     end = time + kCommunication;
