@@ -2,7 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <thread>
 
+#include "engine/base/error.h"
+#include "engine/base/resource.h"
 #include "tests/scripting/command.h"
 #include "tests/scripting/fmu_importer.h"
 
@@ -72,6 +75,23 @@ TEST_P(FmuScenes, AreTheNativeRunAndPassTheToolsOfTheStandard) {
   }
   expect_valid_description(scratch, c.version);
   expect_passes_importers(scratch);
+}
+
+TEST(FmuResources, LieInTheFolderThatTheImporterNames) {
+  EXPECT_EQ(resource("data/./x.modes"), fs::path("data/x.modes"));
+  {
+    const ResourceFolder folder(ResourceFolder::of_address("file:///tmp/a%20b%2"));
+    EXPECT_EQ(resource("x"), fs::path("/tmp/a b%2/x"));
+    const ResourceFolder none("");
+    EXPECT_EQ(resource("x"), fs::path("/tmp/a b%2/x"));
+    std::thread([] { EXPECT_EQ(resource("x"), fs::path("x")) << "another thread's"; }).join();
+  }
+  EXPECT_EQ(resource("x"), fs::path("x"));
+  EXPECT_EQ(ResourceFolder::of_address("file://localhost/tmp/r"), fs::path("/tmp/r"));
+  EXPECT_EQ(ResourceFolder::of_address("file:/tmp/r"), fs::path("/tmp/r"));
+  EXPECT_EQ(ResourceFolder::of_address("https://there/r"), fs::path());
+  EXPECT_EQ(ResourceFolder::of_address(nullptr), fs::path());
+  for (const char* path : {"", "/x", "..", "a/../../x"}) EXPECT_THROW(resource(path), SceneError) << path;
 }
 
 TEST(FmuResources, AreRefusedIfNoFmuCanHaveThem) {
