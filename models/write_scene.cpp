@@ -27,6 +27,7 @@
 #include "joints/screw_joint.h"
 #include "joints/spherical_joint.h"
 #include "joints/universal_joint.h"
+#include "models/adams/adams_words_internal.h"
 
 namespace lithe {
 namespace {
@@ -81,7 +82,6 @@ class Writer {
         now_(system_, system_.initial_state()) {}
 
   std::string write() {
-    refuse_functions();
     text_ += "// " + plain(model_.name) + ": written by lithe from a model file (" + model_.format + "). SI units.\n";
     text_ += "//   lithe run scene.cpp\n";
     for (const ModelNote& note : model_.notes)
@@ -101,6 +101,7 @@ class Writer {
     add_springs();
     add_couplings();
     add_rotors();
+    if (model_.adams) add_functions(*model_.adams);
     add_run();
     return text_;
   }
@@ -112,32 +113,18 @@ class Writer {
     return text;
   }
 
-  void refuse_functions() const {
-    if (!model_.adams) return;
-    const auto refuse = [&](const auto& all, const char* why) {
-      if (!all.empty())
-        throw SceneError(all[0].name + " " + why + ", which is not written as C++.",
-                         model_.path + ":" + std::to_string(all[0].line),
-                         "run the data set itself: read_model() and draw_model(), or lithe model run.");
-    };
-    refuse(model_.adams->loads, "acts by functions");
-    refuse(model_.adams->motions, "moves by a function");
-    refuse(model_.adams->constraints, "constrains a function");
-    refuse(model_.adams->fields, "acts by Adams' projected angles");
-  }
-
   /// A name of C++ for one of the file.
   std::string identifier(const std::string& name) {
     static const std::set<std::string> taken = {
-        "graph",    "system",   "state",    "main",    "rows",     "integrator", "simulation",  "recorder",
-        "auto",     "bool",     "break",    "case",    "catch",    "char",       "class",       "const",
-        "continue", "default",  "delete",   "do",      "double",   "else",       "enum",        "false",
-        "float",    "for",      "goto",     "if",      "int",      "long",       "namespace",   "new",
-        "operator", "or",       "and",      "not",     "private",  "public",     "register",    "return",
-        "short",    "signed",   "sizeof",   "static",  "struct",   "switch",     "template",    "this",
-        "throw",    "true",     "try",      "typedef", "union",    "unsigned",   "using",       "virtual",
-        "void",     "while",    "volatile", "xor",     "position", "velocity",   "orientation", "coordinate",
-        "every",    "assemble", "lithe",    "std"};
+        "graph",      "system",  "state",    "main",    "rows",    "integrator", "simulation", "recorder",
+        "auto",       "bool",    "break",    "case",    "catch",   "char",       "class",      "const",
+        "continue",   "default", "delete",   "do",      "double",  "else",       "enum",       "false",
+        "float",      "for",     "goto",     "if",      "int",     "long",       "namespace",  "new",
+        "operator",   "or",      "and",      "not",     "private", "public",     "register",   "return",
+        "short",      "signed",  "sizeof",   "static",  "struct",  "switch",     "template",   "this",
+        "throw",      "true",    "try",      "typedef", "union",   "unsigned",   "using",      "virtual",
+        "void",       "while",   "volatile", "xor",     "adams",   "position",   "velocity",   "orientation",
+        "coordinate", "every",   "assemble", "lithe",   "std"};
     std::string made;
     for (const char c : name) {
       const bool word = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
@@ -227,7 +214,7 @@ class Writer {
   void add_springs() {
     bool first = true;
     const auto begin = [&] {
-      if (first) text_ += "\n  // 3. Springs and dampers.\n";
+      if (first) text_ += title("Springs and dampers.");
       first = false;
     };
     for (const ModelJoint& joint : model_.joints) {
@@ -277,6 +264,79 @@ class Writer {
                        "run the data set itself: lithe model run.");
   }
 
+  /// Motions, loads and constraints by functions, in the language of the data set.
+  void add_functions(const AdamsModel& m) {
+    std::set<int> read;
+    std::string all;
+    const auto function = [&](const AdamsFunction& f) {
+      for (AdamsMeasure measure : f.measures)
+        for (const int* id : adams::markers_of(measure)) read.insert(*id);
+      return "adams.function(" + quoted(adams_text(f)) + ")";
+    };
+    const auto add = [&](const auto& element, const std::string& type, const std::string& fields) {
+      all += "  adams.add(" + quoted(options_.prefix + element.name) + ", AdamsModel::" + type + "{" + fields + "});\n";
+    };
+    const auto ends = [&](const auto& what) {
+      read.insert({what.i, what.j});
+      return ".i = " + std::to_string(what.i) + ", .j = " + std::to_string(what.j);
+    };
+    for (const auto& motion : m.motions)
+      at(motion, [&](const AdamsModel::Motion& what) {
+        add(motion, "Motion",
+            ends(what) + (what.rotation ? ", .rotation = true" : "") + (what.rate ? ", .rate = true" : "") +
+                ", .axis = " + std::to_string(what.axis) + ",\n      .function = " + function(what.function));
+      });
+    for (const auto& gcon : m.constraints)
+      at(gcon, [&](const AdamsModel::Constraint& what) {
+        add(gcon, "Constraint", ".function = " + function(what.function));
+      });
+    for (const auto& load : m.loads)
+      at(load, [&](const AdamsModel::Load& what) {
+        static constexpr const char* kKinds[] = {"along_line", "about_z", "on_i_along_z", "on_i_about_z", "components"};
+        std::string functions;
+        for (std::size_t c = 0; c < 6; ++c)
+          functions += (c ? ", " : "") + (what.functions[c] ? function(*what.functions[c]) : std::string("{}"));
+        const std::string kind = kKinds[static_cast<std::size_t>(what.kind)], two = ends(what);
+        read.insert(what.axes);
+        add(load, "Load",
+            ".kind = AdamsModel::Load::Kind::" + kind + ", " + two + ", .axes = " + std::to_string(what.axes) +
+                ",\n      .functions = {{" + functions + "}}");
+      });
+    for (const auto& field : m.fields) {
+      const AdamsModel::Field& what = field.what;
+      add(field, "Field",
+          ends(what) + ",\n      .stiffness = " + numbers("Matrix6", what.stiffness) + ",\n      .damping = " +
+              numbers("Matrix6", what.damping) + ",\n      .free = " + numbers("Vector6", what.free) +
+              ",\n      .preload = " + numbers("Vector6", what.preload));
+    }
+    if (all.empty()) return;
+    text_ += title("By functions, in the language and the units of the data set; markers by its numbers.") +
+             "  AdamsScene adams(graph, {.mass = " + number(m.units.mass) + ", .length = " + number(m.units.length) +
+             ", .time = " + number(m.units.time) + ", .force = " + number(m.units.force) + "},\n      {";
+    for (const int id : read)
+      text_ += (id == *read.begin() ? "{" : ",\n       {") + std::to_string(id) + ", " +
+               marker(drawn_.adams_marker(id)) + "}";
+    text_ += "});\n" + all;
+  }
+  template <class Element, class Write>
+  void at(const Element& element, Write&& write) {
+    try {
+      write(element.what);
+    } catch (const SceneError& error) {
+      throw SceneError(element.name + ": " + error.problem() + ", and is not written as C++.",
+                       model_.path + ":" + std::to_string(element.line),
+                       "run the data set itself: read_model() and draw_model(), or lithe model run.");
+    }
+  }
+  /// Row by row.
+  static std::string numbers(const std::string& type, ConstMatrixRef m) {
+    std::string all;
+    for (Eigen::Index r = 0; r < m.rows(); ++r)
+      for (Eigen::Index c = 0; c < m.cols(); ++c) all += (r + c > 0 ? ", " : "") + number(m(r, c));
+    return "(" + type + "() << " + all + ").finished()";
+  }
+  std::string title(const std::string& what) { return "\n  // " + std::to_string(++steps_) + ". " + what + "\n"; }
+
   /// Armature: a coordinate of unit mass that runs √a times as fast has the same kinetic energy.
   void add_rotors() {
     if (!options_.armature) return;
@@ -309,15 +369,15 @@ class Writer {
         sensors = "position(" + variables_.at(entry.body) + ".marker(), " + quoted(entry.body->name()) + ")";
     std::string file;
     for (const char c : model_.name.substr(0, 60)) file += std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
-    text_ +=
-        "\n  // 4. Let it move, and record it.\n  const System system = assemble(graph);\n"
-        "  State state = system.initial_state();\n  Recorder recorder{{" +
-        sensors + "}};\n  Automatic integrator{{.tolerance = {.relative = " + number(tolerance) +
-        ", .absolute = " + number(0.01 * tolerance) + "}}};\n  Simulation simulation{system, integrator};\n" +
-        "  simulation.observe(recorder, every(" + number(model_.every.value_or(0.01 * duration)) +
-        "));\n  simulation.run(state, " + number(duration) +
-        ");\n  std::filesystem::create_directories(\"results\");\n  recorder.write_csv(\"results/" + file +
-        ".csv\");\n  std::printf(\"results/" + file + ".csv\\n\");\n}\n";
+    text_ += title("Let it move, and record it.") +
+             "  const System system = assemble(graph);\n"
+             "  State state = system.initial_state();\n  Recorder recorder{{" +
+             sensors + "}};\n  Automatic integrator{{.tolerance = {.relative = " + number(tolerance) +
+             ", .absolute = " + number(0.01 * tolerance) + "}}};\n  Simulation simulation{system, integrator};\n" +
+             "  simulation.observe(recorder, every(" + number(model_.every.value_or(0.01 * duration)) +
+             "));\n  simulation.run(state, " + number(duration) +
+             ");\n  std::filesystem::create_directories(\"results\");\n  recorder.write_csv(\"results/" + file +
+             ".csv\");\n  std::printf(\"results/" + file + ".csv\\n\");\n}\n";
   }
 
   const ModelDescription& model_;
@@ -327,6 +387,7 @@ class Writer {
   System system_;
   Snapshot now_;
   std::string text_;
+  int steps_ = 2;  // told so far
   std::map<const Element*, std::string> variables_;
   std::set<std::string> names_;
 };

@@ -29,7 +29,7 @@ hdf5=$(pkg-config --libs hdf5-serial 2>/dev/null || pkg-config --libs hdf5)
 sources=(engine/base/error.cpp engine/output/{partial_file,table,csv,binary,hdf5_file,hdf5_table}.cpp
   bodies/flexible/basis_file.cpp bodies/flexible/elements/{solid_element,shape_functions}.cpp
   models/{urdf,sdf,mjcf,xml_file,model_description,link_graph,read_tir}.cpp joints/tyre/magic_formula.cpp
-  models/adams/{adams_statements,adams_function,adams_units,read_adams,read_adams_elements}.cpp
+  models/adams/{adams_statements,adams_function,adams_words,adams_units,read_adams,read_adams_elements}.cpp
   models/fmu/{fmu_contents,fmu_package}.cpp
   engine/base/{checks,dense,dense_eigen,dense_inverse,math,rotations,temporary_folder}.cpp engine/model/appearance.cpp
   tools/fuzz/{fuzz,targets,body_targets,table_targets,model_targets}.cpp)

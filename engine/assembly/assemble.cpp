@@ -14,6 +14,7 @@
 #include "engine/base/error.h"
 #include "engine/base/log.h"
 #include "engine/factor/block_products.h"
+#include "engine/model/coupled_markers.h"
 #include "engine/model/initial_pose.h"
 #include "engine/motion/projection.h"
 
@@ -225,7 +226,8 @@ class SystemBuilder {
       record.energy = f.place;
       record.first_angle = system_.first_angles_[graph_.constraints().size() + force_records_.size()];
       reactions_.push_back(reaction_of(*f.force, record));
-      if (record.marker_count <= kMaxMarkers) add_couplings(record, couplings);
+      if (record.marker_count <= kMaxMarkers || dynamic_cast<const CoupledMarkers*>(f.force))
+        add_couplings(record, couplings);
       plain_.exclude(record);
       force_records_.push_back(record);
       b.row_count += rows;

@@ -60,7 +60,7 @@ LITHE_FMU_EXPORT fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boo
   });
 }
 
-LITHE_FMU_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String,
+LITHE_FMU_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                                                const fmi2CallbackFunctions* functions, fmi2Boolean,
                                                fmi2Boolean logging) {
   using namespace lithe::fmu;
@@ -77,6 +77,7 @@ LITHE_FMU_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, f
       return nullptr;
     };
     try {
+      const lithe::ResourceFolder folder(lithe::ResourceFolder::of_address(resources));
       static const lithe::FmuModel model = lithe_fmu_model();
       if (!guid || model.token != guid) return refuse("the GUID is that of another FMU");
       using Form = lithe::FmuInstance::Form;

@@ -63,10 +63,11 @@ inline fmi3Instance refuse_instance(fmi3LogMessageCallback callback, fmi3Instanc
   return nullptr;
 }
 
-inline fmi3Instance instantiate(FmuInstance::Form form, fmi3String token, fmi3Boolean logging,
+inline fmi3Instance instantiate(FmuInstance::Form form, fmi3String token, fmi3String resources, fmi3Boolean logging,
                                 fmi3InstanceEnvironment environment, fmi3LogMessageCallback log, bool events = false,
                                 const FmuInstance::Intermediate& intermediate = {}) noexcept {
   try {
+    const ResourceFolder folder(resources ? resources : "");
     static const FmuModel model = lithe_fmu_model();
     if (!token || model.token != token)
       return refuse_instance(log, environment, "the instantiation token is that of another FMU");
@@ -92,8 +93,8 @@ LITHE_FMU_EXPORT fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boole
   });
 }
 
-LITHE_FMU_EXPORT fmi3Instance fmi3InstantiateCoSimulation(fmi3String, fmi3String token, fmi3String, fmi3Boolean,
-                                                          fmi3Boolean logging, fmi3Boolean event_mode,
+LITHE_FMU_EXPORT fmi3Instance fmi3InstantiateCoSimulation(fmi3String, fmi3String token, fmi3String resources,
+                                                          fmi3Boolean, fmi3Boolean logging, fmi3Boolean event_mode,
                                                           fmi3Boolean early_return, const fmi3ValueReference*, size_t,
                                                           fmi3InstanceEnvironment environment,
                                                           fmi3LogMessageCallback log,
@@ -104,17 +105,18 @@ LITHE_FMU_EXPORT fmi3Instance fmi3InstantiateCoSimulation(fmi3String, fmi3String
     intermediate = [=](double time) {
       fmi3Boolean ends = false;
       fmi3Float64 end = time;  // later ones are met here too: the next step of the integrator may pass them
-      update(environment, time, false, true, true, early_return, &ends, &end);
+      update(environment, time, true, true, true, early_return, &ends, &end);
       return ends && early_return;
     };
-  return fmu::v3::instantiate(FmuInstance::Form::co_simulation, token, logging, environment, log, event_mode,
+  return fmu::v3::instantiate(FmuInstance::Form::co_simulation, token, resources, logging, environment, log, event_mode,
                               intermediate);
 }
-LITHE_FMU_EXPORT fmi3Instance fmi3InstantiateModelExchange(fmi3String, fmi3String token, fmi3String, fmi3Boolean,
-                                                           fmi3Boolean logging, fmi3InstanceEnvironment environment,
+LITHE_FMU_EXPORT fmi3Instance fmi3InstantiateModelExchange(fmi3String, fmi3String token, fmi3String resources,
+                                                           fmi3Boolean, fmi3Boolean logging,
+                                                           fmi3InstanceEnvironment environment,
                                                            fmi3LogMessageCallback log) {
   using namespace lithe;
-  return fmu::v3::instantiate(FmuInstance::Form::model_exchange, token, logging, environment, log);
+  return fmu::v3::instantiate(FmuInstance::Form::model_exchange, token, resources, logging, environment, log);
 }
 LITHE_FMU_EXPORT fmi3Instance fmi3InstantiateScheduledExecution(fmi3String, fmi3String, fmi3String, fmi3Boolean,
                                                                 fmi3Boolean, fmi3InstanceEnvironment environment,

@@ -11,6 +11,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/log.h"
+#include "engine/base/resource.h"
 #include "engine/fmu/fmu_instance.h"
 
 /// What the C functions of FMI 2.0 and 3.0 have in common: an instance with the mode it is in, behind which no
@@ -29,7 +30,7 @@ enum Mode : int {
   kExchange = kEvent | kContinuous,
   kInitialized = kInitialization | kStep | kExchange,
   kAnywhere = 127,
-  kIntermediate = 128,  // within a communication step, which has a state to read alone
+  kIntermediate = 128,  // at a state within a communication step: to read, and for inputs from there on
 };
 
 enum class Outcome { ok = 0, warning = 1, discard = 2, error = 3, fatal = 4 };  // the numbers of both standards
@@ -124,11 +125,12 @@ class Component {
     });
   }
   Outcome set(const char* function, const std::uint32_t* references, std::size_t count, const double* values) {
-    return guarded(function, kInstantiated | kInitialized, [&] {
+    return guarded(function, kInstantiated | kInitialized | kIntermediate, [&] {
       for (std::size_t i = 0; i < count; ++i) {
-        if (mode == kContinuous && instance->variable(references[i]).role == FmuVariable::Role::parameter)
+        if ((mode & (kContinuous | kIntermediate)) != 0 &&
+            instance->variable(references[i]).role == FmuVariable::Role::parameter)
           throw SceneError("'" + instance->variable(references[i]).name + "' is a parameter, constant between events",
-                           function, "set it in event mode");
+                           function, "set it in event mode, or between communication steps");
         instance->set(references[i], values[i], mode != kStep);
       }
     });

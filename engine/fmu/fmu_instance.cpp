@@ -34,10 +34,12 @@ class FmuInstance::Steps final : public Observer {
     if (time == instance_.told_) return;
     instance_.told_ = time;
     instance_.seen_ = &snapshot;
+    instance_.inputs_set_ = instance_.evaluated_ = false;
     instance_.rates_.resize(0);
     if (instance_.equations_) instance_.x_ = instance_.equations_->states_of(snapshot.state());
     const bool ends = tell_(time);
     instance_.seen_ = nullptr;
+    instance_.evaluated_ = false;
     if (ends) throw StopRun{"the importer"};
   }
 
@@ -65,7 +67,8 @@ FmuInstance::FmuInstance(const FmuModel& model, Form form, Intermediate intermed
                           .start = p.value,
                           .lower = p.lower,
                           .upper = p.upper,
-                          .place = static_cast<int>(variables_.size()) - 1});
+                          .place = static_cast<int>(variables_.size()) - 1,
+                          .within_steps = !p.parameter && p.between != Input::Between::smooth});
   }
   for (std::size_t s = 0; s < sensors_.size(); ++s)
     for (std::size_t c = 0; c < sensors_[s].columns().size(); ++c) {
@@ -139,15 +142,16 @@ const FmuVariable& FmuInstance::variable(unsigned reference) const {
 }
 
 Snapshot& FmuInstance::look() {
-  if (seen_) return *seen_;
+  if (seen_ && !inputs_set_) return *seen_;
   if (evaluated_) return *snapshot_;
   rates_.resize(0);
   if (form_ == Form::model_exchange) {
     equations_->evaluate(state_, *snapshot_);
   } else {
     const bool solved = !started_ || inputs_set_ || integrator_->approximates_accelerations();
-    snapshot_->evaluate(state_, solved ? Accelerations::solved : Accelerations::as_left);
-    if (equations_) x_ = equations_->states_of(state_);
+    const State& state = seen_ ? seen_->state() : state_;
+    snapshot_->evaluate(state, solved ? Accelerations::solved : Accelerations::as_left);
+    if (equations_) x_ = equations_->states_of(state);
   }
   evaluated_ = true;
   return *snapshot_;
@@ -188,13 +192,31 @@ void FmuInstance::set(unsigned reference, double value, bool jumps) {
         "'" + asked.name + "' (value reference " + std::to_string(reference) + ") is no input or parameter",
         model_.scene.name, "set inputs and parameters alone");
   Input& input = *graph_.inputs()[static_cast<std::size_t>(asked.place)];
-  if (jumps || input.between() == Input::Between::held)
+  if (seen_)
+    set_within_step(input, value);
+  else if (jumps || input.between() == Input::Between::held)
     input.reset(state_.time, value);
   else  // checked as if it were set
     input.require(state_.time, value, model_.scene.name);
   given_[static_cast<std::size_t>(asked.place)] = value;
   inputs_set_ = true;
   evaluated_ = false;
+}
+
+void FmuInstance::set_within_step(Input& input, double value) {
+  const double now = time();
+  input.require(now, value, model_.scene.name);
+  if (input.between() == Input::Between::smooth)
+    throw SceneError("input '" + input.name() + "' moves smoothly, from rest to rest over a communication step",
+                     model_.scene.name,
+                     "set it between steps, or draw it with .between = Input::Between::linear or held");
+  if (input.between() == Input::Between::held) {
+    input.set(now, value);
+    input.end_at(std::numeric_limits<double>::infinity());  // what is asked next sees it at the end of the step too
+  } else if (now < end_) {
+    input.reset(now, input.value(now));
+    input.set(end_, value);
+  }
 }
 
 bool FmuInstance::step(double current, double size) {
@@ -206,17 +228,18 @@ bool FmuInstance::step(double current, double size) {
         "the communication point " + time_text(current) + " is not the one reached, " + time_text(state_.time),
         model_.scene.name, "step from where the last step has ended, or restore a state");
   told_ = state_.time;
-  const double end = current + size;
+  end_ = current + size;
   for (std::size_t i = 0; i < given_.size(); ++i) {
     Input& input = *graph_.inputs()[i];
     const double present = input.value(state_.time);
-    if (input.between() == Input::Between::held || present == given_[i]) continue;
-    input.reset(state_.time, present);
-    input.set(end, given_[i]);
+    const bool held = input.between() == Input::Between::held;
+    if (held ? input.samples().size() == 1 : present == given_[i]) continue;
+    input.reset(state_.time, present);  // forgets what was set within the last step
+    if (!held) input.set(end_, given_[i]);
   }
   evaluated_ = inputs_set_ = false;
   started_ = true;
-  simulation_->run(state_, end);
+  simulation_->run(state_, end_);
   return !simulation_->stopped_by().empty();
 }
 
@@ -300,6 +323,7 @@ std::string fmu_facts(const FmuModel& model) {
                                   {"nominal", v.nominal},
                                   {"place", v.place},
                                   {"sensor", v.sensor},
+                                  {"within steps", v.within_steps},
                                   {"lower", bound(v.lower)},
                                   {"upper", bound(v.upper)}});
   return facts.dump();

@@ -30,13 +30,16 @@ struct FmuModel {
 ///   held inputs and parameters   input.reset(t, value) at the communication point t
 ///   linear, smooth inputs        reach the value at the end of the step: input.reset(t, present), input.set(t + h,
 ///   value)
+/// Within a step, where Intermediate is told of t, held inputs are set by input.set(t, value), and linear ones bend:
+///   input.reset(t, present), input.set(end of the step, value)
 /// In model exchange it has equations (FmuEquations), and an input is what has been set last. What is asked depends on
 /// the time, states and inputs set, and on the last completed step, not on what was asked before.
 /// Not for several threads at once; several instances may each have one.
 class FmuInstance {
  public:
   enum class Form { co_simulation, model_exchange };
-  /// Told after each step of the integrator within a communication step; returns whether to end that one here.
+  /// Told after each step of the integrator within a communication step, where inputs may be set; returns whether to
+  /// end that one here.
   using Intermediate = std::function<bool(double time)>;
   /// Draws the scene and assembles it. Throws SceneError as these do, where a name would be used twice, and for model
   /// exchange of a scene that has no such form.
@@ -60,8 +63,8 @@ class FmuInstance {
   /// Throws SceneError for a reference that does not exist; SimulationError for a value that is not finite.
   double get(unsigned reference);
   /// Jumping, linear and smooth inputs have the value now, as before the first step, at events and in model exchange,
-  /// instead of at the end of the next step. Throws SceneError for what is no input or parameter, and for a value
-  /// that it must not have.
+  /// instead of at the end of the next step. Throws SceneError for what is no input or parameter, for a value that it
+  /// must not have, and in Intermediate for a smooth input, which would have to start from rest there.
   void set(unsigned reference, double value, bool jumps = true);
 
   /// From the communication point `current` by `size`, or to where Intermediate ends it. Throws SceneError for a size
@@ -106,6 +109,7 @@ class FmuInstance {
   /// Every step of the simulation, as Intermediate wants it.
   class Steps;
   void apply_inputs(double time);
+  void set_within_step(Input& input, double value);
   Snapshot& look();
   void history(Archive& archive);
 
@@ -126,9 +130,10 @@ class FmuInstance {
 
   State state_;
   bool started_ = false;     // steps have been made
-  bool inputs_set_ = false;  // since the last step
+  bool inputs_set_ = false;  // since the last step, in Intermediate since the last one told of
   bool evaluated_ = false;   // the snapshot is of the state
   double start_ = 0, tolerance_ = 0;
+  double end_ = 0;   // of the communication step
   double told_ = 0;  // the last time that Intermediate need not be told: of the communication point, of a step
   std::vector<double> given_;  // of each input, by the importer
   VectorX x_;                  // states as given: quaternions of any norm

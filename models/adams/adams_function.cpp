@@ -7,6 +7,8 @@
 #include <numbers>
 #include <set>
 
+#include "models/adams/adams_words_internal.h"
+
 namespace lithe {
 namespace {
 
@@ -14,60 +16,6 @@ using Operation = AdamsFunction::Operation;
 using Kind = AdamsMeasure::Kind;
 
 constexpr int kDeepest = 100, kTallest = 250, kLongest = 20000;
-
-struct Known {
-  Operation operation;
-  int least, most;  // arguments
-};
-const std::map<std::string, Known>& functions() {
-  using enum Operation;
-  static const std::map<std::string, Known> all = {{"ABS", {absolute, 1, 1}},
-                                                   {"ACOS", {arc_cosine, 1, 1}},
-                                                   {"AINT", {truncated, 1, 1}},
-                                                   {"ANINT", {rounded, 1, 1}},
-                                                   {"INT", {truncated, 1, 1}},
-                                                   {"NINT", {rounded, 1, 1}},
-                                                   {"ASIN", {arc_sine, 1, 1}},
-                                                   {"ATAN", {arc_tangent, 1, 1}},
-                                                   {"ATAN2", {quadrant_arc_tangent, 2, 2}},
-                                                   {"COS", {cosine, 1, 1}},
-                                                   {"COSH", {hyperbolic_cosine, 1, 1}},
-                                                   {"DIM", {excess, 2, 2}},
-                                                   {"EXP", {exponential, 1, 1}},
-                                                   {"LOG", {logarithm, 1, 1}},
-                                                   {"LOG10", {decimal_logarithm, 1, 1}},
-                                                   {"MAX", {maximum, 2, 2}},
-                                                   {"MIN", {minimum, 2, 2}},
-                                                   {"MOD", {remainder, 2, 2}},
-                                                   {"SIGN", {with_sign, 2, 2}},
-                                                   {"SIN", {sine, 1, 1}},
-                                                   {"SINH", {hyperbolic_sine, 1, 1}},
-                                                   {"SQRT", {square_root, 1, 1}},
-                                                   {"TAN", {tangent, 1, 1}},
-                                                   {"TANH", {hyperbolic_tangent, 1, 1}},
-                                                   {"STEP", {cubic_step, 5, 5}},
-                                                   {"STEP5", {quintic_step, 5, 5}},
-                                                   {"HAVSIN", {haversine_step, 5, 5}},
-                                                   {"BISTOP", {bistop, 8, 8}},
-                                                   {"IMPACT", {impact, 7, 7}},
-                                                   {"POLY", {polynomial, 3, 33}},
-                                                   {"SHF", {harmonic, 5, 6}},
-                                                   {"FORCOS", {cosine_series, 4, 34}},
-                                                   {"FORSIN", {sine_series, 4, 34}},
-                                                   {"CHEBY", {chebyshev, 3, 33}}};
-  return all;
-}
-
-const std::map<std::string, Kind>& measures() {
-  using enum Kind;
-  static const std::map<std::string, Kind> all = {
-      {"DM", DM},     {"DX", DX},     {"DY", DY},       {"DZ", DZ},     {"AX", AX},     {"AY", AY},
-      {"AZ", AZ},     {"PSI", PSI},   {"THETA", THETA}, {"PHI", PHI},   {"YAW", YAW},   {"PITCH", PITCH},
-      {"ROLL", ROLL}, {"VM", VM},     {"VR", VR},       {"VX", VX},     {"VY", VY},     {"VZ", VZ},
-      {"WM", WM},     {"WX", WX},     {"WY", WY},       {"WZ", WZ},     {"ACCM", ACCM}, {"ACCX", ACCX},
-      {"ACCY", ACCY}, {"ACCZ", ACCZ}, {"WDTM", WDTM},   {"WDTX", WDTX}, {"WDTY", WDTY}, {"WDTZ", WDTZ}};
-  return all;
-}
 
 const std::map<std::string, int>& loads() {
   static const std::map<std::string, int> all = {{"FM", 1}, {"FX", 2}, {"FY", 3}, {"FZ", 4},
@@ -312,9 +260,10 @@ class Reader {
     if (word == "RTOD") return number(180 / std::numbers::pi);
     if (word == "DTOR") return number(std::numbers::pi / 180);
     if (word == "IF") return make(Operation::branch, arguments(word, 4, 4, ':', depth));
-    if (const auto known = functions().find(word); known != functions().end())
+    if (const auto known = adams::function_words().find(word); known != adams::function_words().end())
       return make(known->second.operation, arguments(word, known->second.least, known->second.most, ',', depth));
-    if (const auto known = measures().find(word); known != measures().end()) return of_markers(word, known->second);
+    if (const auto known = adams::measure_words().find(word); known != adams::measure_words().end())
+      return of_markers(word, known->second);
     if (const auto known = loads().find(word); known != loads().end()) {
       const auto id = identifiers(word, 1, 3);
       return measure({.kind = Kind::between,
@@ -350,21 +299,10 @@ class Reader {
   }
 
   int of_markers(const std::string& word, Kind kind) {
-    using enum Kind;
-    int most = 2;  // (i, j)
-    if (kind >= DX && kind <= DZ) most = 3;
-    if (kind >= WX && kind <= WZ) most = 3;
-    if (kind >= VX && kind <= VZ) most = 4;
-    if (kind == VM || kind == VR || kind == ACCM || kind == WDTM) most = 3;
-    if (kind >= ACCX && kind <= ACCZ) most = 4;
-    if (kind >= WDTX) most = 4;
-    auto id = identifiers(word, 1, most);
     AdamsMeasure made{.kind = kind};
-    made.i = id[0];
-    if (id.size() > 1) made.j = id[1];
-    const bool magnitude = kind == VM || kind == VR || kind == ACCM || kind == WDTM;  // (i, j, l)
-    if (id.size() > 2) (magnitude ? made.l : made.k) = id[2];
-    if (id.size() > 3) made.l = id[3];
+    const std::vector<int*> wanted = adams::markers_of(made);
+    const auto id = identifiers(word, 1, static_cast<int>(wanted.size()));
+    for (std::size_t n = 0; n < id.size(); ++n) *wanted[n] = id[n];
     if (made.of_acceleration() && made.l != 0)
       fail(word + " seen from another frame than the global one is not read.", "leave its last argument out.");
     return measure(made);

@@ -158,5 +158,8 @@ struct AdamsNames {
 /// Reads an expression. Calls names.fail for one that is cut, an unknown function or name, a wrong number of arguments,
 /// a VARIABLE that reads itself, and one that is too long or nested too deep.
 AdamsFunction read_adams_function(const std::string& text, int line, const AdamsNames& names);
+/// It as text, VARIABLEs written out: read again it is the same tree, but for signs of numbers. Throws SceneError for
+/// one that reads a SPLINE or a load.
+std::string adams_text(const AdamsFunction& function);
 
 }  // namespace lithe

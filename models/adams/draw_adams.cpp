@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "bodies/rigid_body.h"
 #include "engine/base/error.h"
 #include "engine/model/system_graph.h"
 #include "joints/constant_velocity_joint.h"
 #include "joints/coordinate_coupling.h"
-#include "joints/coordinate_drive.h"
 #include "joints/cylindrical_joint.h"
 #include "joints/fixed_joint.h"
 #include "joints/forces/coordinate_spring.h"
@@ -24,6 +24,7 @@
 #include "joints/spherical_joint.h"
 #include "joints/universal_joint.h"
 #include "models/adams/adams_elements_internal.h"
+#include "models/adams/adams_scene.h"
 #include "models/adams/draw_adams_internal.h"
 
 namespace lithe::adams {
@@ -84,6 +85,7 @@ class Drawing {
     for (const auto& [id, frame] : m_.markers)
       drawn_.markers[id] = world_[static_cast<std::size_t>(frame.part)](frame.position, frame.orientation);
     drawn_.markers[0] = graph_.ground().marker();
+    elements_.emplace(graph_, m_.units, drawn_.markers);
     for (const auto& [id, joint] : m_.joints) at(joint, [&] { add_joint(id, joint.name, joint.what); });
     for (const auto& motion : m_.motions) at(motion, [&] { add_motion(motion.name, motion.what); });
     for (const auto& coupler : m_.couplers) at(coupler, [&] { add_coupler(coupler.name, coupler.what); });
@@ -93,8 +95,7 @@ class Drawing {
     for (const auto& spring : m_.springs) at(spring, [&] { add_spring(spring.name, spring.what); });
     for (const auto& field : m_.fields)
       at(field, [&] {
-        const auto& made =
-            graph_.add<FieldForce>(prefix_ + field.name, {marker(field.what.j), marker(field.what.i)}, field.what);
+        const ForceElement& made = elements_->add(prefix_ + field.name, field.what);
         acting_.push_back(
             {.name = field.name, .i = field.what.i, .j = field.what.j, .force = &made, .at_i = 1, .at_j = 0});
       });
@@ -250,19 +251,7 @@ class Drawing {
   }
 
   void add_motion(const std::string& name, const AdamsModel::Motion& motion) {
-    const JointCoordinate x = motion.rotation ? angle_between(marker(motion.j), marker(motion.i))
-                                              : displacement_between(marker(motion.j), marker(motion.i), motion.axis);
-    const double T = m_.units.time, unit = motion.rotation ? 1 : m_.units.length;
-    if (motion.rate) {
-      const auto& made = graph_.add<RateDrive>(prefix_ + name, {x}, {motion.function, T, unit / T});
-      return keep(name, made, motion.i, motion.j, 1, 0);
-    }
-    const auto& made =
-        graph_.add<CoordinateDrive>(prefix_ + name, {x}, {.motion = [f = motion.function, T, unit](double t) {
-                                      const InTime y = in_time(f, {t / T, 1 / T, 0});
-                                      return Motion{unit * y.value, unit * y.rate, unit * y.acceleration};
-                                    }});
-    keep(name, made, motion.i, motion.j, 1, 0);
+    keep(name, elements_->add(prefix_ + name, motion), motion.i, motion.j, 1, 0);
   }
 
   void add_coupler(const std::string& name, const AdamsModel::Coupler& coupler) {
@@ -303,57 +292,8 @@ class Drawing {
     graph_.add<CoordinateCoupling>(prefix_ + name, all, {.factors = factors});
   }
 
-  // ---- functions ----
-
-  /// Places of the markers that a function reads in an element's list, which grows; at most `most`.
-  PlacedFunction place(const AdamsFunction& f, std::vector<int>& ids, std::vector<MeasuredAngle>& angles,
-                       const std::string& name, int most) {
-    PlacedFunction placed{f};
-    const auto find = [&](int id) {
-      const auto found = std::find(ids.begin(), ids.end(), id);
-      if (found != ids.end()) return static_cast<int>(found - ids.begin());
-      ids.push_back(id);
-      if (static_cast<int>(ids.size()) > most)
-        throw SceneError(name + " acts on and reads more than " + std::to_string(most) + " markers.", "",
-                         "split it into several.");
-      return static_cast<int>(ids.size()) - 1;
-    };
-    for (const AdamsMeasure& m : f.measures) {
-      PlacedFunction::Places at{find(m.i), find(m.j), 0, 0, -1};
-      using enum AdamsMeasure::Kind;
-      const bool along =
-          (m.kind >= DX && m.kind <= DZ) || (m.kind >= VX && m.kind <= VZ) || (m.kind >= WX && m.kind <= WZ);
-      at.k = along ? find(m.k) : at.j;
-      at.l = m.of_velocity() && m.kind <= VZ ? find(m.l) : at.j;
-      if (m.is_angle()) {
-        at.angle = static_cast<int>(angles.size());
-        angles.push_back({at.j, at.i, static_cast<int>(m.kind) - static_cast<int>(AX)});
-      }
-      placed.places.push_back(at);
-    }
-    return placed;
-  }
-  std::vector<Marker> markers_of(const std::vector<int>& ids) const {
-    std::vector<Marker> all;
-    for (const int id : ids) all.push_back(marker(id));
-    return all;
-  }
-
   void add_load(const std::string& name, const AdamsModel::Load& load) {
-    FunctionForce::Parameters p{.kind = load.kind, .functions = {}, .units = m_.units};
-    std::vector<int> ids = {load.i, load.j};
-    const auto found = std::find(ids.begin(), ids.end(), load.axes);
-    p.axes = static_cast<int>(found - ids.begin());
-    if (found == ids.end()) ids.push_back(load.axes);
-    p.timed = false;
-    for (std::size_t c = 0; c < 6; ++c)
-      if (load.functions[c]) {
-        p.functions[c] = place(*load.functions[c], ids, p.angles, name, kMaxMarkers);
-        for (const AdamsFunction::Node& node : load.functions[c]->nodes)
-          p.timed |= node.operation == AdamsFunction::Operation::time;
-      }
-    p.markers = static_cast<int>(ids.size());
-    const auto& made = graph_.add<FunctionForce>(prefix_ + name, markers_of(ids), std::move(p));
+    const ForceElement& made = elements_->add(prefix_ + name, load);
     using enum AdamsModel::Load::Kind;
     const bool floating = load.kind == components;
     const bool alone = load.kind == on_i_along_z || load.kind == on_i_about_z;  // FX(i) asks for these
@@ -362,14 +302,8 @@ class Drawing {
   }
 
   void add_constraint(const std::string& name, const AdamsModel::Constraint& gcon) {
-    FunctionConstraint::Parameters p{.units = m_.units};
     std::vector<int> ids;
-    p.function = place(gcon.function, ids, p.angles, name, 4);
-    std::vector<Marker> markers = markers_of(ids);
-    while (markers.size() != 2 && markers.size() != 4) markers.push_back(graph_.ground().marker());
-    p.markers = static_cast<int>(markers.size());
-    const auto& made = graph_.add<FunctionConstraint>(prefix_ + name, markers, std::move(p));
-    keep(name, made, 0, 0, 0, 1);
+    keep(name, elements_->add(prefix_ + name, gcon, &ids), 0, 0, 0, 1);
     acting_.back().markers = ids;
   }
 
@@ -489,6 +423,7 @@ class Drawing {
   std::vector<std::function<Marker(const Vector3&, const Matrix3&)>> world_;  // markers of each part, by its frame
   std::map<int, JointCoordinate> angles_, displacements_;                     // of joints
   std::vector<Acting> acting_;
+  std::optional<AdamsScene> elements_;  // by functions
 };
 
 }  // namespace

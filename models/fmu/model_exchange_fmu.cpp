@@ -99,10 +99,9 @@ ModelExchangeFmu::ModelExchangeFmu(SystemGraph& graph, Located name, const std::
     p.differentiable &= v->causality == "output";
   }
   // 3. The elements.
-  if (wires.outputs.size() > kMaxRows)
-    file->refuse("it has more than " + std::to_string(kMaxRows) + " outputs to coordinates", "use several FMUs");
-  const int states = file->contents().state_count, room = 3 * (kMaxMarkers - 2 * wires.coordinates.count());
-  if (room < std::max(states, 1))
+  const int states = file->contents().state_count;
+  wires.points = FirstOrderStates::points_for(states);
+  if (wires.marker_count() > kMostMarkers)
     file->refuse(std::to_string(wires.coordinates.count()) + " coordinates and " + std::to_string(states) +
                      " states are more than there is room for",
                  "connect fewer coordinates, use several FMUs, or one for co-simulation (ImportedFmu)");
@@ -115,10 +114,15 @@ ModelExchangeFmu::ModelExchangeFmu(SystemGraph& graph, Located name, const std::
         (in.rate ? out.by_rate : out.by_value) += by;
   auto& body =
       graph.add<FirstOrderStates>(Located(name.text + " states", name.where), {.start = equations->initial_states()});
-  wires.points = body.point_count();
   std::vector<Marker> markers = wires.coordinates.markers();
   for (int i = 0; i < wires.points; ++i) markers.push_back(body.point(i));
-  force_ = &graph.add<FmuForce>(name, std::move(markers), {std::move(equations), std::move(wires)});
+  const std::vector<FmuWires::Part> parts = wires.parts(states);
+  std::optional<FmuWires::Part> first;
+  if (!parts.empty()) first = parts[0];
+  force_ = &graph.add<FmuForce>(name, markers, {.equations = std::move(equations), .wires = wires, .part = first});
+  for (std::size_t i = 1; i < parts.size(); ++i)
+    graph.add<FmuForce>(Located(name.text + " part " + std::to_string(i + 1), name.where), markers,
+                        {.first = force_, .wires = wires, .part = parts[i]});
   states_ = &body;
 }
 

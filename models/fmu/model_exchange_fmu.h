@@ -35,8 +35,8 @@ struct FmuNumber;
 /// states may jump there. The FMU is initialized at the run's first time with the inputs of its first state; the states
 /// begin as the FMU gives them with the inputs' start values. Implicit methods have its derivatives: the FMU's own if
 /// it gives directional derivatives, else central differences. Where the FMU discards a trial state, the integrator
-/// tries a smaller step. The coordinates and the states, three in one, are markers of one force element, at most 8: one
-/// coordinate and up to 18 states, two and 12, three and 6, four and none.
+/// tries a smaller step. Two markers a coordinate and one for three states are at most 256. Up to 8 are one force
+/// element; more are several, and implicit methods then have all derivatives but those of directions.
 class ModelExchangeFmu final : public Observer {
  public:
   enum class Reads { value, rate };
@@ -60,7 +60,7 @@ class ModelExchangeFmu final : public Observer {
     std::vector<std::pair<std::string, double>> values{};  // of parameters and inputs, at the start
   };
   /// Unpacks the FMU, makes an instance and adds its states and its force to the graph, which keeps them, as
-  /// "name states" and "name". Throws
+  /// "name states" and "name" (and "name part 2" ...). Throws
   /// FileError for a file that is no FMU, is damaged, leads out of its folder, is not for model exchange, or has no
   /// binary for this platform; SceneError for variables that it does not have, of another causality or type or that
   /// are no single numbers, inputs connected twice, more coordinates and states than there is room for, and a name

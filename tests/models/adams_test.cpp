@@ -2,9 +2,12 @@
 #include <cmath>
 #include <sstream>
 
+#include "bodies/rigid_body.h"
 #include "engine/base/rotations.h"
 #include "engine/observe/recorder.h"
 #include "engine/run/simulation.h"
+#include "joints/forces/spring_damper.h"
+#include "models/adams/adams_scene.h"
 #include "models/draw_model.h"
 #include "models/read_model.h"
 #include "tests/models/scratch_folder.h"
@@ -122,6 +125,50 @@ TEST(AdamsFunctions, AreThoseOfTheirDefinitions) {
       EXPECT_NEAR(found, expected, 1e-13 * (1 + std::abs(expected))) << function;
   }
   EXPECT_NEAR(value("45D"), 45 * d, 1e-15);
+}
+
+// Text of a tree is that of another tree with the same values, and stays what it is.
+TEST(AdamsFunctions, AreReadAgainFromTheirText) {
+  SystemGraph graph;
+  const AdamsScene scene(graph, {}, {});
+  const auto again = [&](const std::string& text) { return adams_text(scene.function(text)); };
+  for (const char* text : {"1-2*3-4/8", "(1-2)*-3", "-2**2", "(-2)**2", "2**3**2", "(2**3)**2", "1-(2-3)", "8/2/2",
+                           "8/(2/2)", "8/2*3", "2*(8/3)", "-(1+2)*3", "1--2", "IF(TIME-1: 1, 2*TIME, -3)",
+                           "STEP(TIME, 0, 0, 1, 5)**2", "1.5E-9*TIME", "POLY(3, 1, 1, -2, 3)-MAX(1, 2)"}) {
+    EXPECT_EQ(value(again(text)), value(text)) << text << " is " << again(text);
+    EXPECT_EQ(again(again(text)), again(text));
+  }
+  EXPECT_EQ(again("VX(3,4)-DM(5)*WZ(6,7,8)/YAW(1,2)+ORIENT(27,3,1,2)"),
+            "VX(3, 4, 0, 0)-DM(5, 0)*WZ(6, 7, 8)/YAW(1, 2)+ORIENT(27, 3, 1, 2)");
+  EXPECT_THROW(scene.function("VARVAL(1)"), SceneError);
+  EXPECT_THROW(scene.function("AKISPL(TIME, 0, 1)"), SceneError);
+  EXPECT_THROW(scene.function("SINE(1)"), SceneError);
+  EXPECT_THROW(adams_text(scene.function("FX(1,2)")), SceneError);
+}
+
+// In a scene of one's own: a spring and damper of Adams beside ours, and markers that were not given.
+TEST(AdamsFunctions, ActInASceneOfOnesOwn) {
+  const auto motion = [](bool by_function) {
+    SystemGraph graph;
+    auto& bob = graph.add<RigidBody>("bob", {.mass = 2, .inertia = {1, 1, 1}, .position = {0.3, 0, -1}});
+    if (by_function) {
+      AdamsScene adams(graph, {.length = 1e-3}, {{1, graph.ground().marker()}, {2, bob.marker({0, 0, 0.1})}});
+      adams.add("force", AdamsModel::Load{.kind = AdamsModel::Load::Kind::along_line,
+                                          .i = 2,
+                                          .j = 1,
+                                          .functions = {{adams.function("-0.1*(DM(2,1)-700)-0.02*VR(2,1)")}}});
+      EXPECT_THROW(adams.add("lost", AdamsModel::Constraint{adams.function("DX(2,9)")}), SceneError);
+    } else {
+      graph.add<SpringDamper>("force", {graph.ground().marker(), bob.marker({0, 0, 0.1})},
+                              {.stiffness = 100, .damping = 20, .natural_length = 0.7});
+    }
+    const System system = assemble(graph);
+    State state = system.initial_state();
+    const auto method = runge_kutta(1e-10);
+    Simulation{system, *method}.run(state, 1);
+    return state.q;
+  };
+  EXPECT_LT((motion(true) - motion(false)).lpNorm<Eigen::Infinity>(), 1e-8);
 }
 
 // A parabola is what Akima's curve and its ends reproduce, a cubic what a not-a-knot spline does. Adams says of the

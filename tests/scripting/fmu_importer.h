@@ -10,21 +10,39 @@
 
 namespace lithe::test {
 
-/// An FMU as made by the command, with --step 1e-3, and unpacked.
+/// An FMU as made by the command, with a fixed step, s, and unpacked.
 struct UnpackedFmu {
   std::filesystem::path folder, library;
   std::string description;
 
-  UnpackedFmu(const ScriptFolder& scratch, const std::string& scene, int version, const std::string& options = "");
+  UnpackedFmu(const ScriptFolder& scratch, const std::string& scene, int version, const std::string& options = "",
+              const std::string& step = "1e-3");
   /// Of the first element with that name, or of the root.
   std::string attribute(const std::string& name) const;
   std::string token() const;
   /// 9999 and a failure: there is no such variable.
   unsigned reference(const std::string& variable) const;
+  /// Outputs follow each other.
+  unsigned first_output() const;
 };
 
 /// The unpacked description satisfies the standard's schema, where xmllint is installed.
 void expect_valid_description(const ScriptFolder& scratch, int version);
+
+/// model.fmu passes FMPy's validation and runs there, and in OMSimulator, where these are installed.
+void expect_passes_importers(const ScriptFolder& scratch);
+
+/// Rows of numbers among what a program prints, each behind the word row.
+std::vector<std::vector<double>> rows_of(const std::string& output);
+/// A number in every bit, as text.
+std::string exact_text(double value);
+
+/// What a program prints that drives the scene by Simulation, compiled by `lithe run` as FMUs are: rows of numbers, in
+/// every bit. `body` is in main(), after graph, system, method (GeneralizedAlpha), simulation, state and
+/// print(state, accelerations), which prints all outputs; `before` stands before main().
+std::vector<std::vector<double>> native_rows(const ScriptFolder& scratch, const std::string& scene,
+                                             const std::string& before, const std::string& body,
+                                             const std::string& step = "1e-3");
 
 /// Receives intermediate updates of an instance; returns whether to end the communication step.
 using IntermediateUpdate = std::function<bool(double time, bool may_end)>;
@@ -63,7 +81,7 @@ class ImportedInstance {
  public:
   enum class Form { model_exchange, co_simulation };
   ImportedInstance(const FmuLibrary& library, const std::string& token, int version, bool logging = false,
-                   Form form = Form::co_simulation);
+                   Form form = Form::co_simulation, const std::string& resources = "");
   /// For co-simulation by FMI 3.0 with all that it offers: event mode, intermediate updates, early return.
   ImportedInstance(const FmuLibrary& library, const std::string& token, IntermediateUpdate update);
   ~ImportedInstance();

@@ -11,6 +11,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/number_text.h"
+#include "engine/base/resource.h"
 #include "engine/base/temporary_folder.h"
 #include "tools/lithe/commands.h"
 #include "tools/lithe/compiler_messages.h"
@@ -27,6 +28,7 @@ constexpr const char* kFacts = "facts of the FMU: ";
 
 struct FmuOptions {
   std::string scene, out, facts_of;
+  std::vector<std::string> resources;
   int version = 3;
   double tolerance = 1e-6, step = 0;
   bool verbose = false, with_libraries = false;
@@ -169,6 +171,18 @@ void write_zip(const fs::path& path, const std::vector<std::pair<std::string, fs
   fs::rename(unfinished, path);
 }
 
+/// Files to pack, by their names in the FMU.
+std::vector<std::pair<std::string, fs::path>> packed_resources(const std::vector<std::string>& paths) {
+  std::vector<std::pair<std::string, fs::path>> files;
+  for (const std::string& path : paths) {
+    const fs::path file = resource(path);
+    if (!fs::is_regular_file(file))
+      throw FileError("the resource is not a file", path, "give one, by its path from the folder that this runs in");
+    files.emplace_back("resources/" + file.generic_string(), file);
+  }
+  return files;
+}
+
 int make_fmu(const FmuOptions& options) {
   if (!options.facts_of.empty()) return print_facts(options.facts_of);
   if (options.scene.empty())
@@ -182,6 +196,8 @@ int make_fmu(const FmuOptions& options) {
   token.add(key);
   token.add_file(scene.path);
   token.add(number_text(options.tolerance) + " " + number_text(options.step));
+  const std::vector<std::pair<std::string, fs::path>> resources = packed_resources(options.resources);
+  for (const auto& [name, file] : resources) token.add(name), token.add_file(file);
 
   const TemporaryFolder scratch("lithe_fmu");
   const fs::path library = scratch.path() / (identifier + ".so");
@@ -198,6 +214,7 @@ int make_fmu(const FmuOptions& options) {
   const std::string folder = options.version == 3 ? "binaries/x86_64-linux/" : "binaries/linux64/";
   std::vector<std::pair<std::string, fs::path>> files = {
       {folder + identifier + ".so", library}, {folder + "liblithe_fmu.so", scratch.path() / "liblithe_fmu.so"}};
+  files.insert(files.end(), resources.begin(), resources.end());
   for (const fs::path& needed : beneath) files.emplace_back(folder + needed.filename().string(), needed);
   if (const std::string terminals = fmu_terminals(facts); options.version == 3 && !terminals.empty()) {
     const fs::path file = scratch.path() / "terminalsAndIcons.xml";
@@ -229,6 +246,8 @@ void add_fmu(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command->add_option("--step", options->step, "s: a fixed step instead, by GeneralizedAlpha")
       ->check(CLI::PositiveNumber);
+  command->add_option("--resource", options->resources,
+                      "A file that the scene reads by resource(PATH), from the folder that this runs in: packed");
   command->add_flag("--with-libraries", options->with_libraries,
                     "Pack the shared libraries that it needs too: it then runs where glibc alone is");
   command->add_flag("--verbose", options->verbose, "Show all messages of the compiler");

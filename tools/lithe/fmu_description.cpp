@@ -200,7 +200,7 @@ std::string fmu_description(const std::string& facts_text, const std::string& id
     node.append_attribute("variability") = role == kParameter ? "tunable" : "continuous";
     if (role == kParameter) node.append_attribute("initial") = "exact";
     if (role >= kOutput) node.append_attribute("initial") = "calculated";
-    if (three && (role == kOutput || role == kState || role == kDerivative))
+    if (three && (role == kOutput || role == kState || role == kDerivative || v.at("within steps")))
       node.append_attribute("intermediateUpdate") = "true";
     pugi::xml_node type = three ? node : node.append_child("Real");
     add_type_attributes(type, v);

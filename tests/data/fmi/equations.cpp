@@ -1,6 +1,6 @@
 // FMUs for model exchange, by FMI 2.0 and 3.0 in one library, written from the standards. LITHE_TEST_MODEL is one of:
-// the models of the Reference FMUs, from their published equations and descriptions, and Drive, a controller with a
-// slow amplifier. Calls that their mode does not allow are errors.
+// the models of the Reference FMUs, from their published equations and descriptions, Drive, a controller with a
+// slow amplifier, and Robot, six of them in one. Calls that their mode does not allow are errors.
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -16,7 +16,7 @@ struct Event {
 
 // Of all models: values by value reference, time and what they remember.
 struct Numbers {
-  double v[16] = {};
+  double v[72] = {};
   double time = 0;
   double memory[2] = {};
   Mode mode = Mode::instantiated;
@@ -104,7 +104,7 @@ struct Drive {
   static constexpr unsigned kIndicators = 0, kFirstInput = 1, kInputs = 3;
   static void start(Numbers& n) { n.v[7] = 1; }
   static int evaluate(Numbers& n) {
-    double(&v)[16] = n.v;
+    double* v = n.v;
     v[6] = v[3] - v[1];
     const double wanted = v[7] * v[6] + v[8] * v[5] - v[9] * v[2];
     v[11] = v[12] > 0 ? (wanted - v[10]) / v[12] : 0;
@@ -123,6 +123,54 @@ struct Drive {
     const double wanted = by == 1 ? -v[7] : by == 2 ? -v[9] : by == 3 ? v[7] : by == 5 ? v[8] : 0;
     if (of == 11) return v[12] > 0 ? (wanted - (by == 10 ? 1 : 0)) / v[12] : 0;
     return v[12] > 0 ? (by == 10 ? 1 : 0) : wanted;
+  }
+};
+
+// Six drives with targets of 0.4 rad, fixed gains 12, 40, 0.5 and one lag; `cross` of the next joint's current is
+// wanted too. Each has besides: heat' = current² - heat, work' = current speed. Values 1 to 6: angles, 7 to 12: speeds;
+// then of each joint torque, integral, its rate, current, its rate, heat, its rate, work, its rate; 67: lag; 68: cross.
+struct Robot {
+  static constexpr unsigned kStates[] = {14, 16, 18, 20, 23, 25, 27, 29, 32, 34, 36, 38,
+                                         41, 43, 45, 47, 50, 52, 54, 56, 59, 61, 63, 65};
+  static constexpr unsigned kDerivatives[] = {15, 17, 19, 21, 24, 26, 28, 30, 33, 35, 37, 39,
+                                              42, 44, 46, 48, 51, 53, 55, 57, 60, 62, 64, 66};
+  static constexpr unsigned kCount = 69, kIndicators = 0, kFirstInput = 1, kInputs = 12;
+  static constexpr unsigned of_joint(unsigned j) { return 13 + 9 * (j % 6); }
+  static void start(Numbers& n) { n.v[67] = 1; }
+  static int evaluate(Numbers& n) {
+    double* v = n.v;
+    for (unsigned j = 0; j < 6; ++j) {
+      double* own = v + of_joint(j);
+      own[0] = own[3];
+      own[2] = 0.4 - v[1 + j];
+      own[4] = (12 * own[2] + 40 * own[1] - 0.5 * v[7 + j] + v[68] * v[of_joint(j + 1) + 3] - own[3]) / v[67];
+      own[6] = own[3] * own[3] - own[5];
+      own[8] = own[3] * v[7 + j];
+    }
+    return 0;
+  }
+  static void indicate(const Numbers&, double*) {}
+  static bool wants_event(const Numbers&) { return false; }
+  static bool wants_end(const Numbers&) { return false; }
+  static Event update(Numbers&) { return {}; }
+  static double partial(const Numbers& n, unsigned of, unsigned by) {
+    const unsigned j = (of - 13) / 9, own = of_joint(j);
+    const double current = n.v[own + 3];
+    const auto is = [&](unsigned value, double is_this) { return by == value ? is_this : 0; };
+    switch (of - own) {
+      case 0:
+        return is(own + 3, 1);
+      case 2:
+        return is(1 + j, -1);
+      case 4:
+        return (is(1 + j, -12) + is(own + 1, 40) + is(7 + j, -0.5) + is(of_joint(j + 1) + 3, n.v[68]) -
+                is(own + 3, 1)) /
+               n.v[67];
+      case 6:
+        return is(own + 3, 2 * current) - is(own + 5, 1);
+      default:
+        return is(own + 3, n.v[7 + j]) + is(7 + j, current);
+    }
   }
 };
 
