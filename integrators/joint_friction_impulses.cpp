@@ -161,6 +161,23 @@ void JointFrictionImpulses::hold(VectorX& correction) {
   add_moved(x_, correction);
 }
 
+/// Rounds of joints and contacts converge as a geometric series, slowly where what one gives lands on the other (a
+/// heavy body on a light one that jams): Irons and Tuck's vector form of Aitken's rule goes to its limit. `factor`:
+/// that of the last round; 0: there was none.
+void JointFrictionImpulses::relax(double& factor) {
+  constexpr double kLeast = 0.1, kMost = 100;
+  residual_ = p_ - last_;
+  if (factor == 0) {
+    factor = 1;
+  } else {
+    residual_before_ -= residual_;
+    const double size = residual_before_.squaredNorm();
+    factor = size > 0 ? std::clamp(factor * (residual_before_.dot(residual_) / size + 1), kLeast, kMost) : 1;
+  }
+  residual_before_ = residual_;
+  p_ = last_ + factor * residual_;
+}
+
 /// What contacts do to the rows of joints.
 void JointFrictionImpulses::feel(EquationsOfMotion& equations, const ContactImpulses& contacts) {
   rv_.setZero(), hit_rows_.setZero();
@@ -190,6 +207,7 @@ bool JointFrictionImpulses::apply(EquationsOfMotion& equations, const State& sta
   JointFrictionProblem::Result result{};
   bool settled = false;
   double change = 0;  // of an impulse in a round, N s
+  double factor = 0;  // of relax()
   for (int round = 0; round < most && !settled; ++round) {
     // 1. The end of the step by the impulses so far.
     end_of_step();
@@ -228,6 +246,9 @@ bool JointFrictionImpulses::apply(EquationsOfMotion& equations, const State& sta
     last_ = p_;
     result = problem_.solve(p_, sticks_);
     sweeps_ += result.sweeps;
+    change = (p_ - last_).lpNorm<Eigen::Infinity>();
+    const bool same = change <= kSettled * p_.lpNorm<Eigen::Infinity>();
+    if (contacts && round > 1 && !same) relax(factor);
     // 4. What sticks stays where it was.
     joints->slid(way_);
     x_ = h / 2 * (p_ - last_);
@@ -237,9 +258,8 @@ bool JointFrictionImpulses::apply(EquationsOfMotion& equations, const State& sta
     way_ += speeds_;
     hold(rv_);
     corrected_ += rv_;
-    change = (p_ - last_).lpNorm<Eigen::Infinity>();
     if (!p_.allFinite()) break;
-    settled = (!contacts || round > 1) && change <= kSettled * p_.lpNorm<Eigen::Infinity>() &&
+    settled = (!contacts || round > 1) && same &&
               rv_.lpNorm<Eigen::Infinity>() <= kSettled * std::max(1.0, q.lpNorm<Eigen::Infinity>());
   }
   end_of_step();

@@ -14,7 +14,7 @@ namespace lithe {
 /// while velocities are those at the step's end: with joints closed there, surfaces that stick rest there to round-off.
 /// Implicit in the normal force too, so that a joint which jams stays at rest. Order 2 while surfaces slide or stick,
 /// 1 over the steps in which they begin to. With contacts of rigid surfaces, whose impulses r load the joints as well,
-/// both are found by turns until neither changes: one problem of all, Gauss-Seidel by blocks.
+/// both are found by turns until neither changes: one problem of all, Gauss-Seidel by blocks, over-relaxed by Aitken.
 class JointFrictionImpulses {
  public:
   /// Of a run that begins.
@@ -50,13 +50,15 @@ class JointFrictionImpulses {
   void form(EquationsOfMotion& equations, double h);
   void feel(EquationsOfMotion& equations, const ContactImpulses& contacts);
   void hold(VectorX& correction);
+  void relax(double& factor);
 
   JointFrictionProblem problem_;
   std::vector<Mechanism> mechanisms_;
   std::vector<std::vector<MatrixX>> by_lambda_;  // of each surface
   std::vector<char> sticks_;                     // by surface
   std::vector<int> held_;                        // directions
-  VectorX p_, last_, kept_, d_, v_, rv_, rl_, closed_, corrected_, felt_, way_, speeds_, x_;
+  VectorX p_, last_, residual_, residual_before_, kept_, d_, v_, rv_, rl_, closed_, corrected_, felt_, way_, speeds_,
+      x_;
   VectorX moved_, alone_, brought_;   // by p; by p without contacts; the rest
   VectorX hit_v_, hit_d_, hit_rows_;  // by contacts
   std::vector<int> places_;           // of what is kept

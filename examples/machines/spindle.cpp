@@ -57,6 +57,7 @@ struct Spindle {
                                    .outer_groove_radius = 0.525 * 12.7e-3,
                                    .contact_angle = sense * 15 * M_PI / 180,
                                    .preload = 500,
+                                   .speed = speed,
                                    .losses = {.damping_time = 1e-5, .load_factor = 3e-4, .speed_factor = 1}}));
     }
 
