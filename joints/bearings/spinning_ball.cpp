@@ -40,17 +40,29 @@ SpinningBall::SpinningBall(Contact inner, Contact outer, double centrifugal)
 /// stiffness in all directions.
 SpinningBall::Balance SpinningBall::at(const Vector2d& d) const {
   constexpr int kMost = 100;
-  constexpr double kRoundOff = 1e-14;
+  constexpr double kRoundOff = 1e-12;  // of the loads: depths are small differences of lengths
   const Vector2d thrown(0, centrifugal_);
   Balance balance;
   Vector2d b = thrown_;
   GrooveContact outer(outer_, b), inner(inner_, d - b);
-  if (inner.load > 0) b = d.normalized() * thrown_[1], outer = GrooveContact(outer_, b), inner = GrooveContact(inner_, d - b);
+  const auto put = [&](const Vector2d& at) {
+    b = at, outer = GrooveContact(outer_, b), inner = GrooveContact(inner_, d - b);
+  };
+  const auto energy_at = [&] { return outer.energy + inner.energy - centrifugal_ * b[1]; };
+  if (inner.load > 0) {
+    // On the line of the grooves' centres: as far out as thrown, or as both contacts in series, where less is stored.
+    const Vector2d n = d.normalized();
+    put(thrown_[1] * n);
+    const double energy = energy_at(), both = d.norm() - inner_.length - outer_.length,
+                 in_series = both / (1 + std::pow(outer_.stiffness / inner_.stiffness, 2.0 / 3));
+    if (in_series > 0) put((outer_.length + in_series) * n);
+    if (energy_at() > energy) put(thrown_[1] * n);
+  }
   for (int i = 0; i < kMost; ++i) {
     const Vector2d lack = thrown + inner.force - outer.force;
     if (lack.norm() <= kRoundOff * (outer.load + inner.load)) break;
     Vector2d by = (outer.stiffness + inner.stiffness).inverse() * lack;
-    const double energy = outer.energy + inner.energy - centrifugal_ * b[1];
+    const double energy = energy_at();
     bool sinks = false;
     for (int half = 0; half < 40 && !sinks; ++half, by /= 2) {
       const Vector2d next = b + by;
@@ -66,7 +78,7 @@ SpinningBall::Balance SpinningBall::at(const Vector2d& d) const {
   balance.inner_angle = std::atan2(to[0], to[1]), balance.outer_angle = std::atan2(b[0], b[1]);
   balance.outer_load = outer.load;
   if (inner.load == 0) return balance;
-  balance.energy = outer.energy + inner.energy - centrifugal_ * b[1] - thrown_energy_;
+  balance.energy = energy_at() - thrown_energy_;
   balance.force = inner.force;
   balance.stiffness =
       inner.stiffness - inner.stiffness * (outer.stiffness + inner.stiffness).inverse() * inner.stiffness;

@@ -53,7 +53,7 @@ struct ChainSpan {
 
 /// What a span is made of, from its drawing: EA (straight - L₀)/L₀ is the pretension.
 struct ChainMaterial {
-  double stiffness, length;  // EA/L₀, N/m; at rest, with what the sprockets have taken in, m
+  double stiffness = 0, length = 0;  // EA/L₀, N/m; at rest, with what the sprockets have taken in, m
   ChainMaterial() = default;
   ChainMaterial(const ChainSpan& drawn, const ChainDrive& chain);
 };

@@ -53,7 +53,7 @@ TEST(JointCoulombContact, ABlockReboundsFromAStopAndRests) {
       PrismaticJoint* slide = nullptr;
       Scene scene({0, 0, -kGravity}, [&](SystemGraph& graph) {
         auto& block = graph.add<RigidBody>("block", {.mass = 2, .velocity = {kSpeed, 0, 0}});
-        slide = &add_slide(graph, "slide", block, {}, along_x(), {.coefficient = kMu});
+        slide = &add_slide(graph, "slide", block, Vector3::Zero(), along_x(), {.coefficient = kMu});
         graph.add<Contact>(
             "stop",
             std::vector<Contact::Collider>{plate(graph, kWay + kRadius), {block.marker(), shape::sphere(kRadius)}},
@@ -81,7 +81,7 @@ TEST(JointCoulombContact, BlocksOnFrictionExchangeTheirSpeeds) {
       auto& a = graph.add<RigidBody>("a", {.mass = 2, .velocity = {kSpeed, 0, 0}});
       const Vector3 other(kWay + 2 * kRadius, 0, 0);
       auto& b = graph.add<RigidBody>("b", {.mass = 2, .position = other});
-      first = &add_slide(graph, "first", a, {}, along_x(), {.coefficient = kMu});
+      first = &add_slide(graph, "first", a, Vector3::Zero(), along_x(), {.coefficient = kMu});
       second = &add_slide(graph, "second", b, other, along_x(), {.coefficient = kMu});
       graph.add<Contact>(
           "blocks",
@@ -106,8 +106,8 @@ struct Wedge {
           const Vector3 up(-std::sin(kSlope), 0, std::cos(kSlope));
           auto& wedge = graph.add<RigidBody>("wedge", {.mass = kWedge});
           auto& follower = graph.add<RigidBody>("follower", {.mass = follower_mass});
-          aside = &add_slide(graph, "aside", wedge, {}, along_x(), {.coefficient = mu_wedge});
-          add_slide(graph, "down", follower, {}, Matrix3::Identity(), {.coefficient = kMuFollower});
+          aside = &add_slide(graph, "aside", wedge, Vector3::Zero(), along_x(), {.coefficient = mu_wedge});
+          add_slide(graph, "down", follower, Vector3::Zero(), Matrix3::Identity(), {.coefficient = kMuFollower});
           contact = &graph.add<Contact>(
               "slope",
               std::vector<Contact::Collider>{
@@ -162,7 +162,7 @@ TEST(JointCoulombContact, AnImpactLoadsTheSlideThatGuidesIt) {
     Contact* contact = nullptr;
     Scene scene({0, 0, 0}, [&](SystemGraph& graph) {
       auto& block = graph.add<RigidBody>("block", {.mass = kMass, .velocity = {kSpeed, 0, 0}});
-      slide = &add_slide(graph, "slide", block, {}, along_x(), {.coefficient = kMu});
+      slide = &add_slide(graph, "slide", block, Vector3::Zero(), along_x(), {.coefficient = kMu});
       contact = &graph.add<Contact>(
           "stop", std::vector<Contact::Collider>{plate(graph, 0.3, kTilt), {block.marker(), shape::sphere(kRadius)}},
           Contact::Parameters{.law = RigidSurfaces{.restitution = kRebound}});
@@ -199,7 +199,7 @@ TEST(JointCoulombContact, FrictionHoldsABeamAgainstAPlate) {
       auto& tip = graph.add<RigidBody>("tip", {.mass = 0.2, .position = {kLength, 0, 0}, .velocity = {kSpeed, 0, 0}});
       graph.add<FixedJoint>("root", {carriage.marker(), beam.marker(0)});
       graph.add<FixedJoint>("end", {beam.marker(kLength), tip.marker()});
-      slide = &add_slide(graph, "slide", carriage, {}, along_x(), {.coefficient = kMu, .preload = kLoad});
+      slide = &add_slide(graph, "slide", carriage, Vector3::Zero(), along_x(), {.coefficient = kMu, .preload = kLoad});
       contact = &graph.add<Contact>(
           "stop",
           std::vector<Contact::Collider>{plate(graph, kLength + kRadius), {tip.marker(), shape::sphere(kRadius)}},
