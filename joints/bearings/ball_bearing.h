@@ -15,7 +15,7 @@ namespace lithe {
 /// latter; k: both contacts in series, k^(-2/3) = k_i^(-2/3) + k_o^(-2/3), each by HertzPoint at the contact angle α.
 /// The line of d is that of contact: its angle changes with the load. (Harris & Kotzalas, Rolling Bearing Analysis, ch.
 /// 7; de Mul, Vree & Maas 1989.) At a given `speed` the balls are thrown outwards and lie in a balance of their own
-/// (SpinningBall): the outer ring's angle falls, the inner one's rises, and a lightly loaded bearing loses stiffness.
+/// (SpinningBall): the outer ring's angle falls, the inner one's rises, and the stiffness depends on the speed.
 class BallBearing final : public RollingBearing {
  public:
   struct Parameters {
