@@ -22,8 +22,8 @@ constexpr int kRounds = 4;         // of laws that follow from the impulses foun
 /// (g: minus the forces), where z, the mean velocity, and w, that along H as the step begins, are those of the midpoint
 /// rule (mean_velocity). Where islands gain by more than round-off and curvature explain, or lose in elastic impacts,
 /// their impulses are found anew by a law of the mean velocity, which has y = 0 and can only take energy (resist).
-void ContactImpulses::keep_energy(EquationsOfMotion& equations, const State& start, double h, VectorX& v_end,
-                                  VectorX& d) {
+void ContactImpulses::keep_energy(EquationsOfMotion& equations, const State& start, double h, const Others* others,
+                                  VectorX& v_end, VectorX& d) {
   RigidContacts& contacts = *equations.parts().rigid_contacts;
   ConeProblem& problem = contacts.problem();
   const auto& points = contacts.points();
@@ -50,7 +50,7 @@ void ContactImpulses::keep_energy(EquationsOfMotion& equations, const State& sta
   start_velocity_.resize(problem.rows), free_velocity_.resize(problem.rows), now_.resize(problem.rows);
   contacts.velocity(v_free_, free_velocity_);
   contacts.velocity(v_end, now_);
-  mean_velocity(equations, start, h, rv_);
+  mean_velocity(equations, start, h, others, rv_);
   contacts.velocity(rv_, start_velocity_);
   start_velocity_ = 2 * start_velocity_ - free_velocity_;
   work_.setZero(groups), scale_.setZero(groups);
@@ -96,7 +96,9 @@ void ContactImpulses::keep_energy(EquationsOfMotion& equations, const State& sta
 /// The velocity with which a force over the step does the work that the motion without contact meets. With the midpoint
 /// rule's residual ρ = M (v - v_start)/h + g and δ = d - h/2 (v + v_start), which that rule has zero:
 ///   z = S⁻¹ (M v + h/2 g(q ⊕ d)) = d/h + S⁻¹ (h/2 ρ - M δ/h),   S = M + h²/4 K.
-void ContactImpulses::mean_velocity(EquationsOfMotion& equations, const State& start, double h, VectorX& z) {
+/// Other impulses, D p, are no part of g: what they have given to ρ is h/2 S⁻¹ D p/h, half of what they have moved.
+void ContactImpulses::mean_velocity(EquationsOfMotion& equations, const State& start, double h, const Others* others,
+                                    VectorX& z) {
   dv_ = (start.v + v_free_) / 2;
   z = dv_;
   if ((d_free_ - h * dv_).norm() <= 1e-12 * d_free_.norm()) return;
@@ -116,6 +118,7 @@ void ContactImpulses::mean_velocity(EquationsOfMotion& equations, const State& s
   equations.solve(z, no_multipliers_);
   no_multipliers_.setZero();
   z += d_free_ / h;
+  if (others) z -= others->moved / 2;
 }
 
 /// Impulses over the whole step, d' = d + h/2 Y r, so that the energy changes by Σ r·(w + u')/2 alone. Normal: u' >=

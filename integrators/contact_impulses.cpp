@@ -64,20 +64,38 @@ ContactImpulses::Aim ContactImpulses::aim(const RigidContacts::Point& point, con
 }
 
 bool ContactImpulses::apply(EquationsOfMotion& equations, const State& start, double h, VectorX& v_end, VectorX& d) {
+  const bool near = find(equations, start, h);
+  if (near) act(equations, start, h, v_end, d);
+  return near;
+}
+
+bool ContactImpulses::find(EquationsOfMotion& equations, const State& start, double h) {
   RigidContacts& contacts = *equations.parts().rigid_contacts;
-  const ContactMemory& last = start.contacts;
   iterations_ = 0;
   cut_ = 0;
-  impacts_.clear();
   contacts.find(start.v, h);
-  if (contacts.fast() && would_pass(equations, start, h)) return true;
+  if (contacts.fast() && would_pass(equations, start, h)) return false;
   acted_ = !contacts.empty();
   if (!acted_) {
-    uncut_ = 0;
-    tell_of_partings(contacts, h, last);
+    tell_of_partings(contacts, h, start.contacts);
     return false;
   }
-  ConeProblem& problem = contacts.form();
+  const ConeProblem& problem = contacts.form();
+  as_formed_ = problem.contacts;
+  last_.resize(problem.rows), growth_.resize(problem.rows);
+  contacts.recall(start.contacts, h, last_, growth_);
+  guess_ = last_;
+  return true;
+}
+
+void ContactImpulses::act(EquationsOfMotion& equations, const State& start, double h, VectorX& v_end, VectorX& d,
+                          const Others* others) {
+  RigidContacts& contacts = *equations.parts().rigid_contacts;
+  const ContactMemory& last = start.contacts;
+  contacts.happenings().clear();
+  impacts_.clear();
+  ConeProblem& problem = contacts.problem();
+  problem.contacts = as_formed_;
   const int n = static_cast<int>(contacts.points().size());
   u_.resize(problem.rows);
   for (VectorX* x : {&total_, &placed_, &late_}) x->setZero(problem.rows);
@@ -86,16 +104,16 @@ bool ContactImpulses::apply(EquationsOfMotion& equations, const State& start, do
 
   // 1. Gaps at both ends of the step without contact; they were found in its middle.
   gaps_.resize(n), free_gaps_.resize(n), weights_.resize(n), least_gaps_.resize(n);
-  last_.resize(problem.rows), growth_.resize(problem.rows);
-  contacts.recall(last, h, last_, growth_);
   friction_.begin(contacts, last, last_, growth_, h, parameters_.position_tolerance);
   contacts.velocity(v_end, u_);
   u_ += growth_;
+  brought_.setZero(problem.rows);
+  if (others) contacts.velocity(others->brought, brought_);
   closings_.clear();
   for (int i = 0; i < n; ++i) {
     const RigidContacts::Point& point = contacts.points()[i];
     gaps_[i] = point.gap - h / 2 * point.before[0];
-    closings_.push_back(closing(point, gaps_[i], u_[point.first], h));
+    closings_.push_back(closing(point, gaps_[i], u_[point.first] - brought_[point.first], h));
   }
   held_until_.setConstant(n, -1);
   if (parameters_.impacts == Impacts::sequential)
@@ -109,7 +127,7 @@ bool ContactImpulses::apply(EquationsOfMotion& equations, const State& start, do
   for (int i = 0; i < n; ++i) {
     const RigidContacts::Point& point = contacts.points()[i];
     gaps_[i] = point.gap - h / 2 * point.before[0];
-    free_gaps_[i] = gaps_[i] + moved_[point.first];
+    free_gaps_[i] = gaps_[i] + moved_[point.first] - h / 2 * brought_[point.first];
   }
 
   // 2. The velocity that each point is to have, and impulses that make it.
@@ -120,11 +138,11 @@ bool ContactImpulses::apply(EquationsOfMotion& equations, const State& start, do
     if (met.time < h) fastest = std::max(fastest, met.speed);
   for (int i = 0; i < n; ++i) {
     const RigidContacts::Point& point = contacts.points()[i];
-    Aim aimed = aim(point, closings_[i], u_[point.first], gaps_[i], free_gaps_[i], h);
+    const double free = u_[point.first] - brought_[point.first];
+    Aim aimed = aim(point, closings_[i], free, gaps_[i], free_gaps_[i], h);
     if (parameters_.impacts == Impacts::sequential) {
       if (free_gaps_[i] <= 0)
-        aimed = {
-            0, u_[point.first] < 0 && gaps_[i] >= 0 ? std::clamp(free_gaps_[i] / u_[point.first], 0.0, h / 2) : h / 2};
+        aimed = {0, free < 0 && gaps_[i] >= 0 ? std::clamp(free_gaps_[i] / free, 0.0, h / 2) : h / 2};
     } else if (const Closing& met = closings_[i]; free_gaps_[i] <= 0 && met.speed > point.law.rest_speed) {
       const double held = aimed.gap > 0 ? 0 : std::max(0.0, -met.acceleration * (h - met.time));
       impacts_[i] = {met.time, met.speed, met.speed / (met.speed + held)};
@@ -134,22 +152,22 @@ bool ContactImpulses::apply(EquationsOfMotion& equations, const State& start, do
       // What rests or hops between elastic surfaces: not in reach of the impact, or touched by it.
       if (free_gaps_[i] > 0 && point.law.restitution > 0) {
         const bool in_reach = free_gaps_[i] <= 2 * fastest * aimed.time;
-        aimed.velocity = in_reach ? 0 : std::min(u_[point.first] - free_gaps_[i] / aimed.time, 0.0);
+        aimed.velocity = in_reach ? 0 : std::min(free - free_gaps_[i] / aimed.time, 0.0);
       }
     }
     problem.free[point.first] -= aimed.velocity;
     weights_[i] = aimed.time;
     least_gaps_[i] = aimed.gap;
   }
-  r_ = last_;
+  r_ = guess_;
   solve(problem, r_);
   if (join_impacts(contacts, h)) solve(problem, r_);
   if (cut_ > 0) {
     if (uncut_ == 0) uncut_ = h;
-    return true;
+    return;
   }
-  uncut_ = 0;
   while (friction_.revise(contacts, r_)) solve(problem, r_);
+  guess_ = r_;
   total_ += r_;
   dv_.setZero();
   contacts.add_response(r_, nullptr, dv_);
@@ -157,10 +175,9 @@ bool ContactImpulses::apply(EquationsOfMotion& equations, const State& start, do
   place_slips(contacts, h, v_end, d);
   as_solved_ = problem.contacts;
   displace(contacts, d);
-  keep_energy(equations, start, h, v_end, d);
+  keep_energy(equations, start, h, others, v_end, d);
   tell_of_meetings(contacts, h, last);
   tell_of_partings(contacts, h, last);
-  return true;
 }
 
 /// Points are found in the middle of the step: what is beyond a surface by then would be pushed out on its other side,
@@ -245,7 +262,7 @@ void ContactImpulses::hold(RigidContacts& contacts, double h, VectorX& v_end, Ve
     if (holds(i)) continue;
     const RigidContacts::Point& point = contacts.points()[i];
     const double a = closings_[i].acceleration;
-    closings_[i] = closing(point, gaps_[i], u_[point.first] + moved_[point.first], h);
+    closings_[i] = closing(point, gaps_[i], u_[point.first] - brought_[point.first] + moved_[point.first], h);
     if (!impacts(i)) continue;
     double& first = first_impact_[island_of(i)];
     first = std::min(first, closings_[i].time);
@@ -412,7 +429,8 @@ void ContactImpulses::history(Archive& archive) {
   });
 }
 
-void ContactImpulses::remember(EquationsOfMotion& equations, const VectorX& v, double h, ContactMemory& memory) const {
+void ContactImpulses::remember(EquationsOfMotion& equations, const VectorX& v, double h, ContactMemory& memory) {
+  uncut_ = 0;
   if (acted_)
     equations.parts().rigid_contacts->remember(total_, v, h, friction_.slip_at_start(), friction_.slip_at_end(),
                                                memory);

@@ -47,19 +47,32 @@ class ContactImpulses {
   /// Leaves rigid contacts out of the equations until the next recall; what compliant laws remember stays.
   void leave_out_rigid(EquationsOfMotion& equations, const ContactMemory& last);
   /// With the equations evaluated in the middle of the step, q ⊕ h/2 v, and factorised with its weights. `start` is the
-  /// state as the step begins. `v_end` and `d` come without contact and leave with it. False where no point was near.
+  /// state as the step begins. False where no point is near, or the step is to be cut().
+  bool find(EquationsOfMotion& equations, const State& start, double h);
+  /// Impulses that others have given to v_end: by how much they have moved it, and what of that contact itself has
+  /// brought about. That part comes with the impulses of contact, and is not in how gaps close before them.
+  struct Others {
+    const VectorX &moved, &brought;
+  };
+  /// `v_end` and `d` come without contact and leave with it. After one find() any number of times, each from v_end and
+  /// d without contact. `others`: null, there are none.
+  void act(EquationsOfMotion& equations, const State& start, double h, VectorX& v_end, VectorX& d,
+           const Others* others = nullptr);
+  /// Both. False where no point was near.
   bool apply(EquationsOfMotion& equations, const State& start, double h, VectorX& v_end, VectorX& d);
-  /// Zero, or a time before the step's end: apply() has not finished, the step is to be taken anew up to there. Of few
-  /// pairs of rigid bodies that meet, which are to have their impact at a step's end; where a gap that an impact of
-  /// several pairs has left closes again; where a fast body would pass through a thin one.
+  /// Impulses of the last act(), the rows of RigidContacts::problem().
+  const VectorX& total() const { return total_; }
+  /// Zero, or a time before the step's end: find() or act() has not finished, the step is to be taken anew up to there.
+  /// Of few pairs of rigid bodies that meet, which are to have their impact at a step's end; where a gap that an impact
+  /// of several pairs has left closes again; where a fast body would pass through a thin one.
   double cut() const { return cut_; }
   /// The step was to end there: until then no step is longer, so that cuts leave the grid of steps as it is.
   void finish_by(double time) { end_ = std::max(end_, time); }
   double next_stop(double time, double t_stop) const { return end_ > time ? std::min(end_, t_stop) : t_stop; }
   /// Of a run that begins.
   void forget() { end_ = uncut_ = 0; }
-  /// What the step did, for State::contacts: nothing where apply() found none. `v` is its last velocity.
-  void remember(EquationsOfMotion& equations, const VectorX& v, double h, ContactMemory& memory) const;
+  /// What the step did, for State::contacts: nothing where find() found none. `v` is its last velocity.
+  void remember(EquationsOfMotion& equations, const VectorX& v, double h, ContactMemory& memory);
   /// Iterations of the solver in the last step: sweeps, factorisations.
   int iterations() const { return iterations_; }
   /// Number of steps whose impulses stayed above the tolerance; the first one gives a warning.
@@ -98,8 +111,9 @@ class ContactImpulses {
   double end_before(RigidContacts& contacts, int island, double h);
   void displace(RigidContacts& contacts, VectorX& d);
   void place_slips(RigidContacts& contacts, double h, const VectorX& v_end, VectorX& d);
-  void keep_energy(EquationsOfMotion& equations, const State& start, double h, VectorX& v_end, VectorX& d);
-  void mean_velocity(EquationsOfMotion& equations, const State& start, double h, VectorX& z);
+  void keep_energy(EquationsOfMotion& equations, const State& start, double h, const Others* others, VectorX& v_end,
+                   VectorX& d);
+  void mean_velocity(EquationsOfMotion& equations, const State& start, double h, const Others* others, VectorX& z);
   void resist(RigidContacts& contacts, double h, VectorX& v_end, VectorX& d);
   static void tell_of_impact(RigidContacts& contacts, const RigidContacts::Point& point, double time, double speed,
                              double impulse);
@@ -126,6 +140,8 @@ class ContactImpulses {
   std::vector<char> goes_on_;         // meets others after its impact; by group
   std::vector<double> first_impact_;  // by group
   VectorX last_, growth_;             // RigidContacts::recall
+  VectorX guess_;                     // of the impulses, from which solvers start
+  VectorX brought_;                   // Others, along the rows
   VectorX of_groups_;                 // their velocities
   VectorX times_;                     // of what acts across or late, by point
   VectorX middle_;                    // q in the middle of the step
@@ -136,7 +152,7 @@ class ContactImpulses {
   // Of keep_energy(), by row, by group, by velocity, by point.
   VectorX start_velocity_, free_velocity_, work_, scale_, q_, rv_, forces_, at_rest_, no_multipliers_;
   std::vector<char> tied_, elastic_, pushed_, mean_;
-  std::vector<ConeProblem::Contact> as_solved_;
+  std::vector<ConeProblem::Contact> as_formed_, as_solved_;
   ContactMemory compliant_;
 };
 

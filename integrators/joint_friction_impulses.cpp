@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <sstream>
 
-#include "engine/base/error.h"
 #include "engine/base/log.h"
 #include "engine/contact/rigid_contacts.h"
 
@@ -12,8 +11,8 @@ namespace lithe {
 namespace {
 
 // The factor is of the step's middle, the velocities are of its end: each round leaves a share of the order of the
-// step.
-constexpr int kMaxRounds = 10;
+// step. With contacts in the scene also a share of what both do to each other.
+constexpr int kMaxRounds = 10, kMaxRoundsWithContacts = 200;
 constexpr double kSettled = 1e-13;  // of the impulses; m or rad
 constexpr double kRests = 1e-10;    // m/s
 
@@ -24,24 +23,46 @@ JointSurfaces* joints_of(EquationsOfMotion& equations) {
 
 }  // namespace
 
-void JointFrictionImpulses::check(EquationsOfMotion& equations) {
-  const RigidContacts* rigid = equations.parts().rigid_contacts;
-  if (rigid && rigid->joints() && rigid->any())
-    throw SceneError("set-valued friction in joints and contacts of rigid surfaces are in one scene",
-                     "Integrator::start",
-                     "give the joints JointBristles, or the contacts a compliant law: {.law = Compliance{...}}");
+void JointFrictionImpulses::prepare(EquationsOfMotion& equations) {
+  static_assert(JointFrictionProblem::kMostPresses == SetValuedFriction::kMostPresses);
+  places_.clear(), mechanisms_.clear();
+  const JointSurfaces* joints = joints_of(equations);
+  if (!joints) return;
+  const auto& surfaces = joints->surfaces();
+  const int n = static_cast<int>(surfaces.size());
+  problem_.surfaces.resize(surfaces.size()), by_lambda_.resize(surfaces.size());
+  for (int i = 0; i < n; ++i) {
+    const auto& surface = surfaces[i];
+    for (int k = 0; k < surface.count; ++k) places_.push_back(surface.kept + k);
+    const RigidContacts& rigid = *equations.parts().rigid_contacts;
+    const auto &of_A = rigid.tied_velocities(surface.joint_markers[0]),
+               &tied = of_A.empty() ? rigid.tied_velocities(surface.joint_markers[1]) : of_A;
+    auto mechanism =
+        std::find_if(mechanisms_.begin(), mechanisms_.end(), [&](const Mechanism& m) { return m.velocities == tied; });
+    if (mechanism == mechanisms_.end()) {
+      mechanism = mechanisms_.insert(mechanism, Mechanism{});
+      mechanism->velocities = tied;
+    }
+    mechanism->surfaces.push_back(i);
+    auto& rows = mechanism->rows;  // several surfaces may be of one joint
+    const auto at = std::find(rows.begin(), rows.end(), surface.joint_row);
+    mechanism->first_rows.push_back(static_cast<int>(at - rows.begin()));
+    if (at == rows.end())
+      for (int row = 0; row < surface.joint->row_count(); ++row) rows.push_back(surface.joint_row + row);
+    for (int k = 0; k < surface.count; ++k) mechanism->directions.emplace_back(i, k);
+    auto& of = problem_.surfaces[i];
+    of.first = surface.first, of.count = surface.count;
+    of.friction = [&law = *surface.friction](double speed) { return law.friction(speed); };
+  }
 }
 
 void JointFrictionImpulses::leave_out(EquationsOfMotion& equations, State& state) {
   JointSurfaces* joints = joints_of(equations);
   if (!joints) return;
   equations.evaluate(state.time, state.q, state.v, Level::velocity);
-  joints->find_directions(D_);
-  problem_.before = D_.transpose() * state.v;
+  joints->find_directions();
+  joints->speeds(state.v, problem_.before);
   joints->start();
-  places_.clear();
-  for (const auto& surface : joints->surfaces())
-    for (int k = 0; k < surface.count; ++k) places_.push_back(surface.kept + k);
   kept_ = state.v(places_);
   state.v(places_).setZero();
 }
@@ -56,67 +77,150 @@ void JointFrictionImpulses::keep(EquationsOfMotion& equations, double h, VectorX
   v_dot(places_).setZero();
 }
 
-/// What unit impulses do, by the last factor.
+int JointFrictionImpulses::place(const std::pair<int, int>& direction) const {
+  return problem_.surfaces[static_cast<std::size_t>(direction.first)].first + direction.second;
+}
+
+void JointFrictionImpulses::add_moved(const VectorX& x, VectorX& to) const {
+  for (const Mechanism& m : mechanisms_)
+    for (std::size_t k = 0; k < m.directions.size(); ++k)
+      to(m.velocities) += x[place(m.directions[k])] * m.Y.col(static_cast<Eigen::Index>(k));
+}
+
+void JointFrictionImpulses::add_pressed(const VectorX& x, VectorX& to) const {
+  for (const Mechanism& m : mechanisms_)
+    for (std::size_t k = 0; k < m.directions.size(); ++k)
+      to(m.rows) += x[place(m.directions[k])] * m.L.col(static_cast<Eigen::Index>(k));
+}
+
+/// What unit impulses do, by the last factor: a direction of each mechanism goes into one solution.
 void JointFrictionImpulses::respond(EquationsOfMotion& equations) {
   JointSurfaces& joints = *joints_of(equations);
-  joints.find_directions(D_);
-  Y_ = D_;
-  L_.setZero(equations.layout().row_count(), D_.cols());
-  for (int k = 0; k < D_.cols(); ++k) equations.solve(Y_.col(k), L_.col(k));
-  joints.felt(L_);
-  by_lambda_.resize(joints.surfaces().size());
+  joints.find_directions();
+  problem_.W.setZero(joints.directions(), joints.directions());
+  std::size_t most = 0;
+  for (Mechanism& m : mechanisms_) {
+    const auto count = static_cast<Eigen::Index>(m.directions.size());
+    m.Y.resize(static_cast<Eigen::Index>(m.velocities.size()), count);
+    m.L.resize(static_cast<Eigen::Index>(m.rows.size()), count);
+    most = std::max(most, m.directions.size());
+  }
+  for (std::size_t k = 0; k < most; ++k) {
+    rv_.setZero(), rl_.setZero();
+    for (const Mechanism& m : mechanisms_)
+      if (k < m.directions.size()) joints.add_direction(m.directions[k].first, m.directions[k].second, rv_);
+    equations.solve(rv_, rl_);
+    joints.felt(rl_);
+    joints.speeds(rv_, speeds_);
+    for (Mechanism& m : mechanisms_) {
+      if (k >= m.directions.size()) continue;
+      const auto column = static_cast<Eigen::Index>(k);
+      m.Y.col(column) = rv_(m.velocities), m.L.col(column) = rl_(m.rows);
+      for (const auto& direction : m.directions)
+        problem_.W(place(direction), place(m.directions[k])) = speeds_[place(direction)];
+    }
+  }
   for (std::size_t i = 0; i < by_lambda_.size(); ++i) joints.find_presses(joints.surfaces()[i], by_lambda_[i]);
 }
 
 void JointFrictionImpulses::form(EquationsOfMotion& equations, double h) {
   const auto& surfaces = joints_of(equations)->surfaces();
-  problem_.surfaces.resize(surfaces.size());
-  for (std::size_t i = 0; i < surfaces.size(); ++i) {
-    const auto& surface = surfaces[i];
-    auto& of = problem_.surfaces[i];
-    of.first = surface.first, of.count = surface.count;
-    of.load = h * surface.friction->load();
-    of.friction = [&law = *surface.friction](double speed) { return law.friction(speed); };
-    of.presses.resize(by_lambda_[i].size());
-    for (std::size_t k = 0; k < by_lambda_[i].size(); ++k) {
-      const MatrixX& by = by_lambda_[i][k];
-      of.presses[k].by = by * L_.middleRows(surface.joint_row, by.cols());
-      of.presses[k].constant = by * felt_.segment(surface.joint_row, by.cols()) - of.presses[k].by * p_;
+  for (const Mechanism& m : mechanisms_) {
+    for (std::size_t s = 0; s < m.surfaces.size(); ++s) {
+      const int i = m.surfaces[s], row = m.first_rows[s];
+      const auto& surface = surfaces[i];
+      auto& of = problem_.surfaces[i];
+      of.load = h * surface.friction->load();
+      of.presses.resize(by_lambda_[i].size());
+      const int count = surface.joint->row_count();
+      for (std::size_t k = 0; k < of.presses.size(); ++k) {
+        const MatrixX& by = by_lambda_[i][k];
+        auto& press = of.presses[k];
+        press.by.setZero(3, p_.size());
+        for (std::size_t j = 0; j < m.directions.size(); ++j)
+          press.by.col(place(m.directions[j])).noalias() =
+              by * m.L.col(static_cast<Eigen::Index>(j)).segment(row, count);
+        press.constant = by * felt_.segment(surface.joint_row, count) - press.by * p_;
+      }
     }
   }
 }
 
 /// Moves positions so that surfaces which rested before the step and stick in it have not slid.
-void JointFrictionImpulses::hold(const std::vector<char>& sticks, VectorX& correction) {
-  std::vector<int> held;
-  for (std::size_t i = 0; i < sticks.size(); ++i) {
+void JointFrictionImpulses::hold(VectorX& correction) {
+  held_.clear();
+  for (std::size_t i = 0; i < sticks_.size(); ++i) {
     const auto& surface = problem_.surfaces[i];
-    if (!sticks[i] || problem_.before.segment(surface.first, surface.count).norm() > kRests) continue;
-    for (int k = 0; k < surface.count; ++k) held.push_back(surface.first + k);
+    if (!sticks_[i] || problem_.before.segment(surface.first, surface.count).norm() > kRests) continue;
+    for (int k = 0; k < surface.count; ++k) held_.push_back(surface.first + k);
   }
-  if (held.empty()) return;
-  const MatrixX W = problem_.W(held, held);
-  const VectorX x = W.completeOrthogonalDecomposition().solve(way_(held));
-  correction -= Y_(Eigen::all, held) * x;
+  if (held_.empty()) return;
+  const MatrixX W = problem_.W(held_, held_);
+  x_.setZero(p_.size());
+  x_(held_) = -W.completeOrthogonalDecomposition().solve(way_(held_));
+  add_moved(x_, correction);
 }
 
-bool JointFrictionImpulses::apply(EquationsOfMotion& equations, const State& start, double time, VectorX& rows,
-                                  const VectorX& d, VectorX& q, VectorX& v) {
+/// Rounds of joints and contacts converge as a geometric series, slowly where what one gives lands on the other (a
+/// heavy body on a light one that jams): Irons and Tuck's vector form of Aitken's rule goes to its limit. `factor`:
+/// that of the last round; 0: there was none.
+void JointFrictionImpulses::relax(double& factor) {
+  constexpr double kLeast = 0.1, kMost = 100;
+  residual_ = p_ - last_;
+  if (factor == 0) {
+    factor = 1;
+  } else {
+    residual_before_ -= residual_;
+    const double size = residual_before_.squaredNorm();
+    factor = size > 0 ? std::clamp(factor * (residual_before_.dot(residual_) / size + 1), kLeast, kMost) : 1;
+  }
+  residual_before_ = residual_;
+  p_ = last_ + factor * residual_;
+}
+
+/// What contacts do to the rows of joints.
+void JointFrictionImpulses::feel(EquationsOfMotion& equations, const ContactImpulses& contacts) {
+  rv_.setZero(), hit_rows_.setZero();
+  equations.parts().rigid_contacts->add_impulses(contacts.total(), rv_);
+  equations.solve(rv_, hit_rows_);
+}
+
+bool JointFrictionImpulses::apply(EquationsOfMotion& equations, const State& start, double time,
+                                  ContactImpulses* contacts, VectorX& rows, const VectorX& d, VectorX& q, VectorX& v) {
   JointSurfaces* joints = joints_of(equations);
   if (!joints) return false;
   const Layout& layout = equations.layout();
   const double h = time - start.time;
   sweeps_ = 0;
-  respond(equations);
-  problem_.W = D_.transpose() * Y_;
-  p_.setZero(D_.cols());
   rv_.resize(v.size()), rl_.resize(rows.size());
-  closed_.setZero(v.size()), corrected_.setZero(v.size());
+  respond(equations);
+  p_.setZero(joints->directions());
+  for (VectorX* x : {&closed_, &corrected_, &hit_v_, &hit_d_}) x->setZero(v.size());
+  hit_rows_.setZero(rows.size());
+  const auto end_of_step = [&] {
+    moved_.setZero(v.size());
+    add_moved(p_, moved_);
+    v_ = v + closed_ + moved_;
+    d_ = d + h / 2 * moved_;
+  };
+  const int most = contacts ? kMaxRoundsWithContacts : kMaxRounds;
   JointFrictionProblem::Result result{};
-  for (int round = 0; round < kMaxRounds; ++round) {
+  bool settled = false;
+  double change = 0;  // of an impulse in a round, N s
+  double factor = 0;  // of relax()
+  for (int round = 0; round < most && !settled; ++round) {
     // 1. The end of the step by the impulses so far.
-    v_ = v + closed_ + Y_ * p_;
-    d_ = d + h / 2 * Y_ * p_;
+    end_of_step();
+    if (contacts && round == 1) alone_ = moved_;
+    if (contacts && round > 0) {
+      brought_ = moved_ - alone_;
+      hit_v_ = v_, hit_d_ = d_;
+      const ContactImpulses::Others others{moved_, brought_};
+      contacts->act(equations, start, h, v_, d_, &others);
+      if (contacts->cut() > 0) return true;
+      hit_v_ = v_ - hit_v_, hit_d_ = d_ - hit_d_;
+      feel(equations, *contacts);
+    }
     layout.retract(start.q, d_, q);
     layout.retract(q, corrected_, q);
     equations.evaluate(time, q, v_, Level::velocity);
@@ -132,33 +236,43 @@ bool JointFrictionImpulses::apply(EquationsOfMotion& equations, const State& sta
     rv_.setZero();
     equations.solve(rv_, rl_);
     // 3. Impulses anew, by how the surfaces slide there.
-    joints->find_directions(D_);
-    problem_.free = D_.transpose() * v_ - problem_.W * p_;
-    felt_ = rows + L_ * p_;
+    joints->find_directions();
+    joints->speeds(v_, problem_.free);
+    problem_.free.noalias() -= problem_.W * p_;
+    felt_ = rows + hit_rows_;
     joints->felt(felt_);
+    add_pressed(p_, felt_);
     form(equations, h);
-    const VectorX last = p_;
-    result = problem_.solve(p_);
+    last_ = p_;
+    result = problem_.solve(p_, sticks_);
     sweeps_ += result.sweeps;
+    change = (p_ - last_).lpNorm<Eigen::Infinity>();
+    const bool same = change <= kSettled * p_.lpNorm<Eigen::Infinity>();
+    if (contacts && round > 1 && !same) relax(factor);
     // 4. What sticks stays where it was.
     joints->slid(way_);
-    way_ += D_.transpose() * (rv_ + h / 2 * Y_ * (p_ - last));
-    hold(result.sticks, rv_);
+    x_ = h / 2 * (p_ - last_);
+    moved_ = rv_;
+    add_moved(x_, moved_);
+    joints->speeds(moved_, speeds_);
+    way_ += speeds_;
+    hold(rv_);
     corrected_ += rv_;
     if (!p_.allFinite()) break;
-    if ((p_ - last).lpNorm<Eigen::Infinity>() <= kSettled * p_.lpNorm<Eigen::Infinity>() &&
-        rv_.lpNorm<Eigen::Infinity>() <= kSettled * std::max(1.0, q.lpNorm<Eigen::Infinity>()))
-      break;
+    settled = (!contacts || round > 1) && same &&
+              rv_.lpNorm<Eigen::Infinity>() <= kSettled * std::max(1.0, q.lpNorm<Eigen::Infinity>());
   }
-  v = v + closed_ + Y_ * p_;
-  d_ = d + h / 2 * Y_ * p_;
+  end_of_step();
+  v = v_ + hit_v_;
+  d_ += hit_d_;
   layout.retract(start.q, d_, q);
   layout.retract(q, corrected_, q);
-  if (!result.converged && !warned_) {
+  if ((!result.converged || (contacts && !settled)) && !warned_) {
     warned_ = true;
     std::ostringstream message;
-    message << "friction in joints: after " << result.sweeps << " sweeps an impulse still changes by " << result.change
-            << " N s at t = " << time << " s (later steps are not reported)\n  fix:  a smaller step.";
+    message << "friction in joints: after " << sweeps_ << " sweeps an impulse still changes by "
+            << std::max(result.change, change) << " N s at t = " << time
+            << " s (later steps are not reported)\n  fix:  a smaller step.";
     log::warn(message.str());
   }
   return true;

@@ -24,7 +24,7 @@ MoreauJean::MoreauJean(Parameters parameters, std::unique_ptr<ConeSolver> solver
 }
 
 void MoreauJean::prepare(EquationsOfMotion& equations, State& state) {
-  JointFrictionImpulses::check(equations);
+  friction_.prepare(equations);
   const int nv = equations.layout().v_count(), rows = equations.layout().row_count();
   if (!resumes()) statistics_ = {}, impulses_.forget();
   for (VectorX* x : {&v_, &d_, &rv_, &mean_}) x->setZero(nv);
@@ -87,10 +87,14 @@ StepResult MoreauJean::advance(EquationsOfMotion& equations, State& state, doubl
   if (rigid) {
     if (!deforms_) total_ = rl_;
     if (!deforms_ && equations.reacts()) total_ += h * lambda_;
-    rubs = friction_.apply(equations, state, time, total_, d_, q_, v_);
-    impulses_.apply(equations, state, h, v_, d_);
+    const bool near = impulses_.find(equations, state, h);
+    if (impulses_.cut() == 0) {
+      rubs = friction_.apply(equations, state, time, near ? &impulses_ : nullptr, total_, d_, q_, v_);
+      if (near && !rubs) impulses_.act(equations, state, h, v_, d_);
+    }
     if (impulses_.cut() > 0) {
       impulses_.finish_by(time);
+      friction_.put_back(state.v);
       return advance(equations, state, state.time + impulses_.cut());
     }
     statistics_.newton_iterations += impulses_.iterations() + friction_.sweeps();

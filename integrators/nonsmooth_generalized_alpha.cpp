@@ -19,7 +19,7 @@ NonsmoothGeneralizedAlpha::NonsmoothGeneralizedAlpha(Parameters parameters, std:
 }
 
 void NonsmoothGeneralizedAlpha::prepare(EquationsOfMotion& equations, State& state) {
-  JointFrictionImpulses::check(equations);
+  friction_.prepare(equations);
   impulses_.leave_out_rigid(equations, state.contacts);
   if (!resumes()) impulses_.forget();
   jumped_ = false;
@@ -63,17 +63,22 @@ StepResult NonsmoothGeneralizedAlpha::advance(EquationsOfMotion& equations, Stat
   equations.evaluate(start_.time + h / 2, q_, start_.v, Level::velocity);
   equations.factorize({h * h / 4, h / 2, 1}, state.v_dot, state.lambda, nullptr);
   rl_ = h / 2 * (rl_ + state.lambda);
-  const bool rubs = friction_.apply(equations, start_, state.time, rl_, d_, q_, v_);
-  const bool near = impulses_.apply(equations, start_, h, v_, d_) || rubs;
+  const bool near = impulses_.find(equations, start_, h);
+  bool rubs = false;
+  if (impulses_.cut() == 0) {
+    rubs = friction_.apply(equations, start_, state.time, near ? &impulses_ : nullptr, rl_, d_, q_, v_);
+    if (near && !rubs) impulses_.act(equations, start_, h, v_, d_);
+  }
   if (impulses_.cut() > 0) {
     impulses_.finish_by(state.time);
     state = start_;
     restart(equations, state, &drift_);
     smooth_v_dot_ = state.v_dot, smooth_lambda_ = state.lambda;
     jumped_ = true;
+    friction_.put_back(state.v);
     return advance(equations, state, start_.time + impulses_.cut());
   }
-  if (!near) {
+  if (!near && !rubs) {
     impulses_.remember(equations, v_, h, state.contacts);
     return result;
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "bodies/beam/beam.h"
+#include "bodies/beam/slender_body.h"
 
 namespace lithe {
 
@@ -13,5 +14,12 @@ namespace lithe {
 Vector6 section_load(const Beam& beam, const BodyState& state, double arc);
 /// The same as a sensor: n_1 … n_3 (N), m_1 … m_3 (N m).
 Sensor section_load(const Beam& beam, double arc, Located name = "");
+
+/// Of a slender body by its present model: as above of the exact beam. Reduced, by what its modes in use strain its
+/// elements, linear in them: bending under loads that the modes follow; the axial force that spin or weight put on
+/// a body of bending modes is not in them. Rigid: zero.
+Vector6 section_load(const SlenderBody& body, const BodyState& state, double arc);
+/// The same as a sensor; it follows SlenderBody::set_fidelity().
+Sensor section_load(const SlenderBody& body, double arc, Located name = "");
 
 }  // namespace lithe

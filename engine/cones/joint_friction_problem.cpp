@@ -2,8 +2,10 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <utility>
 
 namespace lithe {
@@ -23,14 +25,15 @@ class OneSurface {
     const int first = surface.first, n = surface.count;
     W_.topLeftCorner(n, n) = problem.W.block(first, first, n, n);
     own_.head(n) = p.segment(first, n);
-    q_.head(n) = problem.free.segment(first, n) + problem.W.middleRows(first, n) * p;
+    q_.head(n) = problem.free.segment(first, n);
+    q_.head(n).noalias() += problem.W.middleRows(first, n) * p;
     q_ -= W_ * own_;
     scale_ = std::max(std::abs(W_.trace()) / n, std::numeric_limits<double>::min());
     for (int k = n; k < 3; ++k) W_(k, k) = scale_;  // directions that it has not
     const Vector3 before = padded(problem.before.segment(first, n));
     before_ = before.dot(q_) > 0 ? before.norm() : 0;
     for (const auto& press : surface.presses) {
-      auto& [constant, by] = presses_.emplace_back();
+      auto& [constant, by] = presses_[press_count_++];
       by.setZero();
       by.leftCols(n) = press.by.middleCols(first, n);
       constant = press.constant + press.by * p - by * own_;
@@ -59,14 +62,14 @@ class OneSurface {
   }
 
  private:
-  static Vector3 padded(const VectorX& x) {
+  static Vector3 padded(ConstVectorRef x) {
     Vector3 all = Vector3::Zero();
     all.head(x.size()) = x;
     return all;
   }
   double normal(const Vector3& p) const {
     double sum = surface_.load;
-    for (const auto& [constant, by] : presses_) sum += (constant + by * p).norm();
+    for (const auto& [constant, by] : std::span(presses_).first(press_count_)) sum += (constant + by * p).norm();
     return sum;
   }
   Vector3 impulse(double kappa) const { return -(W_ + kappa * Matrix3::Identity()).partialPivLu().solve(q_); }
@@ -83,22 +86,24 @@ class OneSurface {
   Matrix3 W_ = Matrix3::Zero();
   Vector3 q_ = Vector3::Zero(), own_ = Vector3::Zero();
   double scale_, before_;
-  std::vector<std::pair<Vector3, Matrix3>> presses_;
+  std::array<std::pair<Vector3, Matrix3>, JointFrictionProblem::kMostPresses> presses_;
+  std::size_t press_count_ = 0;
 };
 
 }  // namespace
 
-JointFrictionProblem::Result JointFrictionProblem::solve(VectorX& p) const {
-  Result result{false, 0, 0, std::vector<char>(surfaces.size())};
+JointFrictionProblem::Result JointFrictionProblem::solve(VectorX& p, std::vector<char>& sticks) const {
+  Result result{false, 0, 0};
+  sticks.assign(surfaces.size(), 0);
   while (!result.converged && result.sweeps < kMaxSweeps) {
     ++result.sweeps;
     result.change = 0;
     for (std::size_t i = 0; i < surfaces.size(); ++i) {
       const Surface& surface = surfaces[i];
       auto now = p.segment(surface.first, surface.count);
-      const VectorX last = now;
-      now = OneSurface(*this, surface, p).solve(result.sticks[i]).head(surface.count);
-      result.change = std::max(result.change, (now - last).norm());
+      const Vector3 next = OneSurface(*this, surface, p).solve(sticks[i]);
+      result.change = std::max(result.change, (next.head(surface.count) - now).norm());
+      now = next.head(surface.count);
     }
     result.converged = result.change <= kRoundOff * p.lpNorm<Eigen::Infinity>();
   }

@@ -27,16 +27,16 @@ struct JointFrictionProblem {
   MatrixX W;
   VectorX free, before;
 
+  static constexpr int kMostPresses = 3;  // of a surface
   struct Result {
     bool converged;
     int sweeps;
-    double change;             // of an impulse in the last sweep, N s
-    std::vector<char> sticks;  // by surface
+    double change;  // of an impulse in the last sweep, N s
   };
-  /// From the p given. Surface by surface, each exactly while the others are held, until none changes by more than
-  /// round-off. Sticking is taken before sliding wherever both would do: so a joint jams where its friction would load
-  /// itself without bound (Painlevé).
-  Result solve(VectorX& p) const;
+  /// From the p given; tells which surfaces stick. Surface by surface, each exactly while the others are held, until
+  /// none changes by more than round-off. Sticking is taken before sliding wherever both would do: so a joint jams
+  /// where its friction would load itself without bound (Painlevé).
+  Result solve(VectorX& p, std::vector<char>& sticks) const;
 };
 
 }  // namespace lithe

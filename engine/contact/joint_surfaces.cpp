@@ -1,25 +1,44 @@
 #include "engine/contact/joint_surfaces.h"
 
-#include "engine/factor/block_products.h"
 #include "engine/model/marker_motions.h"
 
 namespace lithe {
 
 JointSurfaces::JointSurfaces(Scene scene, std::vector<Surface> surfaces)
     : scene_(std::move(scene)), surfaces_(std::move(surfaces)) {
-  for (const Surface& surface : surfaces_) directions_ += surface.count;
-  unit_.setZero(scene_.compliant_rows);
+  const BlockStructure& blocks = scene_.blocks;
+  for (const Surface& surface : surfaces_) {
+    directions_ += surface.count;
+    std::vector<Entry>& entries = D_.emplace_back();
+    for (const auto& G : blocks.jacobians) {
+      const auto& rows = blocks.rows[G.rows];
+      const int row = scene_.constraint_rows + surface.row - rows.first;
+      if (row < 0 || row >= rows.count) continue;
+      const auto add = [&](int values, int velocity, int count) {
+        for (int k = 0; k < count; ++k)
+          entries.push_back({velocity + k, values + row + rows.count * k, Vector3::Zero()});
+      };
+      if (G.frame >= 0) add(G.values, G.velocity, 6);
+      if (G.linear >= 0) add(G.linear_values, blocks.linears[G.linear].v, blocks.linears[G.linear].size);
+    }
+  }
 }
 
-void JointSurfaces::find_directions(MatrixX& D) {
-  D.setZero(scene_.blocks.velocity_count, directions_);
-  for (const Surface& surface : surfaces_)
-    for (int k = 0; k < surface.count; ++k) {
-      unit_[surface.row + k] = 1;
-      add_row_forces(scene_.blocks, scene_.values, scene_.constraint_rows, nullptr, unit_.data(),
-                     D.col(surface.first + k).data());
-      unit_[surface.row + k] = 0;
-    }
+void JointSurfaces::find_directions() {
+  for (std::size_t i = 0; i < D_.size(); ++i)
+    for (Entry& entry : D_[i])
+      for (int k = 0; k < surfaces_[i].count; ++k) entry.by[k] = scene_.values[entry.value + k];
+}
+
+void JointSurfaces::speeds(ConstVectorRef v, VectorX& s) const {
+  s.setZero(directions_);
+  for (std::size_t i = 0; i < D_.size(); ++i)
+    for (const Entry& entry : D_[i])
+      for (int k = 0; k < surfaces_[i].count; ++k) s[surfaces_[i].first + k] += entry.by[k] * v[entry.velocity];
+}
+
+void JointSurfaces::add_direction(int surface, int direction, VectorRef f) const {
+  for (const Entry& entry : D_[static_cast<std::size_t>(surface)]) f[entry.velocity] += entry.by[direction];
 }
 
 void JointSurfaces::start() {

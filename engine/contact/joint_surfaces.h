@@ -36,8 +36,13 @@ class JointSurfaces {
 
   const std::vector<Surface>& surfaces() const { return surfaces_; }
   int directions() const { return directions_; }
-  /// D, a column a direction: s = Dᵀ v, and a friction F adds D F to the generalized forces.
-  void find_directions(MatrixX& D);
+  /// D, a column a direction: s = Dᵀ v, and a friction F adds D F to the generalized forces. Of the state evaluated
+  /// last, for what follows.
+  void find_directions();
+  /// s = Dᵀ v of all directions, m/s.
+  void speeds(ConstVectorRef v, VectorX& s) const;
+  /// f += D e of one direction of a surface.
+  void add_direction(int surface, int direction, VectorRef f) const;
   /// From here on slid() counts.
   void start();
   /// How far all surfaces have slid since start(), along their directions, m.
@@ -50,8 +55,15 @@ class JointSurfaces {
  private:
   const Scene scene_;
   const std::vector<Surface> surfaces_;
+  /// One velocity that slides a surface, and by how much along each direction.
+  struct Entry {
+    int velocity;
+    int value;  // of the first direction, among those of the blocks; others follow
+    Vector3 by;
+  };
+
   int directions_ = 0;
-  VectorX unit_;
+  std::vector<std::vector<Entry>> D_;                // of each surface
   std::vector<std::vector<MarkerKinematics>> from_;  // of each surface's markers
 };
 

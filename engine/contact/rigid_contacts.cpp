@@ -106,6 +106,13 @@ void RigidContacts::group_bodies() {
   }
 }
 
+const std::vector<int>& RigidContacts::tied_velocities(const Marker& marker) const {
+  static const std::vector<int> none;
+  const Layout& layout = scene_.equations.layout();
+  if (marker.body->coordinates().v_count() == 0) return none;
+  return components_[component_[&layout.slice(*marker.body) - layout.bodies().data()]].velocities;
+}
+
 /// How far the surfaces of a contact can move within the horizon.
 void RigidContacts::find_reach(const ContactRecord& record, ConstVectorRef v, double horizon) {
   const ContactPlaces& places = scene_.contacts.places()[record.number];
@@ -295,6 +302,17 @@ ConeProblem& RigidContacts::form() {
 
 void RigidContacts::velocity(ConstVectorRef v, VectorRef u) const {
   for (const ContactRows::Row& row : rows_.points()) rows_.velocity(row, v.data(), u.data() + row.first);
+}
+
+void RigidContacts::add_impulses(ConstVectorRef r, VectorRef f) const {
+  for (const ConeProblem::Contact& c : problem_.contacts)
+    for (const ConeProblem::Side& side : c.sides) {
+      if (side.group < 0) continue;
+      const auto& velocities = components_[used_[side.group]].velocities;
+      const double* H = problem_.values.data() + side.H;
+      for (int k = 0; k < side.count; ++k)
+        for (int row = 0; row < c.rows; ++row) f[velocities[side.first + k]] += r[c.row + row] * *H++;
+    }
 }
 
 void RigidContacts::add_response(ConstVectorRef r, const VectorX* weights, VectorRef dv) const {

@@ -46,8 +46,8 @@ class RigidContacts {
   /// last.
   void find(ConstVectorRef v, double horizon);
   bool empty() const { return points_.empty(); }
-  /// Whether the scene has contacts of rigid surfaces.
-  bool any() const { return scene_.contacts.any_rigid(); }
+  /// All velocities, rising, of the bodies that joints or springs tie to that of a marker; of ground: none.
+  const std::vector<int>& tied_velocities(const Marker& marker) const;
   /// Joints that rub by the same law; null: there are none.
   JointSurfaces* joints() const { return scene_.joints.get(); }
   /// Whether some collider moves so far in half of find()'s horizon that, looked at in the middle of a step of that
@@ -67,6 +67,8 @@ class RigidContacts {
   ConeProblem& problem() { return problem_; }
   /// u = H v of all points.
   void velocity(ConstVectorRef v, VectorRef u) const;
+  /// f += Hᵀ r, the generalized impulses.
+  void add_impulses(ConstVectorRef r, VectorRef f) const;
   /// dv += Σ weight_i Y_i r_i, a weight for each point (null: 1).
   void add_response(ConstVectorRef r, const VectorX* weights, VectorRef dv) const;
   /// Whether a group has a body that deforms.

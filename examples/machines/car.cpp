@@ -1,7 +1,6 @@
-// car: a passenger car coasts over a curb and through a slalom, and ends in a steady turn.
-//
-// Typical dimensions of a compact car (1.36 t, wheelbase 2.6 m, track 1.5 m): double wishbones on bushings at all four
-// wheels, a rack that steers the front ones, tyres 205/60 R15 (examples/data/tyres/car.tir). The frame is flexible.
+// car: a passenger car drives off, over a curb (5 cm, 80 m ahead), through a slalom, and ends in a steady turn. Typical
+// of a compact car: 1.36 t, wheelbase 2.6 m, track 1.5 m, double wishbones on bushings, a rack that steers the front
+// wheels, tyres 205/60 R15 (examples/data/tyres/car.tir), motors in the rear hubs that keep a speed, a flexible frame.
 // Checked: the yaw rate of the steady turn against the single-track model with the tyres' stiffnesses and trails.
 #include <cstdio>
 
@@ -10,18 +9,18 @@
 using namespace lithe;
 
 namespace {
-constexpr double kSpeed = 15, kFront = 1.2, kRear = -1.4, kCentre = 0.294, kGravity = 9.81, kEnd = 9, kSprung = 1200;
+constexpr double kSpeed = 15, kFront = 1.2, kRear = -1.4, kCentre = 0.294, kGravity = 9.81, kEnd = 18, kSprung = 1200;
 const Matrix3 kAxle = rotation_about({1, 0, 0}, -M_PI / 2);  // z to the left
 /// N, of the sprung mass on one wheel of the axle at x.
 double on_spring(double x) { return kSprung * kGravity * (x > 0 ? -kRear : kFront) / (kFront - kRear) / 2; }
 
 struct Corner {
   RigidBody *upright, *wheel;
+  JointCoordinate turn;
   const Tyre* tyre;
 };
 
-/// One wheel, its wishbones, spring and tie rod; `mount` holds them, `rod` the end of the tie rod. Places: front
-/// left, front right, rear left, rear right.
+/// A wheel on its wishbones; `mount` holds them, `rod` the tie rod's end. Places: front left, right, rear left, right.
 struct Suspension {
   SystemGraph& graph;
   FirstOrderStates& carcasses;
@@ -29,14 +28,10 @@ struct Suspension {
   const std::shared_ptr<const TyreRoad> road;
   double mass = 0;
 
-  RigidBody& part(const std::string& name, double kg, const Vector3& inertia, const Vector3& at, double spin = 0) {
+  RigidBody& part(const std::string& name, double kg, const Vector3& inertia, const Vector3& at,
+                  const Matrix3& axes = Matrix3::Identity()) {
     mass += kg;
-    return graph.add<RigidBody>(name, {.mass = kg,
-                                       .inertia = inertia,
-                                       .position = at,
-                                       .orientation = spin != 0 ? kAxle : Matrix3(Matrix3::Identity()),
-                                       .velocity = {kSpeed, 0, 0},
-                                       .angular_velocity = {0, 0, spin}});
+    return graph.add<RigidBody>(name, {.mass = kg, .inertia = inertia, .position = at, .orientation = axes});
   }
 
   Corner draw(int place, RigidBody& mount, RigidBody& rod) {
@@ -44,8 +39,8 @@ struct Suspension {
     const std::string name = std::string(place < 2 ? "front " : "rear ") + (side > 0 ? "left" : "right");
     const auto at = [&](double dx, double in, double dz) { return Vector3(x + dx, side * (0.75 - in), kCentre + dz); };
     auto& upright = part(name + " upright", 12, {0.15, 0.15, 0.1}, at(0, 0.1, 0));
-    auto& wheel = part(name + " wheel", 18, {0.55, 0.55, 0.95}, at(0, 0, 0), kSpeed / 0.307);
-    graph.add<RevoluteJoint>(name + " hub", {upright.marker_at_world(at(0, 0, 0), kAxle), wheel.marker()});
+    auto& wheel = part(name + " wheel", 18, {0.55, 0.55, 0.95}, at(0, 0, 0), kAxle);
+    auto& hub = graph.add<RevoluteJoint>(name + " hub", {upright.marker_at_world(at(0, 0, 0), kAxle), wheel.marker()});
     const auto wishbone = [&](const std::string& which, double height, double outer, double inner) -> RigidBody& {
       auto& arm = part(name + " " + which, 4, {0.04, 0.04, 0.06}, at(0, 0.5 * (outer + inner), height));
       const Vector3 ball = at(0, outer, 1.15 * height);
@@ -66,7 +61,7 @@ struct Suspension {
                             {.stiffness = 5.1e4, .damping = 4.5e3, .preload = -1.43 * on_spring(x)});
     graph.add<DistanceJoint>(name + " tie rod",
                              {upright.marker_at_world(at(-0.12, 0.12, 0)), rod.marker_at_world(at(-0.12, 0.42, 0))});
-    return {&upright, &wheel,
+    return {&upright, &wheel, hub.angle(),
             &graph.add<Tyre>(name + " tyre", {graph.ground().marker(), wheel.marker(), carcasses.point(place)},
                              {.coefficients = tyre, .road = road, .mirrored = side < 0})};
   }
@@ -75,18 +70,16 @@ struct Suspension {
 
 int main() {
   // 1. The frame: a plate of elements, 1e4 N m of torsion a degree; the body hangs on all of it, subframes on its ends.
-  //    The road: a step of 5 cm with edges like a curb's, 20 m ahead.
   SystemGraph graph{{.gravity = {0, 0, -kGravity}}};
   auto& carcasses = graph.add<FirstOrderStates>("carcasses", {.start = VectorX::Zero(12)});
   Suspension suspension{graph, carcasses, read_tir(LITHE_EXAMPLE_DATA "/tyres/car.tir"),
                         std::make_shared<TyreProfile>(TyreProfile::Parameters{
-                            .x = {20, 20, 23, 23}, .heights = {0, 0.05, 0.05, 0}, .radius = 0.313})};
+                            .x = {80, 80, 83, 83}, .heights = {0, 0.05, 0.05, 0}, .radius = 0.313})};
   const auto mesh =
       brick_mesh({.size = {kFront - kRear, 1, 0.12}, .divisions = {8, 4, 1}, .material = {7e9, 0.3, 641}});
   auto& frame = graph.add<FlexibleBody>("frame", {.basis = make_basis(mesh, MeanAxisFrame{}, 8),
                                                   .damping = {.modal_ratios = {0.02}},
-                                                  .position = {kRear, -0.5, 0.24},
-                                                  .velocity = {kSpeed, 0, 0}});
+                                                  .position = {kRear, -0.5, 0.24}});
   const auto on_frame = [&](const char* name, double kg, Vector3 J, Vector3 at, const char* nodes, double x) -> auto& {
     auto& body = suspension.part(name, kg, J, at);
     const Marker on = frame.average(mesh.node_sets.at(nodes));
@@ -100,12 +93,18 @@ int main() {
   const Corner corners[] = {suspension.draw(0, front, rack), suspension.draw(1, front, rack),
                             suspension.draw(2, rear, rear), suspension.draw(3, rear, rear)};
 
-  // 2. Steering by the rack: left, right, left, and held to the left.
+  // 2. Motors of equal torque, up to 15 m/s in 8 s. Steering by the rack: left, right, left, and held to the left.
   auto& guide = graph.add<PrismaticJoint>(
       "guide", {front.marker_at_world({kFront - 0.12, 0, kCentre}, kAxle), rack.marker({}, kAxle)});
   graph.add<CoordinateDrive>(
       "steering", {guide.displacement()},
-      {.motion = smooth_step(0, -3e-3, 3, 3.5) + smooth_step(0, 6e-3, 4, 4.8) + smooth_step(0, -6e-3, 5.3, 6.1)});
+      {.motion = smooth_step(0, -3e-3, 12, 12.5) + smooth_step(0, 6e-3, 13, 13.8) + smooth_step(0, -6e-3, 14.3, 15.1)});
+  ControlDiagram motors;
+  const ControlSignal turns = 0.5 * (motors.rate(corners[2].turn) + motors.rate(corners[3].turn)),
+                      torque = 300 * (motors.law(smooth_step(0, kSpeed / 0.307, 0.5, 8.5)) - turns);
+  for (int i : {2, 3}) motors.push(corners[i].turn, torque);
+  const auto& states = graph.add<FirstOrderStates>("motor states", {.start = motors.start()});
+  graph.add<ControlForce>("motors", motors.markers(states), {motors});
 
   // 3. Run.
   const auto steer = [&](Snapshot& now, std::span<double> out) {  // front against rear, which the bushings steer too
@@ -124,6 +123,7 @@ int main() {
   const machine::Outcome out = machine::run(graph, {.name = "car",
                                                     .title = "A car over a curb and through a slalom",
                                                     .duration = kEnd,
+                                                    .interval = 0.04,
                                                     .sensors = sensors,
                                                     .draw = draw,
                                                     .wants = {want(sensors[0], percent(2))},

@@ -1,5 +1,7 @@
 #include "joints/bearings/ball_bearing.h"
 
+#include <numbers>
+
 #include "engine/assembly/batch_of.h"
 #include "engine/base/checks.h"
 #include "engine/base/number_text.h"
@@ -25,6 +27,8 @@ BallBearing::BallBearing(Parameters p)
                      "give one between 0 and 0.5; 0.3 for steel");
   require::finite(p.clearance, "clearance");
   require::not_negative(p.preload, "preload");
+  require::finite(p.speed, "speed");
+  require::positive(p.ball_density, "ball_density");
   distance_ = p.inner_groove_radius + p.outer_groove_radius - D;
   const double cosine = std::cos(p.contact_angle), sine = std::sin(p.contact_angle);
   axial_ = distance_ * sine, radial_ = distance_ * cosine - 0.5 * p.clearance;
@@ -40,12 +44,18 @@ BallBearing::BallBearing(Parameters p)
   const HertzPoint inner(2 / D - 1 / p.inner_groove_radius, 2 / D + 2 * gamma / (D * (1 - gamma)), p.material);
   const HertzPoint outer(2 / D - 1 / p.outer_groove_radius, 2 / D - 2 * gamma / (D * (1 + gamma)), p.material);
   stiffness_ = std::pow(std::pow(inner.stiffness, -2.0 / 3) + std::pow(outer.stiffness, -2.0 / 3), -1.5);
+  if (p.speed != 0) {
+    const double mass = p.ball_density * std::numbers::pi * D * D * D / 6, orbit = 0.5 * (1 - gamma) * p.speed;
+    spinning_.emplace(SpinningBall::Contact{p.inner_groove_radius - 0.5 * D, inner.stiffness},
+                      SpinningBall::Contact{p.outer_groove_radius - 0.5 * D, outer.stiffness},
+                      mass * 0.5 * p.pitch_diameter * orbit * orbit);
+  }
 
   if (p.preload == 0) return;
   // The axial approach at which all balls together carry the preload; they grow with it.
   const double sense = p.contact_angle < 0 ? -1 : 1;
   double low = 0, high = distance_;
-  const auto carried = [&](double approach) { return sense * p.balls * in_plane({sense * approach, 0, 0}).force[0]; };
+  const auto carried = [&](double approach) { return sense * p.balls * at_rest({sense * approach, 0, 0}).force[0]; };
   if (carried(high) < p.preload)
     throw SceneError("preload " + number_text(p.preload) + " N is beyond what the grooves hold, " +
                          number_text(carried(high)) + " N",
@@ -57,21 +67,38 @@ BallBearing::BallBearing(Parameters p)
   axial_ += sense * low;
 }
 
+Eigen::Matrix<double, 2, 3> BallBearing::by_motion() const {
+  Eigen::Matrix<double, 2, 3> by;
+  by << 1, 0, -groove_radius_, 0, 1, groove_place_;
+  return by;
+}
+
 RollingBearing::PlaneLoad BallBearing::in_plane(const Vector3& motion) const {
-  Eigen::Matrix<double, 2, 3> by_motion;  // ∂d/∂(w, p, q)
-  by_motion << 1, 0, -groove_radius_, 0, 1, groove_place_;
-  const Eigen::Vector2d d = Eigen::Vector2d(axial_, radial_) + by_motion * motion;
+  if (!spinning_) return at_rest(motion);
+  const Eigen::Matrix<double, 2, 3> by = by_motion();
+  const SpinningBall::Balance ball = spinning_->at(Eigen::Vector2d(axial_, radial_) + by * motion);
+  PlaneLoad load;
+  load.element = {ball.force.norm(), ball.inner_angle, ball.outer_load, ball.outer_angle};
+  load.energy = ball.energy;
+  load.force = by.transpose() * ball.force;
+  load.stiffness = by.transpose() * ball.stiffness * by;
+  return load;
+}
+
+RollingBearing::PlaneLoad BallBearing::at_rest(const Vector3& motion) const {
+  const Eigen::Matrix<double, 2, 3> by = by_motion();
+  const Eigen::Vector2d d = Eigen::Vector2d(axial_, radial_) + by * motion;
   const double length = d.norm(), depth = length - distance_;
   PlaneLoad load;
-  load.element.contact_angle = std::atan2(d[0], d[1]);
+  load.element.contact_angle = load.element.outer_angle = std::atan2(d[0], d[1]);
   if (depth <= 0) return load;
   const double root = std::sqrt(depth), Q = stiffness_ * depth * root;
   const Eigen::Vector2d n = d / length;
   const Eigen::Matrix2d along = n * n.transpose(), across = Eigen::Matrix2d::Identity() - along;
-  load.element.force = Q;
+  load.element.force = load.element.outer_force = Q;
   load.energy = 0.4 * Q * depth;
-  load.force = by_motion.transpose() * (Q * n);
-  load.stiffness = by_motion.transpose() * (1.5 * stiffness_ * root * along + Q / length * across) * by_motion;
+  load.force = by.transpose() * (Q * n);
+  load.stiffness = by.transpose() * (1.5 * stiffness_ * root * along + Q / length * across) * by;
   return load;
 }
 

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <optional>
+
 #include "joints/bearings/hertz.h"
 #include "joints/bearings/rolling_bearing.h"
+#include "joints/bearings/spinning_ball.h"
 
 namespace lithe {
 
@@ -11,7 +14,8 @@ namespace lithe {
 /// d: axial and radial, from the outer groove's centre to the inner one's; R, z: radius and place along z of the
 /// latter; k: both contacts in series, k^(-2/3) = k_i^(-2/3) + k_o^(-2/3), each by HertzPoint at the contact angle α.
 /// The line of d is that of contact: its angle changes with the load. (Harris & Kotzalas, Rolling Bearing Analysis, ch.
-/// 7; de Mul, Vree & Maas 1989.) No centrifugal load on the balls: for D n² small beside the load.
+/// 7; de Mul, Vree & Maas 1989.) At a given `speed` the balls are thrown outwards and lie in a balance of their own
+/// (SpinningBall): the outer ring's angle falls, the inner one's rises, and the stiffness depends on the speed.
 class BallBearing final : public RollingBearing {
  public:
   struct Parameters {
@@ -22,7 +26,9 @@ class BallBearing final : public RollingBearing {
     double outer_groove_radius = 0;  // r_o, m
     double contact_angle = 0;        // α, rad: without load; positive where the inner ring is pushed along +z
     double clearance = 0;            // s, m: diametral, of the rings as drawn; negative: interference
-    double preload = 0;              // N: axial load of the rings as drawn, in the sense of the contact angle
+    double preload = 0;              // N: axial load of the rings as drawn, in the sense of the contact angle, at rest
+    double speed = 0;                // rad/s: of the inner ring, the outer one at rest, for the balls' centrifugal load
+    double ball_density = 7800;      // kg/m³; 3200 of silicon nitride
     BearingMaterial material{};
     BearingLosses losses{};
   };
@@ -33,10 +39,13 @@ class BallBearing final : public RollingBearing {
 
  private:
   PlaneLoad in_plane(const Vector3& motion) const override;
+  PlaneLoad at_rest(const Vector3& motion) const;
+  Eigen::Matrix<double, 2, 3> by_motion() const;  // ∂d/∂(w, p, q)
 
   double distance_ = 0, stiffness_ = 0;  // A₀, k
   double axial_ = 0, radial_ = 0;        // d as drawn
   double groove_radius_ = 0, groove_place_ = 0;
+  std::optional<SpinningBall> spinning_;
 };
 
 extern template std::unique_ptr<ForceBatch> make_force_batch<BallBearing>();

@@ -27,11 +27,13 @@ struct BearingLosses {
   double creep_speed = 0.1;  // ω_c, rad/s: below it the bearing creeps
 };
 
-/// Of one rolling element: the force between it and the rings along the line of contact, and the angle of that line
-/// against the radial plane, positive where it pushes the inner ring back along -z.
+/// Of one rolling element: the force between it and the inner ring along the line of contact, and the angle of that
+/// line against the radial plane, positive where it pushes the inner ring back along -z. The same at the outer ring,
+/// where the load of fast balls is another.
 struct RollingElementLoad {
   double force = 0;          // N
   double contact_angle = 0;  // rad
+  double outer_force = 0, outer_angle = 0;
 };
 
 /// Frequencies of a bearing whose outer ring stands, in the unit of the inner ring's speed (Hz or rad/s).
@@ -116,7 +118,7 @@ class RollingBearing : public Force</*markers=*/2, /*rows=*/12>, public Drawable
 
 /// Deflection of a bearing: columns x, y, z (m), tilt_x, tilt_y (rad).
 Sensor ring_deflection(const RollingBearing& bearing, Located name = "");
-/// Force on each rolling element, 1 … Z, N.
+/// Force between each rolling element and the inner ring, 1 … Z, N.
 Sensor rolling_element_loads(const RollingBearing& bearing, Located name = "");
 /// Contact angle of each, rad; of one without load that of its line of centres.
 Sensor contact_angles(const RollingBearing& bearing, Located name = "");

@@ -1,9 +1,12 @@
 #include "joints/gears/bevel_gear_pair.h"
 
+#include <numbers>
+
 #include "engine/assembly/batch_of.h"
 #include "engine/base/checks.h"
 #include "engine/model/initial_pose.h"
 #include "engine/model/joint_by_residual.h"
+#include "joints/gears/gear_shape.h"
 
 namespace lithe {
 namespace {
@@ -100,6 +103,19 @@ void BevelGearPair::initialize(std::span<const MarkerView> m) {
   if (!(gap < 0.1 * parameters_.module))
     throw SceneError("the axes pass each other by " + std::to_string(gap) + " m", "", "let them meet in one point");
   bearing_A_ = bearing_of_axis(m[0], m[1]), bearing_B_ = bearing_of_axis(m[1], m[0]);
+}
+
+std::vector<DrawnShape> BevelGearPair::drawn_shapes(int marker) const {
+  const double turn = 2 * std::numbers::pi, R = 0.5 * parameters_.module * parameters_.teeth_A / std::sin(cone_A_);
+  const GearPhase phase(geometry_, parameters_.teeth.phase);
+  const auto shape = [&](const InvoluteGear& gear, double teeth, double cone, double apex, double at) {
+    return bevel_gear_shape(geometry_, gear, {static_cast<int>(teeth), cone, R, apex}, at);
+  };
+  if (marker == 0)
+    return {
+        shape(geometry_.A, parameters_.teeth_A, cone_A_, apex_A_, bearing_A_ + turn * phase.A / parameters_.teeth_A)};
+  return {shape(geometry_.B, parameters_.teeth_B, cone_angle_B(), apex_B_,
+                bearing_B_ + turn * phase.B / parameters_.teeth_B)};
 }
 
 template std::unique_ptr<ForceBatch> make_force_batch<BevelGearPair>();

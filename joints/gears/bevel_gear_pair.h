@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/assembly/batch.h"
+#include "engine/model/appearance.h"
 #include "joints/gears/tooth_mesh.h"
 
 namespace lithe {
@@ -14,7 +15,7 @@ namespace lithe {
 /// those of the virtual spur gears, z/cos(cone angle) (Tredgold), with the module in the middle of the face. T is taken
 /// within half a base pitch: teeth that are pushed further skip. As drawn, teeth stand in the middle of their backlash.
 /// Limits: no crowning, no shift of the load along the face.
-class BevelGearPair final : public Force</*markers=*/2, ToothMesh::kRows> {
+class BevelGearPair final : public Force</*markers=*/2, ToothMesh::kRows>, public DrawableConnector {
  public:
   struct Parameters {
     double module = 0;                           // in the middle of the face, m
@@ -38,6 +39,7 @@ class BevelGearPair final : public Force</*markers=*/2, ToothMesh::kRows> {
   void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const override;
   /// Refuses axes that do not meet to a tenth of a module, and another angle between them than shaft_angle.
   void initialize(std::span<const MarkerView> markers) override;
+  std::vector<DrawnShape> drawn_shapes(int marker) const override;
 
  private:
   const Parameters parameters_;

@@ -2,7 +2,7 @@
 
 #include "engine/assembly/batch.h"
 #include "engine/model/appearance.h"
-#include "engine/model/force_element.h"
+#include "joints/gears/chain_span.h"
 
 namespace lithe {
 
@@ -31,9 +31,7 @@ class SprocketPair final : public Force</*markers=*/2, /*rows=*/2>, public Drawa
   /// not finite.
   explicit SprocketPair(Parameters parameters);
 
-  std::vector<MeasuredAngle> angles() const override {
-    return {{.A = 0, .B = 1, .axis = 2, .to_point = true}, {.A = 1, .B = 0, .axis = 2, .to_point = true}};
-  }
+  std::vector<MeasuredAngle> angles() const override { return ChainSpan::bearings(); }
   bool depends_on_time() const override { return false; }
   void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const override;
   /// Refuses axes that are not about parallel, and sprockets that overlap.
@@ -42,20 +40,13 @@ class SprocketPair final : public Force</*markers=*/2, /*rows=*/2>, public Drawa
   void drawn_line(std::span<const MarkerView> markers, const AngleMemory& memory, Matrix3X& points) const override;
 
  private:
-  /// One straight part: `side` 1 lies to the left of the way from A to B seen against z, -1 to the right.
-  struct Span {
-    double normal_A, normal_B;  // its outward normal in the axes of either marker, rad, turns counted
-    double straight;            // its length, m
-    double length;              // with what the sprockets have taken in since an origin of its own, m
-    Wrench on_A, on_B;          // ∂length
-  };
-  Span span(int side, std::span<const MarkerView> markers, const AngleMemory& memory) const;
-  Span chain_span(int side, double bearing_A, double bearing_B, std::span<const MarkerView> markers) const;
+  /// On the left (1) or on the right (-1) of the way from A to B seen against z.
+  ChainSpan span(int side, std::span<const MarkerView> markers, const AngleMemory& memory) const;
 
   const Parameters parameters_;
+  const ChainDrive chain_;
   const double radius_A_, radius_B_;
-  double stiffness_ = 0;  // of a span, N/m
-  double material_[2] = {0, 0};
+  ChainMaterial material_[2];
 };
 
 extern template std::unique_ptr<ForceBatch> make_force_batch<SprocketPair>();

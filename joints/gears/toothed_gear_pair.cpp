@@ -76,13 +76,13 @@ void ToothedGearPair::initialize(std::span<const MarkerView> m) {
 }
 
 std::vector<DrawnShape> ToothedGearPair::drawn_shapes(int marker) const {
-  // A tooth of A and a space of B, in circular pitches from the pitch point along A's way.
   const InvoluteGear &A = geometry_.A, &B = geometry_.B;
   const double turn = 2 * std::numbers::pi;
-  const double place = parameters_.teeth.phase - 0.5 * A.tooth_thickness * A.teeth / (turn * A.working_radius);
+  const GearPhase phase(geometry_, parameters_.teeth.phase);
   if (marker == 0)
-    return {gear_shape(geometry_, A, bearing_A_ + (geometry_.is_internal() ? 0.5 * turn : 0) + turn * place / A.teeth)};
-  return {gear_shape(geometry_, B, bearing_B_ + turn * (0.5 - place) / B.teeth)};
+    return {
+        gear_shape(geometry_, A, bearing_A_ + (geometry_.is_internal() ? 0.5 * turn : 0) + turn * phase.A / A.teeth)};
+  return {gear_shape(geometry_, B, bearing_B_ + turn * phase.B / B.teeth)};
 }
 
 template std::unique_ptr<ForceBatch> make_force_batch<ToothedGearPair>();

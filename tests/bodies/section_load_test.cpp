@@ -84,6 +84,49 @@ TEST(SectionLoad, OfASpinningBeamIsTheCentrifugalForce) {
   }
 }
 
+/// A slender body with all modes of its mesh is that mesh: cantilever with loads at its end and middle, against statics
+/// and against the exact beam, which is the same sensor after set_fidelity().
+TEST(SectionLoad, OfASlenderBodyIsThatOfItsModes) {
+  SystemGraph graph{{.gravity = {0, 0, 0}}};
+  constexpr int kElements = 6;
+  auto& body = graph.add<SlenderBody>("beam", {.beam = {.axis = BeamAxis::straight({0, 0, 0}, {2, 0, 0}, {0, 1, 0}),
+                                                        .sections = {{0, kSection}},
+                                                        .elements = kElements,
+                                                        .stations = {1}},
+                                               .mode_count = 6 * kElements});
+  const Marker root = body.marker(0), middle = body.marker(1), end = body.marker(2);
+  graph.add<FixedJoint>("clamp", {graph.ground().marker(), root});
+  const Vector3 F(3, 0.02, -0.01), G(1, -0.01, 0.02), T(0.03, 0, 0);
+  graph.add<PointForce>("end", {end}, {.force = F, .torque = T});
+  graph.add<PointForce>("middle", {middle}, {.force = G});
+  std::vector<Sensor> loads;
+  for (const double s : {0.1, 0.5, 0.9, 1.3, 1.9}) loads.push_back(section_load(body, s));
+  std::vector<int> all;
+  for (int k = 0; k < 6 * kElements; ++k) all.push_back(k);
+  for (const Fidelity& fidelity : {Fidelity{.deflection = Deflection::exact}, Fidelity{.modes = all},
+                                   Fidelity{.modes = all, .deflection = Deflection::stiffened}}) {
+    body.set_fidelity(fidelity);
+    const System system = assemble(graph);
+    Snapshot now(system, find_equilibrium(system, system.initial_state()).state);
+    std::size_t k = 0;
+    for (const double s : {0.1, 0.5, 0.9, 1.3, 1.9}) {
+      const Vector3 p(s, 0, 0), force = s < 1 ? Vector3(F + G) : F;
+      Vector3 moment = (Vector3(2, 0, 0) - p).cross(F) + T;
+      if (s < 1) moment += (Vector3(1, 0, 0) - p).cross(G);
+      Vector6 found;
+      for (int i = 0; i < 6; ++i) found[i] = loads[k].value(now, i);
+      ++k;
+      EXPECT_LT((found.head<3>() - force).norm(), 5e-5) << fidelity.modes.size() << " modes, " << s;
+      EXPECT_LT((found.tail<3>() - moment).norm(), 5e-5) << fidelity.modes.size() << " modes, " << s;
+    }
+  }
+  body.set_fidelity({});
+  const System rigid = assemble(graph);
+  Snapshot now(rigid, rigid.initial_state());
+  EXPECT_EQ(loads[0].value(now, 4), 0);
+  expect_says(message_of<SceneError>([&] { section_load(body, 2.5); }), {"'beam'", "2.5", "0 to 2"});
+}
+
 TEST(SectionLoad, SaysWhereTheBeamEnds) {
   BeamCantilever scene({0, 0, 0}, 4);
   expect_says(message_of<SceneError>([&] { section_load(scene.beam, 2.5); }), {"'beam'", "2.5", "0 to 2"});

@@ -3,8 +3,6 @@
 #include "engine/assembly/evaluator.h"
 #include "engine/observe/recorder.h"
 #include "engine/run/simulation.h"
-#include "joints/contact/contact.h"
-#include "joints/contact/shapes.h"
 #include "joints/coordinate_drive.h"
 #include "joints/cylindrical_joint.h"
 #include "joints/forces/coordinate_motor.h"
@@ -196,18 +194,6 @@ TEST(JointCoulombFriction, BadInputNamesWhatIsWrong) {
   Block block(0.1, {.coefficient = 0.3});
   Method method = radau(1e-6);
   expect_says(message_of<SceneError>([&] { block.scene.run(*method, 1); }), {"set-valued", "JointBristles"});
-
-  Scene both({0, 0, -kGravity}, [&](SystemGraph& drawn) {
-    auto& cube = drawn.add<RigidBody>("cube", {});
-    auto& guide = drawn.add<PrismaticJoint>("guide", {drawn.ground().marker(), cube.marker()});
-    rub(drawn, {guide.displacement()}, guide, {.coefficient = 0.3});
-    drawn.add<Contact>("floor",
-                       std::vector<Collider>{{drawn.ground().marker(), shape::half_space()},
-                                             {cube.marker({0, 0, 1}), shape::sphere(0.1)}},
-                       Contact::Parameters{.law = RigidSurfaces{}});
-  });
-  for (auto& [name, stepper] : methods(1e-3))
-    expect_says(message_of<SceneError>([&] { both.run(*stepper, 1); }), {"contacts of rigid surfaces"});
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "joints/prismatic_joint.h"
 #include "joints/screw_joint.h"
 #include "joints/spherical_joint.h"
+#include "joints/universal_joint.h"
 #include "tests/joints/coulomb_friction_scenes.h"
 
 /// Set-valued friction in pins, sleeves, screws, balls and mechanisms.
@@ -119,6 +120,65 @@ TEST(JointCoulombMechanisms, StopsBallsAboutTheirOwnAxis) {
     scene.run(*method, 2);
     EXPECT_LT(spin().norm(), 1e-12);
   }
+}
+
+/// A body on both pins of a universal joint; its centre `off` from the joint.
+struct Cross {
+  static constexpr double kMass = 2, kInertia = 0.03, kRadius = 0.05, kMu = 0.3;
+
+  Cross(const Vector3& off, const Vector3& spin)
+      : scene({0, 0, -kGravity}, [&](SystemGraph& graph) {
+          auto& body = graph.add<RigidBody>("body", {.mass = kMass,
+                                                     .inertia = {kInertia, kInertia, kInertia},
+                                                     .position = off,
+                                                     .velocity = spin.cross(off),
+                                                     .angular_velocity = spin});
+          cross = &graph.add<UniversalJoint>("cross", {graph.ground().marker(), body.marker(-off)});
+          for (const auto& [name, pin] :
+               {std::pair("first", cross->first_angle()), std::pair("second", cross->second_angle())})
+            add_joint_coulomb_friction(graph, name, {pin}, {.joint = cross, .coefficient = kMu, .radius = kRadius});
+        }) {}
+  double turned(int pin) const { return read(scene, coordinate(at(pin), "x")); }
+  double rate(int pin) const { return read(scene, coordinate_rate(at(pin), "w")); }
+  JointCoordinate at(int pin) const { return pin == 0 ? cross->first_angle() : cross->second_angle(); }
+
+  UniversalJoint* cross = nullptr;
+  Scene scene;
+};
+
+/// Turning about one arm, level all the while, J ω̇ = -r μ m g; the other pin sticks.
+TEST(JointCoulombMechanisms, StopsEitherPinOfAUniversalJoint) {
+  constexpr double kSpin = 5, kEnd = 0.3,
+                   kSlow = Cross::kRadius * Cross::kMu * Cross::kMass * kGravity / Cross::kInertia;
+  for (const int pin : {0, 1})
+    for (auto& [name, method] : methods(1e-3)) {
+      SCOPED_TRACE(name + ", pin " + std::to_string(pin));
+      Cross scene(Vector3::Zero(), kSpin * Vector3::Unit(pin));
+      scene.scene.run(*method, kEnd);
+      EXPECT_NEAR(scene.rate(pin), kSpin - kSlow * kEnd, 1e-10);
+      EXPECT_NEAR(scene.turned(pin), kEnd * (kSpin - kSlow * kEnd / 2), 1e-10);
+      scene.scene.run(*method, 2);
+      EXPECT_LT(std::abs(scene.rate(pin)), 1e-12);
+      EXPECT_LT(std::abs(scene.turned(1 - pin)), 1e-12);
+    }
+}
+
+/// The weight off both arms is held up to m g l = r μ m g at either; beyond, that pin gives way.
+TEST(JointCoulombMechanisms, PinsOfAUniversalJointBreakAwayOneByOne) {
+  const double holds = Cross::kMu * Cross::kRadius;
+  for (const double first : {0.99, 1.01})
+    for (const double second : {0.99, 1.01})
+      for (auto& [name, method] : methods(1e-2)) {
+        SCOPED_TRACE(name + ", " + std::to_string(first) + " and " + std::to_string(second));
+        Cross scene(holds * Vector3(second, first, 0), Vector3::Zero());
+        scene.scene.run(*method, 1);
+        for (const int pin : {0, 1}) {
+          if ((pin == 0 ? first : second) > 1)
+            EXPECT_GT(std::abs(scene.turned(pin)), 1e-2);
+          else
+            EXPECT_LT(std::abs(scene.turned(pin)), 1e-12);
+        }
+      }
 }
 
 /// C07 in a joint: the tip of a leaning rod in a slot, which presses either way. The tip leads with 1 m/s. With N

@@ -126,16 +126,16 @@ struct Spindle {
   const BallBearing *left, *right;
   System system;
 
-  Spindle(double preload, const Vector3& gravity)
+  Spindle(double preload, const Vector3& gravity, double balls_at = 0)  // rad/s
       : graph{{.gravity = gravity}},
         shaft(graph.add<RigidBody>("shaft", {.mass = 10, .inertia = {0.1, 0.1, 0.1}})),
-        left(add("left", -1, preload)),
-        right(add("right", 1, preload)),
+        left(add("left", -1, preload, balls_at)),
+        right(add("right", 1, preload, balls_at)),
         system(assemble(graph)) {}
 
-  const BallBearing* add(const char* name, double side, double preload) {
+  const BallBearing* add(const char* name, double side, double preload, double balls_at) {
     BallBearing::Parameters p = k6204;
-    p.clearance = 0, p.preload = preload, p.contact_angle = side * 0.26;
+    p.clearance = 0, p.preload = preload, p.contact_angle = side * 0.26, p.speed = balls_at;
     const Vector3 place(0, 0, 0.05 * side);
     return &graph.add<BallBearing>(name, {shaft.marker(place), graph.ground().marker(place)}, p);
   }
@@ -171,6 +171,18 @@ TEST(BallBearing, PreloadRaisesTheNaturalFrequency) {
     EXPECT_GT(expected, 1.2 * last);
     last = expected;
   }
+}
+
+/// The same with balls that their orbit throws outwards, which softens it.
+TEST(BallBearing, BallsAtSpeedLowerTheNaturalFrequency) {
+  Spindle rest(50, Vector3::Zero()), fast(50, Vector3::Zero(), 2000);
+  const double K = fast.left->stiffness(Vector5::Zero())(2, 2), expected = std::sqrt(2 * K / 10) / (2 * M_PI);
+  EXPECT_LT(K, 0.9 * rest.left->stiffness(Vector5::Zero())(2, 2));
+  EXPECT_NEAR(axial_frequency(fast, expected), expected, 1e-3 * expected);
+  double nearest = 1e9;
+  for (const Mode& mode : linearize(fast.system, fast.system.initial_state(), {.step = 1e-7}).modes)
+    nearest = std::min(nearest, std::abs(mode.frequency() - expected));
+  EXPECT_LT(nearest, 1e-5 * expected);
 }
 
 TEST(BallBearing, StandsInEquilibriumUnderItsWeight) {

@@ -71,6 +71,17 @@ TEST(BallBearing, PushesByWhatItsPotentialLosesAndLosesPower) {
                                         .clearance = -10,
                                         .material = {.youngs_modulus = 10},
                                         .losses = kLosses});
+  check_between_all_pairs<BallBearing>({.balls = 5,
+                                        .ball_diameter = 0.2,
+                                        .pitch_diameter = 2,
+                                        .inner_groove_radius = 0.5,
+                                        .outer_groove_radius = 3.5,
+                                        .contact_angle = 0.5,
+                                        .clearance = -10,
+                                        .speed = 10,
+                                        .ball_density = 50,
+                                        .material = {.youngs_modulus = 10},
+                                        .losses = kLosses});
 }
 
 TEST(RollerBearing, PushesByWhatItsPotentialLosesAndLosesPower) {
@@ -134,6 +145,62 @@ TEST(BallBearing, TakesHarrisContactAngleUnderAxialLoad) {
 
   EXPECT_NEAR(alpha * 180 / M_PI, 41.6, 0.15);
   EXPECT_LT(relative(alone.bearing.element_loads(e)[3].force, axial / (16 * std::sin(41.6 * M_PI / 180))), 0.005);
+}
+
+/// Harris' equations of a ball at speed (Advanced Concepts of Bearing Technology, ch. 3), by the inner ring's angle:
+/// the outer one's follows from the balance of the ball, the angles must close the radial distance of the grooves.
+TEST(BallBearing, TakesHarrisContactAnglesAtSpeed) {
+  const double D = k218.ball_diameter, pitch = k218.pitch_diameter, L = k218.inner_groove_radius - D / 2,
+               Z = k218.balls, gamma = D / pitch * std::cos(k218.contact_angle), cosine = std::cos(k218.contact_angle),
+               sine = std::sin(k218.contact_angle);
+  const BearingMaterial steel;
+  const double across = 2 / D - 1 / k218.inner_groove_radius,
+               k_i = HertzPoint(across, 2 / D * (1 + gamma / (1 - gamma)), steel).stiffness,
+               k_o = HertzPoint(across, 2 / D * (1 - gamma / (1 + gamma)), steel).stiffness;
+  for (const double rpm : {1e-3, 6000.0, 15000.0})
+    for (const double axial : {2000.0, 17800.0}) {
+      SCOPED_TRACE(std::to_string(rpm) + " rpm, " + std::to_string(axial) + " N");
+      BallBearing::Parameters p = k218;
+      p.speed = rpm * M_PI / 30;
+      const Alone<BallBearing> alone(p);
+      const double F = 7800 * M_PI / 6 * D * D * D * pitch / 2 * std::pow(0.5 * (1 - gamma) * p.speed, 2);
+      double outer = 0, w = 0;
+      const auto gap = [&](double inner) {
+        const double Q_i = axial / Z / std::sin(inner);
+        outer = std::atan2(axial / Z, Q_i * std::cos(inner) + F);
+        const double to_ball = L + std::pow(axial / Z / std::sin(outer) / k_o, 2.0 / 3),
+                     on = L + std::pow(Q_i / k_i, 2.0 / 3);
+        w = to_ball * std::sin(outer) + on * std::sin(inner) - 2 * L * sine;
+        return 2 * L * cosine - to_ball * std::cos(outer) - on * std::cos(inner);
+      };
+      const double inner = root(gap, 0.1, 1.5);
+      gap(inner);
+      Vector5 load = axial * Vector5::Unit(2);
+      const Vector5 e = alone.bearing.deflection(load);
+      for (const RollingElementLoad& ball : alone.bearing.element_loads(e)) {
+        EXPECT_NEAR(ball.contact_angle, inner, 1e-9);
+        EXPECT_NEAR(ball.outer_angle, outer, 1e-9);
+        EXPECT_LT(relative(ball.force * std::sin(inner), axial / Z), 1e-9);
+        EXPECT_LT(relative(ball.outer_force * std::sin(outer), axial / Z), 1e-9);
+      }
+      EXPECT_NEAR(e[2], w, 1e-9 * L);
+      if (rpm > 1000) {
+        EXPECT_GT(inner - outer, 1e-2);
+      }
+    }
+}
+
+/// Balls that the inner ring does not reach lie on the outer one and load nothing; the energy has no step there.
+TEST(BallBearing, BallsAtSpeedLeaveTheInnerRing) {
+  BallBearing::Parameters p = k218;
+  p.speed = 1500;
+  const Alone<BallBearing> alone(p);
+  const Vector5 e = -5e-4 * Vector5::Unit(2);
+  EXPECT_EQ(alone.bearing.load(e).norm(), 0);
+  const RollingElementLoad ball = alone.bearing.element_loads(e)[0];
+  EXPECT_EQ(ball.force, 0);
+  EXPECT_GT(ball.outer_force, 1000);
+  EXPECT_NEAR(ball.outer_angle, 0, 1e-12);
 }
 
 /// A deep-groove bearing by another program (MASTA, its figures as github.com/minzhun/ISO16281 lists them): deflections
@@ -224,6 +291,9 @@ TEST(BallBearing, StiffnessIsTheDerivativeOfItsLoad) {
   Vector5 e;
   e << 6e-6, -4e-6, 8e-6, 5e-5, -3e-5;
   check_stiffness(Alone<BallBearing>(p).bearing, e, 1e-9);
+  p.speed = 1500;
+  e *= 3;
+  check_stiffness(Alone<BallBearing>(p).bearing, e, 1e-9);
   // The mirror image: loads along z change their sign, tilts with them.
   BallBearing::Parameters mirror = p;
   mirror.contact_angle = -p.contact_angle;
@@ -305,6 +375,10 @@ TEST(RollingBearing, RefusesWhatDoesNotRollAndSaysWhy) {
   expect_says(refusal<BallBearing>(b), {"preload"});
   b = k218, b.material.poissons_ratio = 0.7;
   expect_says(refusal<BallBearing>(b), {"poissons_ratio 0.7"});
+  b = k218, b.speed = std::nan("");
+  expect_says(refusal<BallBearing>(b), {"speed"});
+  b = k218, b.ball_density = 0;
+  expect_says(refusal<BallBearing>(b), {"ball_density"});
   b = k218, b.losses.damping_time = -1;
   expect_says(refusal<BallBearing>(b), {"damping_time"});
   RollerBearing::Parameters r = k209;

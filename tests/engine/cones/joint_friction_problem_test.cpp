@@ -46,7 +46,8 @@ TEST(JointFrictionProblem, FindsImpulsesThatMeetCoulombsLaw) {
   for (int trial = 0; trial < 200; ++trial) {
     const JointFrictionProblem problem = random_problem(random, 0.2);
     VectorX p = VectorX::Zero(problem.free.size());
-    const auto result = problem.solve(p);
+    std::vector<char> sticks;
+    const auto result = problem.solve(p, sticks);
     EXPECT_TRUE(result.converged) << trial;
     const VectorX u = problem.W * p + problem.free;
     for (const auto& surface : problem.surfaces) {
@@ -81,7 +82,8 @@ TEST(JointFrictionProblem, SticksWhereFrictionLoadsItself) {
     problem.W = MatrixX{{2.0}};
     problem.free = problem.before = VectorX{{-100.0}};
     VectorX p = VectorX::Zero(1);
-    EXPECT_TRUE(problem.solve(p).converged);
+    std::vector<char> sticks;
+    EXPECT_TRUE(problem.solve(p, sticks).converged);
     EXPECT_NEAR(p[0], 50, 1e-9);
   }
 }
@@ -95,7 +97,8 @@ TEST(JointFrictionProblem, RubsOnWhatIsDriven) {
   problem.W = MatrixX::Zero(1, 1);
   problem.free = problem.before = VectorX{{2.0}};
   VectorX p = VectorX::Zero(1);
-  EXPECT_TRUE(problem.solve(p).converged);
+  std::vector<char> sticks;
+  EXPECT_TRUE(problem.solve(p, sticks).converged);
   EXPECT_NEAR(p[0], -1.5, 1e-12);
 }
 
