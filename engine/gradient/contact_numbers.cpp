@@ -56,9 +56,17 @@ void set_contact_numbers(ConstVectorRef numbers, ContactMemory& memory) {
   visit_numbers(memory, [&](double& x) { x = numbers[next++]; });
 }
 
+Eigen::Index velocity_number(const ContactMemory& memory, const ContactKey& key) {
+  for (auto trace = memory.begin(); trace != memory.end(); ++trace)
+    if (acts(*trace) && std::holds_alternative<RigidMemory>(trace->memory) &&
+        contact_key(trace->element, trace->point) == key)
+      return contact_numbers({memory.begin(), trace}).size();
+  return -1;
+}
+
 bool same_contact_set(const ContactMemory& a, const ContactMemory& b) {
   const auto set = [](const ContactMemory& memory) {
-    std::vector<std::pair<decltype(contact_key(0, ContactPoint())), bool>> points;
+    std::vector<std::pair<ContactKey, bool>> points;
     for (const ContactTrace& trace : memory)
       if (acts(trace)) points.emplace_back(contact_key(trace.element, trace.point), sticks(trace));
     return points;

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <limits>
 
+#include "engine/base/error.h"
 #include "engine/base/math.h"
 
 namespace lithe {
@@ -20,31 +22,30 @@ inline constexpr double kDirectionStep = 1e-4;
 /// |x| of the largest entry; 0 without any.
 inline double largest_entry(ConstVectorRef x) { return x.size() > 0 ? x.lpNorm<Eigen::Infinity>() : 0; }
 
-/// f' of fourth order by steps of h; in pairs, so that what does not change gives zero to the bit.
+/// f' of fourth order by steps of h or, where f bends far more quickly than that, has a kink or is not defined so far
+/// away, of less: those whose error, by how far second and fourth order are apart, and round-off are least. Errors are
+/// beside `scale`, the largest such f' so far, which it raises: what nearly vanishes has little but round-off. In
+/// pairs, so that what does not change gives zero to the bit.
 template <class Function>
-VectorX smooth_difference(double h, const Function& f) {
-  VectorX sum;
-  for (std::size_t i = 0; i < kOffsets.size(); i += 2) {
-    const VectorX ahead = f(kOffsets[i].steps * h), behind = f(kOffsets[i + 1].steps * h);
-    if (i == 0) sum.setZero(ahead.size());
-    sum += kOffsets[i].weight / h * (ahead - behind);
-  }
-  return sum;
-}
-
-/// f' of fourth order by steps of h or, where f has a kink or bends more quickly than that, of less: those whose error,
-/// by how far second and fourth order are apart, and round-off are least.
-template <class Function>
-VectorX bent_difference(double h, const Function& f) {
-  constexpr double kLeast = 1e-6, kRoundOff = 1e-15;  // of h; of f
+VectorX difference(double h, bool kinks, double& scale, const Function& f) {
+  constexpr double kLeast = 1e-6, kRoundOff = 1e-15, kGood = 1e-13, kPlain = 1e-6;  // of h; of f; of f'
   double least = std::numeric_limits<double>::infinity();
   VectorX best;
   for (double t = h; t >= kLeast * h; t *= 0.1) {
-    const VectorX ahead = f(t), near = (ahead - f(-t)) / (2 * t), far = (f(2 * t) - f(-2 * t)) / (4 * t);
-    const double apart = largest_entry(near - far), size = largest_entry(near);
-    const double noise = kRoundOff * largest_entry(ahead) / t, error = apart > 0 ? apart * apart / size : 0;
-    if (error + noise < least || best.size() == 0) least = error + noise, best = (4 * near - far) / 3;
-    if (error <= noise) break;
+    VectorX ahead, near, far;
+    try {
+      ahead = f(t), near = (ahead - f(-t)) / (2 * t), far = (f(2 * t) - f(-2 * t)) / (4 * t);
+    } catch (const SimulationError&) {  // a film that is gone there, say
+      if (0.1 * t < kLeast * h && best.size() == 0) throw;
+      continue;
+    }
+    const bool first = best.size() == 0;
+    scale = std::max(scale, largest_entry(near));
+    const double apart = largest_entry(near - far), error = apart > 0 ? apart * apart / scale : 0;
+    const double noise = kRoundOff * largest_entry(ahead) / t;
+    if (error + noise < least || first) best = (4 * near - far) / 3;
+    if (error + noise < least) least = error + noise;
+    if (error <= std::max(noise, (first && !kinks ? kPlain : kGood) * scale)) break;
   }
   return best;
 }

@@ -47,7 +47,7 @@ class RunGradient {
     run(options.memory);
     const auto count = static_cast<int>(parameters.size());
     touches_ = !drawing.system().contacts().empty();
-    repeats_backwards_ = !run_->derivative() && (touches_ || run_->passes_kinks());
+    repeats_backwards_ = !run_->derivative() && (touches_ || run_->passes_kinks() || !run_->method().step_adjoint());
     const std::string no_adjoint = why_no_adjoint();
     mode_ = options.mode;
     if (mode_ == Mode::automatic)
@@ -80,9 +80,6 @@ class RunGradient {
 
  private:
   std::string why_no_adjoint() const {
-    if (!run_->method().step_adjoint())
-      return "the steps of " + run_->method_name() +
-             " have no adjoint: in directions that contacts block a step has no derivative; forwards there are none";
     if (repeats_backwards_) return "";
     Evaluator equations(drawing_.system());
     if (!equations.velocity_rows().empty() || equations.reacts())
@@ -233,8 +230,10 @@ class RunGradient {
     const auto derivative = method.step_derivative();
     const MatrixX none = MatrixX::Zero(velocities, count);
     Variation x{none, none, {}, MatrixX::Zero(run_->memory_at_end(), count)};
-    if (derivative)
-      x.history.assign(static_cast<std::size_t>(derivative->history(start).cols()), MatrixX::Zero(velocities, count));
+    if (parameters_)
+      x.history.assign(parameters_->start().history.size(), none);
+    else if (derivative)
+      x.history.assign(static_cast<std::size_t>(derivative->history(start).cols()), none);
     MatrixX within = MatrixX::Zero(parameter_count(), count);
     const auto read = [&](int quantity, double weight, const VectorX& turn, const VectorX& velocity) {
       x.turn.col(quantity) += weight * turn;
@@ -246,6 +245,7 @@ class RunGradient {
       for (std::size_t i = states.size() - 1; i >= 1; --i) {
         at_step(first + static_cast<long>(i), states[i].state, values, derivatives, read);
         if (const int event = run_->event_before(first + static_cast<long>(i)); event >= 0) {
+          if (repeated_) repeated_->leave();
           const EventDerivative::Jump jump = events_.at(event, states[i - 1].state, states[i].state);
           MatrixX wanted = stacked(x).topRows(jump.by_state.rows());
           within += jump.by_parameters.transpose() * wanted;
@@ -258,8 +258,10 @@ class RunGradient {
           for (MatrixX& carried : x.history) carried.setZero();  // the method starts anew
         } else if (const TakenStep taken = step(states, i); repeats(taken))
           repeated_->adjoint(taken, x, within);
-        else
+        else {
+          if (repeated_) repeated_->leave();
           adjoint->adjoint(*equations_, taken, x, within);
+        }
       }
       if (s == 0) at_step(0, states[0].state, values, derivatives, read);
     }
@@ -270,6 +272,7 @@ class RunGradient {
       return;
     }
     const Variation& start_by = parameters_->start();
+    if (repeated_) repeated_->begin_at(start_by);
     derivatives += within.transpose() + x.turn.transpose() * start_by.turn +
                    x.velocity.transpose() * start_by.velocity + x.memory.transpose() * start_by.memory;
     for (std::size_t i = 0; i < x.history.size(); ++i) derivatives += x.history[i].transpose() * start_by.history[i];

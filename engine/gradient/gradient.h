@@ -64,9 +64,8 @@ struct Gradient {
 
 /// Derivatives of what a scene comes to by its parameters: of the very steps that the scene's integrator takes
 /// (GeneralizedAlpha with fixed steps, index 3; ExplicitRungeKutta, Radau, LieBdf; through events; with redundant rows,
-/// drives, flexible bodies, beams; with compliant contacts but for LieBdf; of MoreauJean with contacts between rigid
-/// surfaces), not of the motion that they approximate; and of equilibria and frequencies. The run itself keeps its
-/// bits.
+/// drives, flexible bodies, beams; with compliant contacts; of MoreauJean with contacts between rigid surfaces), not of
+/// the motion that they approximate; and of equilibria and frequencies. The run itself keeps its bits.
 ///   Tangents of the elements are taken where they are exact, and are differenced where they are not; parameters act
 /// through drawings at value ± step (engine/gradient/README.md tells how well, and why so).
 /// Throws SceneError for what cannot be differentiated, by name: another integrator, contacts beyond these, a maximum

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include "engine/base/error.h"
 #include "engine/base/log.h"
@@ -81,18 +82,28 @@ ParameterDerivative::ParameterDerivative(const ParametricScene& scene, std::vect
       probes_(probes),
       columns_(std::move(columns)),
       seen_(columns_.size(), false) {
-  // States nearby, so that terms do not vanish by chance.
+  // States nearby, so that terms do not vanish by chance; as near as the equations want them.
   std::mt19937 random(7);
   const Layout& layout = nominal.system().layout();
+  Moved as_drawn(scene, parameters_);
   for (State& state : probes_) {
-    layout.retract(state.q, 1e-2 * random_vector(random, layout.v_count()), state.q);
-    for (VectorX* x : {&state.v, &state.v_dot, &state.lambda})
-      *x += 0.3 * (1 + largest_entry(*x)) * random_vector(random, x->size());
+    VectorX& rows = nominal_rows_.emplace_back();
+    const State probe = state;
+    for (double aside = 1; rows.size() == 0; aside *= 0.1) {
+      layout.retract(probe.q, 1e-2 * aside * random_vector(random, layout.v_count()), state.q);
+      for (const auto part : {&State::v, &State::v_dot, &State::lambda})
+        state.*part =
+            probe.*part + 0.3 * aside * (1 + largest_entry(probe.*part)) * random_vector(random, (probe.*part).size());
+      try {
+        as_drawn.residual(state, rows);
+      } catch (const SimulationError&) {
+        if (aside < 1e-4) throw;
+        rows.resize(0);
+      }
+    }
   }
   const bool touches = !nominal.system().contacts().empty();  // which parameters contacts know the probes may not show
   const bool few = grouping == Grouping::apart || count() <= kFew || touches;
-  Moved as_drawn(scene, parameters_);
-  for (const State& state : probes_) as_drawn.residual(state, nominal_rows_.emplace_back());
 
   std::vector<std::vector<char>> taken;  // rows of each group
   std::vector<char> linear_group;
@@ -103,12 +114,14 @@ ParameterDerivative::ParameterDerivative(const ParametricScene& scene, std::vect
     check_smooth(k, drawings);
     const bool seen = is_seen(*drawings.front());
     bool linear = !seen && !touches;
-    for (std::size_t i = 0; linear && i < probes_.size(); ++i) {
-      std::array<VectorX, 4> r;
-      for (int j = 0; j < 4; ++j) drawings[static_cast<std::size_t>(j)]->residual(probes_[i], r[j]);
-      linear = largest_entry(r[2] - r[3] - 2 * (r[0] - r[1])) <=
-               kLinear * largest_entry(r[0] - r[1]) + 1e-15 * largest_entry(r[0]);
-    }
+    for (const std::vector<State>* states : {&std::as_const(probes_), &probes})  // far away laws may be straight
+      for (const State& state : *states) {
+        if (!linear) break;
+        std::array<VectorX, 4> r;
+        for (int j = 0; j < 4; ++j) drawings[static_cast<std::size_t>(j)]->residual(state, r[j]);
+        linear = largest_entry(r[2] - r[3] - 2 * (r[0] - r[1])) <=
+                 kLinear * largest_entry(r[0] - r[1]) + 1e-15 * largest_entry(r[0]);
+      }
     if (few || seen) {
       auto& group = *groups_.emplace_back(std::make_unique<Group>());
       group.members = {k};
@@ -159,8 +172,11 @@ void ParameterDerivative::difference_start(int k, const std::vector<std::unique_
     if (scene_.integrator) {
       const auto integrator = scene_.integrator();
       integrator->start(drawings[i]->equations, state);
-      if (const auto derivative = dynamic_cast<const DifferentiableSteps&>(*integrator).step_derivative())
+      const auto& method = dynamic_cast<const DifferentiableSteps&>(*integrator);
+      if (const auto derivative = method.step_derivative())
         carried = derivative->history(state);
+      else if (const auto step = method.repeated_step(drawings[i]->equations))
+        carried = step->history(state, nullptr);
     }
     const double weight = kOffsets[i].weight / h;
     layout.difference(base.q, state.q, d);

@@ -102,13 +102,12 @@ RecordedRun::RecordedRun(const ParametricScene& scene, const Drawing& drawing, s
 
 /// What contacts there are, and how methods take them.
 void RecordedRun::refuse_contacts() {
-  const bool rigid = equations_.contacts()->any_rigid(), repeated = method_->repeated_step(equations_) != nullptr;
-  if (!repeated || (derivative_ && equations_.contacts()->remembers()))
+  const bool rigid = equations_.contacts()->any_rigid();
+  if (derivative_ && equations_.contacts()->remembers())
     refuse(scene_,
-           repeated ? "its contacts remember (a restitution's speed of impact, bristles), which " +
-                          integrator_->name() + " cannot differentiate yet"
-                    : "contacts cannot be differentiated by " + integrator_->name() + " yet",
-           "take ExplicitRungeKutta or Radau, with compliant contacts");
+           "its contacts remember (a restitution's speed of impact, bristles), which " + integrator_->name() +
+               " cannot differentiate yet",
+           "take ExplicitRungeKutta or Radau");
   if (rigid && !scene_.events.empty())
     refuse(scene_, "events with contacts between rigid surfaces cannot be differentiated yet",
            "leave the events out, or give the contacts a compliant law");

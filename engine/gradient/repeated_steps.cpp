@@ -13,18 +13,20 @@ namespace lithe {
 
 namespace {
 
-/// In pairs; weights of sixth order, and of fourth from the inner two pairs.
+/// In pairs; weights of sixth order, of fourth from the inner two pairs, and of the value in the middle.
 struct RepeatedOffset {
   double steps, weight, fourth;
+  double middle;  // of the value between them, as a smooth function has it
 };
-constexpr std::array<RepeatedOffset, 6> kSixOffsets{{{1, 45.0 / 60, 8.0 / 12},
-                                                     {-1, -45.0 / 60, -8.0 / 12},
-                                                     {2, -9.0 / 60, -1.0 / 12},
-                                                     {-2, 9.0 / 60, 1.0 / 12},
-                                                     {3, 1.0 / 60, 0},
-                                                     {-3, -1.0 / 60, 0}}};
+constexpr std::array<RepeatedOffset, 6> kSixOffsets{{{1, 45.0 / 60, 8.0 / 12, 0.75},
+                                                     {-1, -45.0 / 60, -8.0 / 12, 0.75},
+                                                     {2, -9.0 / 60, -1.0 / 12, -0.3},
+                                                     {-2, 9.0 / 60, 1.0 / 12, -0.3},
+                                                     {3, 1.0 / 60, 0, 0.05},
+                                                     {-3, -1.0 / 60, 0, 0.05}}};
 constexpr double kAside = 4e-3;  // m, rad, and of the largest velocity: 4e-15 f⁽⁷⁾/140 beside a round-off of 1e-13
-constexpr double kOnJoints = 1e-15;
+constexpr char kNoDerivative[] = "has no derivative: contacts change with the smallest change of its start";
+constexpr double kOnJoints = 1e-15, kNoise = 1e-15, kUnsure = 1e2;
 constexpr int kMostProjections = 12;
 constexpr double kSameEnd = 1e-6;  // of a step taken again: Newton's tolerance is below
 // Where steps bend more quickly, and at kinks, states are moved by less, down to the least, until the orders agree.
@@ -167,9 +169,11 @@ void RepeatedSteps::begin(const TakenStep& step) {
       !(largest_entry(change.segment(n, n)) <= kSameEnd * (1 + largest_entry(step.to.v))))
     refuse("ends elsewhere when it is taken again");
   end_history_ = change.segment(2 * n, history_.size()).reshaped(n, history_.cols());
+  unmoved_ = change.head(2 * n);
 }
 
-VectorX RepeatedSteps::along(const VectorX& direction) {
+/// False, where there is no derivative along the direction.
+bool RepeatedSteps::along(const VectorX& direction, VectorX& best) {
   const State& from = step_->from;
   const Eigen::Index n = from.v.size(), m = memory_.size();
   const auto turn = direction.head(n), speed = direction.segment(n, n);
@@ -178,13 +182,15 @@ VectorX RepeatedSteps::along(const VectorX& direction) {
     size = std::max(size, largest_entry(direction.segment((2 + i) * n, n)) / (1 + largest_entry(history_.col(i))));
   size = std::max(size, largest_entry(direction.tail(m)) / (1 + largest_entry(memory_)));
   const Eigen::Index length = n * (2 + history_.cols()) + contact_numbers(end_contacts_).size();
-  VectorX best = VectorX::Zero(length), change;
-  if (size == 0) return best;
+  VectorX change;
+  best.setZero(length);
+  if (size == 0) return true;
   near_ = from;
+  const bool jumps = evaluator_.contacts() && evaluator_.contacts()->any_rigid();
   double best_off = std::numeric_limits<double>::infinity();
   for (double aside = kAside; aside >= kLeastAside; aside *= kNearer) {
     const double h = aside / size;
-    VectorX sum = VectorX::Zero(length), fourth = sum;
+    VectorX sum = VectorX::Zero(length), fourth = sum, middle = -unmoved_;
     bool same = true;
     for (const RepeatedOffset& offset : kSixOffsets) {
       const double t = offset.steps * h;
@@ -201,15 +207,16 @@ VectorX RepeatedSteps::along(const VectorX& direction) {
       if (!same) break;
       sum += offset.weight / h * change;
       fourth += offset.fourth / h * change;
+      middle += offset.middle * change.head(2 * n);
     }
     if (!same) continue;
-    const double off = (sum - fourth).head(2 * n).cwiseAbs().maxCoeff();
+    // A step with impulses may be another one nearby, on both sides: its differences are as good as those of a smooth
+    // one, about a middle apart.
+    const double off = std::max(largest_entry((sum - fourth).head(2 * n)), jumps ? largest_entry(middle) / h : 0);
     if (off < best_off) best_off = off, best = sum;
     if (off <= kOrdersAgree * (size + largest_entry(sum.head(2 * n)))) break;
   }
-  if (!(best_off <= kSmoothStep * (size + largest_entry(best.head(2 * n)))))
-    refuse("has no derivative: contacts change with the smallest change of its start");
-  return best;
+  return best_off <= kSmoothStep * (size + largest_entry(best.head(2 * n)));
 }
 
 VectorX RepeatedSteps::by_parameter(std::size_t k) {
@@ -223,29 +230,89 @@ VectorX RepeatedSteps::by_parameter(std::size_t k) {
   return sum;
 }
 
+/// What round-off makes of a parameter that changes nothing.
+double RepeatedSteps::noise(std::size_t k) const {
+  double largest = 0;
+  for (const Equations& moved : moved_[k]) largest = std::max(largest, std::abs(moved.weight));
+  return kNoise * largest;
+}
+
 void RepeatedSteps::tangent(const TakenStep& step, Variation& x) {
   const log::Quiet quiet;
   begin(step);
   const MatrixX before = stacked(x);
   MatrixX after;
+  VectorX change;
   for (Eigen::Index k = 0; k < before.cols(); ++k) {
-    const VectorX change = along(before.col(k)) + by_parameter(static_cast<std::size_t>(k));
+    const double size = largest_entry(before.col(k)) > noise(static_cast<std::size_t>(k)) ? 1 : 0;
+    if (!along(size * before.col(k), change)) refuse(kNoDerivative);
     if (k == 0) after.resize(change.size(), before.cols());
-    after.col(k) = change;
+    after.col(k) = change + by_parameter(static_cast<std::size_t>(k));
   }
   unstack(after, step.to.v.size(), static_cast<std::size_t>(history_.cols()), x);
 }
 
+/// Column by column of the step's matrix. Columns along which it has no derivative, such as those that contacts block,
+/// count as zero: what leads there is followed backwards, and refused where a parameter does.
 void RepeatedSteps::adjoint(const TakenStep& step, Variation& x, MatrixX& gradient) {
   const log::Quiet quiet;
   begin(step);
   const MatrixX wanted = stacked(x);
-  for (std::size_t k = 0; k < moved_.size(); ++k)
-    gradient.row(static_cast<Eigen::Index>(k)) += by_parameter(k).transpose() * wanted;
+  for (std::size_t k = 0; k < moved_.size(); ++k) {
+    const VectorX change = by_parameter(k);
+    if (unreached_.lead(change, kUnsure * noise(k))) refuse(kNoDerivative);
+    gradient.row(static_cast<Eigen::Index>(k)) += change.transpose() * wanted;
+  }
   const Eigen::Index n = step.from.v.size(), length = n * (2 + history_.cols()) + memory_.size();
-  MatrixX before(length, wanted.cols());
-  for (Eigen::Index i = 0; i < length; ++i) before.row(i) = along(VectorX::Unit(length, i)).transpose() * wanted;
+  UnreachedDirections unreached(length);
+  MatrixX carried = MatrixX::Zero(memory_.size(), 2 * n);
+  if (evaluator_.contacts() && evaluator_.contacts()->any_rigid()) {
+    const TouchingPoints touching = touching_points(evaluator_, step.from);
+    carried = touching.carried;
+    VectorX row = VectorX::Zero(length);
+    for (Eigen::Index i = 0; i < touching.blocked.rows(); ++i) {
+      row.head(2 * n) = touching.blocked.row(i).transpose();
+      unreached.add(row);
+    }
+  }
+  // By velocities that contacts remember as those of points less what bodies make of these.
+  MatrixX before = MatrixX::Zero(length, wanted.cols()), leading = MatrixX::Zero(unreached_.rows().rows(), length);
+  std::vector<Eigen::Index> without;
+  VectorX change;
+  for (Eigen::Index i = 0; i < length; ++i) {
+    VectorX direction = unreached.leave_out(VectorX::Unit(length, i));
+    direction.tail(memory_.size()) += carried * direction.head(2 * n);
+    if (!along(direction, change)) {
+      without.push_back(i);
+      continue;
+    }
+    before.row(i) = change.transpose() * wanted;
+    if (!unreached_.empty()) leading.col(i) = unreached_.rows() * change;
+  }
+  const auto as_they_are = [&](auto&& rows) {
+    rows.topRows(2 * n) -= carried.transpose() * rows.bottomRows(memory_.size());
+  };
+  as_they_are(before);
+  leading.transposeInPlace();
+  MatrixX none = MatrixX::Zero(length, static_cast<Eigen::Index>(without.size()));
+  for (Eigen::Index i = 0; i < none.cols(); ++i) none(without[static_cast<std::size_t>(i)], i) = 1;
+  for (MatrixX* rows : {&none, &leading}) {
+    as_they_are(*rows);
+    for (Eigen::Index i = 0; i < rows->cols(); ++i) unreached.add(rows->col(i));
+  }
+  unreached_ = std::move(unreached);
   unstack(before, n, static_cast<std::size_t>(history_.cols()), x);
+}
+
+void RepeatedSteps::begin_at(const Variation& start) const {
+  if (unreached_.empty()) return;
+  const MatrixX changes = stacked(start);
+  for (Eigen::Index k = 0; k < changes.cols(); ++k)
+    if (unreached_.lead(changes.col(k), kUnsure * noise(static_cast<std::size_t>(k)))) refuse(kNoDerivative);
+}
+
+void RepeatedSteps::leave() const {
+  if (!unreached_.empty()) refuse(kNoDerivative);
 }
 
 }  // namespace lithe

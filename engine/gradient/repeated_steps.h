@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "engine/gradient/parameter_derivative.h"
+#include "engine/gradient/unreached_directions.h"
 #include "engine/motion/step_derivative.h"
 #include "engine/observe/snapshot.h"
 #include "engine/run/kinks.h"
@@ -30,6 +31,10 @@ class RepeatedSteps {
   /// Both throw SimulationError where a step fails, was not the method's own, or where contacts are about to change.
   void tangent(const TakenStep& step, Variation& x);
   void adjoint(const TakenStep& step, Variation& x, MatrixX& gradient);
+  /// Backwards, where the run begins with these changes, and where steps of other kinds, or events, come before those
+  /// taken again: throws SimulationError where what leads there has no derivative.
+  void begin_at(const Variation& start) const;
+  void leave() const;
 
  private:
   struct Equations {
@@ -43,8 +48,9 @@ class RepeatedSteps {
   bool take(Equations& equations, const State& from, MatrixX history, VectorX& change);
   void pass(Equations& equations, double time, const StepRecord* record, MatrixX& history);
   void land(Equations& equations, const PassedKink& kink, MatrixX& history);
-  VectorX along(const VectorX& direction);
+  bool along(const VectorX& direction, VectorX& change);
   VectorX by_parameter(std::size_t k);
+  double noise(std::size_t k) const;
   [[noreturn]] void refuse(const char* why) const;
 
   Evaluator evaluator_;
@@ -54,7 +60,8 @@ class RepeatedSteps {
   // Of the present step.
   const TakenStep* step_ = nullptr;
   MatrixX history_, end_history_;
-  VectorX memory_;
+  VectorX memory_, unmoved_;
+  UnreachedDirections unreached_;  // backwards: at the step's end
   ContactMemory end_contacts_;
   State near_, reached_, start_, at_kink_;
 };

@@ -28,7 +28,11 @@ SensorDerivative::SensorDerivative(const Drawing& drawing, Drawing::Place place,
           state.v += by * (1 + largest_entry(state.v));
         else
           layout.retract(state.q, by, state.q);
-        depends = value(state) != before;
+        try {
+          depends = value(state) != before;
+        } catch (const SimulationError&) {  // not defined so far away
+          depends = true;
+        }
       }
       if (depends) parts_.push_back({b.v, count, velocity});
     }
@@ -47,25 +51,33 @@ void SensorDerivative::add(const State& state, double weight, Eigen::Ref<VectorX
   const Layout& layout = drawing_.system().layout();
   State near = state;
   VectorX by = VectorX::Zero(layout.v_count());
-  for (const Part& part : parts_) {
-    const double h = part.velocity ? kDirectionStep * (1 + largest_entry(state.v)) : kDirectionStep;
-    for (int i = part.first; i < part.first + part.count; ++i) {
-      const auto at = [&](double t) -> VectorX {
-        if (part.velocity) {
-          near.v[i] = state.v[i] + t;
-        } else {
-          by[i] = t;
-          layout.retract(state.q, by, near.q);
-        }
-        return VectorX::Constant(1, value(near));
-      };
-      const VectorX slope = bends_ ? bent_difference(h, at) : smooth_difference(h, at);
-      by[i] = 0;
-      near.v[i] = state.v[i];
-      (part.velocity ? velocity : turn)[i] += weight * slope[0];
+  /// Calls take(entry, part, step, value by what is added to the entry) for all that it depends on.
+  const auto visit = [&](const auto& take) {
+    for (const Part& part : parts_) {
+      const double h = part.velocity ? kDirectionStep * (1 + largest_entry(state.v)) : kDirectionStep;
+      for (int i = part.first; i < part.first + part.count; ++i) {
+        take(i, part, h, [&](double t) -> VectorX {
+          if (part.velocity) {
+            near.v[i] = state.v[i] + t;
+          } else {
+            by[i] = t;
+            layout.retract(state.q, by, near.q);
+          }
+          return VectorX::Constant(1, value(near));
+        });
+        by[i] = 0;
+        near.v[i] = state.v[i];
+      }
+      near.q = state.q;
     }
-    near.q = state.q;
-  }
+  };
+  if (scales_[0] == 0 && scales_[1] == 0)
+    visit([&](int /*entry*/, const Part& part, double h, const auto& at) {
+      difference(h, bends_, scales_[part.velocity], at);
+    });
+  visit([&](int entry, const Part& part, double h, const auto& at) {
+    (part.velocity ? velocity : turn)[entry] += weight * difference(h, bends_, scales_[part.velocity], at)[0];
+  });
 }
 
 }  // namespace lithe

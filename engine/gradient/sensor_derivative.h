@@ -22,7 +22,8 @@ class SensorDerivative {
   const Drawing& drawing_;
   Drawing::Place place_;
   Snapshot snapshot_;
-  const bool bends_;  // some force law has kinks
+  const bool bends_;           // some force law has kinks
+  double scales_[2] = {0, 0};  // of its derivatives by positions and velocities
   struct Part {
     int first, count;
     bool velocity;  // else position

@@ -78,7 +78,7 @@ StaticDerivative::StaticDerivative(const ParametricScene& scene, const std::vect
       nominal_(nominal),
       state_(find_equilibrium(nominal.system(), nominal.system().initial_state()).state),
       parameters_(at_rest(scene), drawn_, nominal, {state_}, columns, ParameterDerivative::Grouping::apart),
-      equations_(nominal.system(), &parameters_) {
+      equations_(nominal.system(), &parameters_, nullptr, true) {
   solve();
 }
 

@@ -10,7 +10,6 @@
 #include "engine/gradient/differences.h"
 #include "engine/gradient/row_rates.h"
 #include "engine/motion/projection.h"
-#include "engine/run/kinks.h"
 
 namespace lithe {
 
@@ -26,8 +25,9 @@ int velocities_of(const Layout::BodySlice& b) { return (b.frame ? 6 : 0) + b.lin
 
 }  // namespace
 
-TangentEquations::TangentEquations(const System& system, ParameterDerivative* parameters, ParameterTerms* terms)
-    : equations_(system), parameters_(parameters), terms_(terms), bends_(!find_kinks(system).empty()) {}
+TangentEquations::TangentEquations(const System& system, ParameterDerivative* parameters, ParameterTerms* terms,
+                                   bool at_rest)
+    : equations_(system), parameters_(parameters), terms_(terms), at_rest_(at_rest) {}
 
 TangentEquations::~TangentEquations() = default;
 
@@ -37,6 +37,7 @@ void TangentEquations::at(const State& state) {
   equations_.recall(state.quarter_turns);
   equations_.recall_rows(state.left_out);
   ready_ = evaluated_ = formed_ = false;
+  scale_ = 0;
 }
 
 /// The evaluator at the state.
@@ -72,6 +73,14 @@ void TangentEquations::evaluate(double offset, const Direction& direction, Vecto
 }
 
 void TangentEquations::along(const Direction& direction, VectorX& force, VectorX& rows, VectorX* rates) {
+  if (at_rest_ && scale_ == 0)
+    difference_along({VectorX::Ones(state_.v.size()), {}, {}, {}}, force, rows, nullptr, scale_);
+  difference_along(direction, force, rows, rates, scale_);
+}
+
+/// `scale`: of the largest derivatives near the state, by the size of their directions.
+void TangentEquations::difference_along(const Direction& direction, VectorX& force, VectorX& rows, VectorX* rates,
+                                        double& scale) {
   // Linear in accelerations; multipliers and velocities count as far as they turn or move something.
   const double size =
       std::max(largest_entry(direction.turn), largest_entry(direction.velocity) / (1 + largest_entry(state_.v)));
@@ -83,7 +92,9 @@ void TangentEquations::along(const Direction& direction, VectorX& force, VectorX
     all << force, rows, g_dot;
     return all;
   };
-  const VectorX all = bends_ ? bent_difference(h, at) : smooth_difference(h, at);
+  double sized = size * scale;
+  const VectorX all = difference(h, !at_rest_, sized, at);
+  if (size > 0) scale = sized / size;
   force = all.head(force.size());
   rows = all.segment(force.size(), rows.size());
   if (rates) *rates = all.tail(g_dot.size());
@@ -430,7 +441,8 @@ void TangentEquations::check_tangents() {
   direction.velocity.resize(state_.v.size());
   for (double& x : direction.velocity) x = (1 + largest_entry(state_.v)) * entry();
   VectorX force, rows;
-  along(direction, force, rows);
+  double of_columns = 0;
+  difference_along(direction, force, rows, nullptr, of_columns);
   stand();
   VectorX r(state_.v.size()), own = VectorX::Zero(state_.v.size());
   equations_.residual(state_.v_dot, state_.lambda, r);
@@ -516,7 +528,8 @@ void TangentEquations::difference_columns() {
       for (int s : colour)
         if (i < velocities_of(bodies[s])) unit[bodies[s].v + i] = 1;
       const auto take = [&](std::vector<Eigen::Triplet<double>>& into) {
-        along(direction, force, rows);
+        double of_columns = 0;
+        difference_along(direction, force, rows, nullptr, of_columns);
         for (int s : colour) {
           if (i >= velocities_of(bodies[s])) continue;
           for (int other : influence_[s])
@@ -540,7 +553,8 @@ void TangentEquations::difference_columns() {
   direction = {VectorX(n), VectorX(n), {}, {}};
   for (VectorX* x : {&direction.turn, &direction.velocity})
     for (double& value : *x) value = static_cast<double>(random()) / 2147483648.0 - 1;
-  along(direction, force, rows);
+  double of_columns = 0;
+  difference_along(direction, force, rows, nullptr, of_columns);
   const VectorX own = K_ * direction.turn + D_ * direction.velocity;
   const double agree = equations_.contacts() ? kTouchesAgree : kColumnsAgree;
   if ((own - force).lpNorm<Eigen::Infinity>() > agree * (largest_entry(force) + largest_entry(own)))

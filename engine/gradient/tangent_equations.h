@@ -18,8 +18,9 @@ namespace lithe {
 class TangentEquations final : public LinearEquations {
  public:
   /// How parameters act: forwards and backwards, or backwards alone. Null, where it is not asked for.
+  /// `at_rest`: of an equilibrium, where stiff strips leave smaller steps of differences little but round-off.
   explicit TangentEquations(const System& system, ParameterDerivative* parameters = nullptr,
-                            ParameterTerms* terms = nullptr);
+                            ParameterTerms* terms = nullptr, bool at_rest = false);
   ~TangentEquations() override;
 
   const Layout& layout() const override { return equations_.layout(); }
@@ -44,6 +45,7 @@ class TangentEquations final : public LinearEquations {
 
  private:
   void evaluate(double offset, const Direction& direction, VectorX& force, VectorX& rows, VectorX* rates);
+  void difference_along(const Direction& direction, VectorX& force, VectorX& rows, VectorX* rates, double& scale);
   void check_tangents();
   bool agrees(const VectorX& force, const VectorX& own, double all) const;
   void stand();
@@ -59,9 +61,10 @@ class TangentEquations final : public LinearEquations {
   Evaluator equations_;
   ParameterDerivative* parameters_;
   ParameterTerms* terms_;
-  const bool bends_;  // some force law has kinks
+  const bool at_rest_;
   State state_;
   State near_;
+  double scale_ = 0;  // of derivatives near the state, by the size of their directions
   Tangents tangents_ = Tangents::of_elements;
   bool ready_ = false;      // the tangents of the present state are checked or differenced
   bool evaluated_ = false;  // the evaluator stands at the state

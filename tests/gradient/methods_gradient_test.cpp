@@ -8,6 +8,7 @@ namespace lithe::test {
 namespace {
 
 using Method = ExplicitRungeKutta::Method;
+using Mode = GradientOptions::Mode;
 
 MakeIntegrator runge_kutta(Method method, double step) {
   return [=] {
@@ -142,7 +143,6 @@ TEST(MethodGradients, OfStepsThatErrorControlTook) {
   };
   const Gradient fixed = gradient(with(redundant_loop(), runge_kutta(Method::dormand_prince8, 3e-3)),
                                   {value_at("coupler_z", 0.3)}, kLoopNumbers);
-  using Mode = GradientOptions::Mode;
   for (const Gradient& found :
        {gradient(with(redundant_loop(), automatic), {value_at("coupler_z", 0.3)}, kLoopNumbers,
                  {.mode = Mode::tangent}),
@@ -187,7 +187,6 @@ TEST(MethodGradients, RefuseByName) {
     }
     return "none";
   };
-  using Mode = GradientOptions::Mode;
   EXPECT_NE(refusal(with(pendulum(), [] { return std::make_unique<Rattle>(Rattle::Parameters{.step = 1e-2}); }),
                     Mode::tangent)
                 .find("cannot be differentiated"),

@@ -1,3 +1,5 @@
+#include <thread>
+
 #include "bodies/rigid_body.h"
 #include "tests/gradient/gradient_scenes.h"
 
@@ -36,6 +38,20 @@ TEST(RunGradient, OfABeam) {
 TEST(RunGradient, LeavesTheRunItsBits) {
   expect_bits_of_the_run(pendulum(), {{"mass", 1.3}, {"inertia", 0.08}, {"length", 0.4}, {"speed", 0.7}},
                          {"tip_x", "v_z"});
+}
+
+TEST(RunGradient, IsTheSameInAnyNumberOfThreads) {
+  const std::vector<Quantity> quantities{value_at("tip_x", 0.6)};
+  const std::vector<DesignParameter> parameters{{"mass", 1.3}, {"inertia", 0.08}, {"length", 0.4}, {"speed", 0.7}};
+  const auto find = [&] { return gradient(pendulum(), quantities, parameters).derivatives; };
+  const MatrixX alone = find();
+  for (const std::size_t count : {2u, 4u}) {
+    std::vector<MatrixX> found(count);
+    std::vector<std::thread> threads;
+    for (MatrixX& each : found) threads.emplace_back([&] { each = find(); });
+    for (std::thread& thread : threads) thread.join();
+    for (const MatrixX& each : found) EXPECT_EQ(each, alone);
+  }
 }
 
 TEST(RunGradient, RunsStretchesAgainWhereMemoryIsShort) {
