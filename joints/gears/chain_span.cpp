@@ -17,12 +17,13 @@ constexpr double kFullTurn = 2 * std::numbers::pi;
 ChainSpan of_polygons(const Sprocket& a, const Sprocket& b, const ChainDrive& chain, double bearing_A, double bearing_B,
                       std::span<const MarkerView> markers) {
   const auto &A = markers[0], &B = markers[1];
-  const double tooth_A = kFullTurn / a.teeth, tooth_B = kFullTurn / b.teeth, against = a.side == b.side ? 0 : 0.5 * kFullTurn,
-               radius_B = a.side * b.side * b.radius;
+  const double tooth_A = kFullTurn / a.teeth, tooth_B = kFullTurn / b.teeth,
+               against = a.side == b.side ? 0 : 0.5 * kFullTurn, radius_B = a.side * b.side * b.radius;
   double lean = std::acos((a.radius - radius_B) / (B.p - A.p).norm());  // of the circles, to begin with
   double joint_A = 0, joint_B = 0;
   for (int round = 0;; ++round) {
-    const double normal_A = bearing_A + a.side * lean, normal_B = bearing_B + a.side * (lean - 0.5 * kFullTurn) + against;
+    const double normal_A = bearing_A + a.side * lean,
+                 normal_B = bearing_B + a.side * (lean - 0.5 * kFullTurn) + against;
     const double next_A = std::round(normal_A / tooth_A), next_B = std::round(normal_B / tooth_B);
     const bool same = round > 0 && next_A == joint_A && next_B == joint_B;
     joint_A = next_A, joint_B = next_B;
@@ -79,8 +80,8 @@ ChainSpan ChainSpan::between(const Sprocket& a, const Sprocket& b, const ChainDr
   const MeasuredCoordinate apart = measure(JointCoordinate::Kind::distance, 2, A, B);
   const double r_A = a.side * a.radius, r_B = b.side * b.radius, lean = std::acos(a.side * (r_A - r_B) / apart.value),
                sine = std::sin(lean), against = a.side == b.side ? 0 : 0.5 * kFullTurn;
-  const double normal_A = at_A.value + a.side * lean, normal_B = at_B.value + a.side * (lean - 0.5 * kFullTurn) + against,
-               straight = apart.value * sine;
+  const double normal_A = at_A.value + a.side * lean,
+               normal_B = at_B.value + a.side * (lean - 0.5 * kFullTurn) + against, straight = apart.value * sine;
   return {normal_A,
           normal_B,
           straight,
