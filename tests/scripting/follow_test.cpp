@@ -63,7 +63,12 @@ TEST(Follow, APortThatIsInUseAndOptionsThatDoNotFitAreToldSo) {
   LiveFrames frames(address);
   address.post(R"({"do": "stop"})");
   running.join();
-  EXPECT_EQ(outcome.exit_code, 3) << "the scene misses its end; " << outcome.output;
+  // However far it came: one state, or some more where the machine is busy; never the 6,001 of a minute.
+  const std::size_t told = outcome.output.find("rows ");
+  ASSERT_NE(told, std::string::npos) << outcome.output;
+  const int rows = std::stoi(outcome.output.substr(told + 5));
+  EXPECT_LT(rows, 6000);
+  EXPECT_EQ(outcome.exit_code, rows > 1 ? 0 : 3) << "the scene finds that states are missing; " << outcome.output;
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "tip.csv"));
 }
 
