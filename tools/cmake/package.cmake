@@ -10,12 +10,12 @@ file(GLOB_RECURSE public_headers CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR
 # What no scene names, and would pay for with each compile: factors, kernels, the insides of assembly, contact and runs,
 # what the readers and reductions are made of.
 foreach(internal
-    assembly/.* "cones/(cone_|contact_|dense_|friction_|joint_).*" contact/.* factor/.* fmu/.* forward/.* base/dense.* base/temporary_folder
+    assembly/.* "cones/(cone_|contact_|dense_|friction_|joint_).*" contact/.* factor/.* fmu/.* forward/.* base/dense.* base/four_vectors base/temporary_folder
     analysis/perturbation analysis/static_equations
     gradient/contact_numbers gradient/differences gradient/event_derivative gradient/event_landing gradient/moved_drawing
     gradient/parameter_derivative gradient/parameter_terms gradient/recorded_run gradient/repeated_steps
     gradient/row_rates gradient/sample_weights gradient/sensor_derivative gradient/static_derivative
-    gradient/tangent_equations
+    gradient/tangent_equations gradient/unreached_directions
     motion/chart_maps motion/kept_factor motion/singular_pose motion/step_derivative
     plugin/.*_from_c plugin/.*_to_c run/driven_oscillator run/event_finder run/followed_inputs run/island_run
     simplify/rows_in_plane simplify/stand_in study/model_error study/model_run study/recorded_wrench)
