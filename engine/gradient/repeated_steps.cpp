@@ -5,6 +5,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/log.h"
+#include "engine/contact/contact_forces.h"
 #include "engine/gradient/contact_numbers.h"
 #include "engine/gradient/differences.h"
 #include "engine/motion/projection.h"
