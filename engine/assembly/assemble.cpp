@@ -555,12 +555,7 @@ class SystemBuilder {
   }
 
   void choose_forward_method() {
-    if (!options_.forward_dynamics) return;
-    const auto scene = find_rigid_scene(system_);
-    if (!scene) return;
-    const auto kernel = make_forward_kernel(*scene);
-    if (!kernel) return;
-    system_.forward_method_ = kernel->method();
+    if (options_.forward_dynamics) system_.forward_method_ = find_forward_method(system_);
     system_.forward_threads_ = options_.threads;
   }
 

@@ -66,4 +66,10 @@ std::unique_ptr<ForwardKernel> make_forward_kernel(const RigidScene& scene) {
   return TreeDynamics::make(scene);
 }
 
+ForwardMethod find_forward_method(const System& system) {
+  const auto scene = find_rigid_scene(system);
+  const auto kernel = scene ? make_forward_kernel(*scene) : nullptr;
+  return kernel ? kernel->method() : ForwardMethod::constraints;
+}
+
 }  // namespace lithe

@@ -15,4 +15,7 @@ std::optional<RigidScene> find_rigid_scene(const System& system);
 /// The kernel for a scene, null if none serves: planar mechanisms first, then trees.
 std::unique_ptr<ForwardKernel> make_forward_kernel(const RigidScene& scene);
 
+/// That of the kernel which serves a system.
+ForwardMethod find_forward_method(const System& system);
+
 }  // namespace lithe

@@ -14,7 +14,7 @@ std::filesystem::path resource(const std::string& path);
 class ResourceFolder {
  public:
   explicit ResourceFolder(std::filesystem::path folder);
-  /// By its address, as in "file:///tmp/a%20b"; null or another kind of address: none.
+  /// By its address, as in "file:///data/a%20b"; null or another kind of address: none.
   static std::filesystem::path of_address(const char* address);
   ~ResourceFolder();
   ResourceFolder(const ResourceFolder&) = delete;

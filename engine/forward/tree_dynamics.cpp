@@ -151,7 +151,10 @@ std::unique_ptr<TreeDynamics> TreeDynamics::make(const RigidScene& scene) {
       balls.push_back({link.q, link.v, link.parent, true, link.mass, link.inertia, link.r, link.r_parent});
     else if (link.kind == Kind::root)
       balls.push_back({link.q, link.v, -1, false, link.mass, link.inertia, Vector3::Zero(), Vector3::Zero()});
-  if (balls.size() == tree->links_.size()) tree->balls_.emplace(balls, tree->branches_, tree->trunk_, scene.gravity);
+  if (balls.size() == tree->links_.size()) {
+    tree->balls_.emplace(balls, tree->branches_, tree->trunk_, scene.gravity);
+    tree->free_ = {};  // of the general recursion alone
+  }
   return tree;
 }
 

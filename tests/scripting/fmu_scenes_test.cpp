@@ -80,15 +80,15 @@ TEST_P(FmuScenes, AreTheNativeRunAndPassTheToolsOfTheStandard) {
 TEST(FmuResources, LieInTheFolderThatTheImporterNames) {
   EXPECT_EQ(resource("data/./x.modes"), fs::path("data/x.modes"));
   {
-    const ResourceFolder folder(ResourceFolder::of_address("file:///tmp/a%20b%2"));
-    EXPECT_EQ(resource("x"), fs::path("/tmp/a b%2/x"));
+    const ResourceFolder folder(ResourceFolder::of_address("file:///data/a%20b%2"));
+    EXPECT_EQ(resource("x"), fs::path("/data/a b%2/x"));
     const ResourceFolder none("");
-    EXPECT_EQ(resource("x"), fs::path("/tmp/a b%2/x"));
+    EXPECT_EQ(resource("x"), fs::path("/data/a b%2/x"));
     std::thread([] { EXPECT_EQ(resource("x"), fs::path("x")) << "another thread's"; }).join();
   }
   EXPECT_EQ(resource("x"), fs::path("x"));
-  EXPECT_EQ(ResourceFolder::of_address("file://localhost/tmp/r"), fs::path("/tmp/r"));
-  EXPECT_EQ(ResourceFolder::of_address("file:/tmp/r"), fs::path("/tmp/r"));
+  EXPECT_EQ(ResourceFolder::of_address("file://localhost/data/r"), fs::path("/data/r"));
+  EXPECT_EQ(ResourceFolder::of_address("file:/data/r"), fs::path("/data/r"));
   EXPECT_EQ(ResourceFolder::of_address("https://there/r"), fs::path());
   EXPECT_EQ(ResourceFolder::of_address(nullptr), fs::path());
   for (const char* path : {"", "/x", "..", "a/../../x"}) EXPECT_THROW(resource(path), SceneError) << path;
