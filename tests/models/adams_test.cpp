@@ -2,12 +2,9 @@
 #include <cmath>
 #include <sstream>
 
-#include "bodies/rigid_body.h"
 #include "engine/base/rotations.h"
-#include "engine/observe/recorder.h"
 #include "engine/run/simulation.h"
 #include "joints/forces/spring_damper.h"
-#include "models/adams/adams_scene.h"
 #include "models/draw_model.h"
 #include "models/read_model.h"
 #include "tests/models/adams_data_set.h"
