@@ -185,7 +185,9 @@ void Adams::prepare(EquationsOfMotion& equations, State& state) {
   Memory::map(m.y).tail(m.nv) = state.v;
   m.cvode = CVodeCreate(CV_ADAMS, m.context);
   m.require(m.cvode, "CVodeCreate");
+#if SUNDIALS_VERSION_MAJOR < 7
   CVodeSetErrHandlerFn(m.cvode, Memory::message, &m);
+#endif
   m.require(CVodeInit(m.cvode, Memory::rate, state.time, m.y) == CV_SUCCESS, "CVodeInit");
   CVodeSetUserData(m.cvode, &m);
   m.require(CVodeWFtolerances(m.cvode, Memory::error_weights) == CV_SUCCESS, "tolerances");

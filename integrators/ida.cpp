@@ -98,7 +98,9 @@ void Ida::prepare(EquationsOfMotion& equations, State& state) {
   m.form.pack(state, Memory::map(m.y), Memory::map(m.y_dot));
   m.ida = IDACreate(m.context);
   m.require(m.ida, "IDACreate");
+#if SUNDIALS_VERSION_MAJOR < 7
   IDASetErrHandlerFn(m.ida, Memory::message, &m);
+#endif
   m.require(IDAInit(m.ida, Memory::residual, state.time, m.y, m.y_dot) == IDA_SUCCESS, "IDAInit");
   IDASetUserData(m.ida, &m);
   m.require(IDAWFtolerances(m.ida, Memory::error_weights) == IDA_SUCCESS, "tolerances");

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <nvector/nvector_serial.h>
-#include <sundials/sundials_context.h>
 
 #include <exception>
 #include <string>
@@ -9,6 +8,7 @@
 #include "engine/base/checks.h"
 #include "engine/base/error.h"
 #include "engine/base/math.h"
+#include "engine/base/sundials_context.h"
 
 namespace lithe {
 
@@ -30,10 +30,18 @@ void check_sundials(const char* method, const Parameters& parameters, int highes
 /// derived from, as struct Memory : SundialsMemory<Memory>, which owns all else.
 template <class Memory>
 struct SundialsMemory {
-  SUNContext context = nullptr;
+  SUNContext context = make_sundials_context();
   std::string thrown, said;  // by the engine within a callback; by SUNDIALS
 
-  SundialsMemory() { SUNContext_Create(nullptr, &context); }
+#if SUNDIALS_VERSION_MAJOR < 7
+  SundialsMemory() = default;
+#else
+  SundialsMemory() {
+    if (!context) return;
+    SUNContext_ClearErrHandlers(context);
+    SUNContext_PushErrHandler(context, message, static_cast<Memory*>(this));
+  }
+#endif
   ~SundialsMemory() {
     if (context) SUNContext_Free(&context);
   }
@@ -59,19 +67,23 @@ struct SundialsMemory {
     return -1;
   }
 
-  static void message(int, const char*, const char*, char* text, void* user) {
-    guarded(user, [&](Memory& m) {
-      m.said = text;
-      return true;
-    });
-  }
+#if SUNDIALS_VERSION_MAJOR < 7  // to be given to each solver
+  static void message(int, const char*, const char*, char* text, void* user){
+#else
+  static void message(int, const char*, const char*, const char* text, SUNErrCode, void* user, SUNContext) {
+#endif
+      guarded(user, [&](Memory& m) {
+        m.said = text;
+        return true;
+      });
+}
 
   /// Throws SimulationError.
   void require(bool done, const char* what, const char* where) const {
-    if (!done)
-      throw SimulationError(std::string("SUNDIALS cannot be set up: ") + what + (said.empty() ? "" : ", " + said),
-                            where, "is the state finite and the memory enough?");
-  }
-};
+  if (!done)
+    throw SimulationError(std::string("SUNDIALS cannot be set up: ") + what + (said.empty() ? "" : ", " + said), where,
+                          "is the state finite and the memory enough?");
+}
+};  // namespace lithe
 
 }  // namespace lithe

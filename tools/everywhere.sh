@@ -30,8 +30,8 @@ obstacle() {
       return
     fi
   done
-  if [[ $1 != gcc && ! -e /usr/lib/llvm-16/lib/clang/16/include/omp.h ]]; then
-    echo "it needs clang-16 and, for SUNDIALS, libomp-16-dev"
+  if [[ $1 != gcc ]] && ! compgen -G '/usr/lib/llvm-1[69]/lib/clang/1[69]/include/omp.h' > /dev/null; then
+    echo "it needs clang-16 or clang-19 and, for SUNDIALS, its libomp-dev"
   fi
 }
 

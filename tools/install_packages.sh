@@ -10,11 +10,23 @@ if ! command -v dpkg-query > /dev/null || ! command -v apt-get > /dev/null; then
   exit 0
 fi
 
-missing=()
-for package in "${wanted[@]}"; do
-  status=$(dpkg-query -W -f='${db:Status-Status}' "$package" 2> /dev/null || true)
-  [[ $status == installed ]] || missing+=("$package")
-done
+is_installed() { [[ $(dpkg-query -W -f='${db:Status-Status}' "$1" 2> /dev/null || true) == installed ]]; }
+
+# Those that are missing; of "A|B" the first that this release has.
+find_missing() {
+  local line package candidate
+  missing=()
+  for line in "${wanted[@]}"; do
+    candidate=
+    for package in ${line//|/ }; do
+      if is_installed "$package"; then continue 2; fi
+      [[ -n $candidate || -z $(apt-cache madison "$package" 2> /dev/null) ]] || candidate=$package
+    done
+    missing+=("${candidate:-${line%%|*}}")
+  done
+}
+
+find_missing
 if [[ ${#missing[@]} -eq 0 ]]; then
   echo "packages: all ${#wanted[@]} are installed"
   exit 0
@@ -39,7 +51,8 @@ install() {
 }
 # The package lists at hand often suffice; fetch new ones only when they do not.
 if ! install; then
-  "${as_root[@]}" apt-get update -qq > "$log" 2>&1 || true  # the next line tells whether that helped
+  "${as_root[@]}" apt-get update -qq > "$log" 2>&1 || true  # the next lines tell whether that helped
+  find_missing
   if ! install; then
     tail -n 20 "$log" >&2
     echo "error: could not install ${missing[*]}." >&2

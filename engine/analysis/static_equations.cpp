@@ -1,7 +1,6 @@
 #include "engine/analysis/static_equations.h"
 
 #include <nvector/nvector_serial.h>
-#include <sundials/sundials_context.h>
 #include <sunlinsol/sunlinsol_klu.h>
 #include <sunmatrix/sunmatrix_sparse.h>
 
@@ -10,6 +9,7 @@
 #include <limits>
 
 #include "engine/base/error.h"
+#include "engine/base/sundials_context.h"
 
 namespace lithe {
 namespace {
@@ -24,7 +24,6 @@ constexpr double kKrylovTolerance = 0.02;
 class StaticEquations::Factor {
  public:
   explicit Factor(int size) {
-    SUNContext_Create(nullptr, &context_);
     x_ = N_VNew_Serial(size, context_);
     b_ = N_VNew_Serial(size, context_);
     matrix_ = SUNSparseMatrix(size, size, 10 * size + 1, CSC_MAT, context_);
@@ -60,7 +59,7 @@ class StaticEquations::Factor {
 
  private:
   static Eigen::Map<VectorX> map(N_Vector x) { return {N_VGetArrayPointer(x), N_VGetLength(x)}; }
-  SUNContext context_ = nullptr;
+  SUNContext context_ = make_sundials_context();
   N_Vector x_ = nullptr, b_ = nullptr;
   SUNMatrix matrix_ = nullptr;
   SUNLinearSolver solver_ = nullptr;

@@ -59,15 +59,15 @@ std::string kind_of(const std::string& name) {
 /// Where drawings of a group lie, in steps, with the weights of f' in their differences from the nominal one: exact for
 /// what is linear, for quadratics, and for cubics; of others the error is (h/4)³ f⁗/12.
 std::span<const Offset> ParameterTerms::offsets(Shape shape) {
-  static constexpr Offset kLinear[] = {{1, 1}}, kQuadratic[] = {{1, 0.5}, {-1, -0.5}},
-                          kGeneral[] = {{0.25, 4}, {-0.25, -4.0 / 3}, {0.5, -4.0 / 6}};
+  static constexpr Offset kForLinear[] = {{1, 1}}, kForQuadratic[] = {{1, 0.5}, {-1, -0.5}},
+                          kForOthers[] = {{0.25, 4}, {-0.25, -4.0 / 3}, {0.5, -4.0 / 6}};
   switch (shape) {
     case Shape::linear:
-      return kLinear;
+      return kForLinear;
     case Shape::quadratic:
-      return kQuadratic;
+      return kForQuadratic;
     default:
-      return kGeneral;
+      return kForOthers;
   }
 }
 

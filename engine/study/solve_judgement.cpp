@@ -146,12 +146,17 @@ double ModelJudge::apart(const Table& samples, const Table& others) const {
   return most;
 }
 
-std::vector<double> ModelJudge::model_errors(const Ladder& ladder) {
+/// The last difference stays where the ladder has no run at the pace of the richer model.
+void ModelJudge::measure_off(const Ladder& ladder) {
   for (std::size_t i = 0; i < ladder.runs.size(); ++i)
     if (ladder.paces[i].step == pace_.step && ladder.paces[i].tolerance == pace_.tolerance) {
       off_ = sample_differences(asked_.sensors, ladder.runs[i].samples, rich_.samples);
       break;
     }
+}
+
+std::vector<double> ModelJudge::model_errors(const Ladder& ladder) {
+  measure_off(ladder);
   std::vector<double> errors(asked_.count());
   for (std::size_t w = 0; w < asked_.count(); ++w)
     errors[w] = kMeasured * off_[w] + unseen(ladder.last().models, w) + beyond(w);
@@ -162,7 +167,7 @@ void ModelJudge::judge(const Ladder& ladder) {
   const ModelRun& run = ladder.last();
   measure_scale(run);
   const auto left = left_by_pace(asked_, ladder);
-  model_errors(ladder);
+  measure_off(ladder);
   judgement_.errors.assign(asked_.count(), {});
   const bool finest_order = order_of(run.models) == finest(asked_);
   for (std::size_t w = 0; w < asked_.count(); ++w) {

@@ -45,6 +45,7 @@ class ModelJudge {
  private:
   /// What a motion of these changes is to be taken by where the answer changes less, a number a quantity.
   std::vector<double> scaled(std::vector<double> change) const;
+  void measure_off(const Ladder& ladder);
   double left_out(const std::vector<Fidelity>& models, std::size_t w) const;
   double beyond(std::size_t w) const;
   double unseen(const std::vector<Fidelity>& models, std::size_t w) const;

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <map>
-#include <nlohmann/json.hpp>
 
 #include "engine/base/error.h"
 #include "engine/output/matrix_chart.h"
@@ -14,8 +13,6 @@ namespace {
 
 constexpr StabilityOutcome kOutcomes[] = {StabilityOutcome::converged, StabilityOutcome::inaccurate,
                                           StabilityOutcome::unstable, StabilityOutcome::refused};
-
-nlohmann::json number_or_null(double value) { return std::isfinite(value) ? nlohmann::json(value) : nullptr; }
 
 std::string number_or_dash(double value) {
   if (!std::isfinite(value)) return "-";
@@ -66,24 +63,6 @@ StabilityOutcome stability_outcome(std::string_view word) {
     if (to_string(outcome) == word) return outcome;
   throw SceneError("'" + std::string(word) + "' is not an outcome of a stability study", "stability_outcome",
                    "known are converged, inaccurate, unstable, refused");
-}
-
-void StabilityMap::write_json(const std::string& path) const {
-  nlohmann::json cells = nlohmann::json::array();
-  for (const StabilityCell& cell : cells_)
-    cells.push_back({{"scene", cell.scene},
-                     {"title", cell.title},
-                     {"method", cell.method},
-                     {"outcome", to_string(cell.outcome)},
-                     {"measure", cell.measure},
-                     {"value", number_or_null(cell.value)},
-                     {"largest_stable_step_s", number_or_null(cell.largest_stable_step)},
-                     {"why", cell.why},
-                     {"more", cell.more},
-                     {"expected", cell.expected}});
-  PartialFile file(path);
-  file.stream() << nlohmann::json{{"cells", cells}}.dump(1) << "\n";
-  file.commit();
 }
 
 std::string StabilityMap::table() const {

@@ -31,6 +31,7 @@ struct StabilityCell {
   std::string why{};                             // what is behind it, in words
   std::string more{};                            // further figures, in words
   std::string expected{};                        // what others found: "inaccurate: 3.6e-3 m, grows as t^2.00"
+  std::string column{};                          // of the page: the method over all scenes; empty: the scene's own
 };
 
 /// Scenes x methods, as a picture, a table and a file.
@@ -39,14 +40,17 @@ class StabilityMap {
   void add(StabilityCell cell) { cells_.push_back(std::move(cell)); }
   const std::vector<StabilityCell>& cells() const { return cells_; }
 
-  /// {"cells": [{scene, title, method, outcome, measure, value, largest_stable_step_s, why, more, expected}]}; what is
-  /// not finite is null. Throws FileError.
+  /// {"cells": [{scene, title, method, column, outcome, measure, value, largest_stable_step_s, why, more, expected}]};
+  /// what is not finite is null. Throws FileError.
   void write_json(const std::string& path) const;
   /// Markdown: first scenes x outcomes, then a line a cell with its figure.
   std::string table() const;
   void write_table(const std::string& path) const;
   /// A row of fields a scene, coloured by outcome, as path.svg and path.png. Throws SceneError if there is no cell.
   void draw(const std::string& path_without_extension) const;
+  /// A page (.html) that needs nothing else: a line a scene, a column a method, a square a cell, which tells its
+  /// figures and words when it is chosen. Throws FileError.
+  void write_page(const std::string& path) const;
 
  private:
   std::vector<StabilityCell> cells_;

@@ -106,7 +106,8 @@ class Judge {
   StabilityCell cell(const Trial& trial) const {
     const StudyRun& run = trial.run;
     StabilityCell cell{.scene = study_.scene().name,
-                       .method = trial.method->name + ", " + setting_text(trial.method->setting, trial.setting)};
+                       .method = trial.method->name + ", " + setting_text(trial.method->setting, trial.setting),
+                       .column = trial.method->name};
     const auto say = [&](StabilityOutcome outcome, const std::string& measure, double value, const std::string& why) {
       cell.outcome = outcome, cell.measure = measure, cell.value = value, cell.why = why;
       return cell;

@@ -154,20 +154,22 @@ TEST(FramesAndModes, MoveAsBodiesOfTheirOwnByEveryMethod) {
   }
 }
 
-/// Its rest and its frequencies there are those of the parts.
+/// A rest of theirs is one of the parts, with the same frequencies. There are several, a saddle among them: which is
+/// found from the drawing hangs on rounding, so it is handed over and not looked for again.
 TEST(FramesAndModes, RestAndSwingAsBodiesOfTheirOwn) {
+  Scene one({0, 0, -9.81}, [&](SystemGraph& graph) { draw_machine(graph, Form::one); });
+  Scene parts({0, 0, -9.81}, [&](SystemGraph& graph) { draw_machine(graph, Form::parts); });
+  one.state = find_equilibrium(one.system, one.system.initial_state()).state;
+  parts.state.q = coordinates_of(one, Form::one);
+  EXPECT_LT(parts.state.q[7 + kModes + 2], -0.5);  // m: far from where it was drawn
+
   std::vector<double> frequencies[2];
-  double height[2];
-  for (const Form form : {Form::one, Form::parts}) {
-    Scene scene({0, 0, -9.81}, [&](SystemGraph& graph) { draw_machine(graph, form); });
-    const int k = static_cast<int>(form);
-    const Equilibrium rest = find_equilibrium(scene.system, scene.system.initial_state());
-    scene.state = rest.state;
-    height[k] = coordinates_of(scene, form)[7 + kModes + 2];
-    for (const Mode& mode : linearize(scene.system, rest.state).modes)
-      if (mode.frequency() > 0.05) frequencies[k].push_back(mode.frequency());
+  for (const Scene* scene : {&one, &parts}) {
+    const Linearization motion = linearize(scene->system, scene->state);
+    expect_below("acceleration at rest", motion.state.v_dot.lpNorm<Eigen::Infinity>(), 1e-5);
+    for (const Mode& mode : motion.modes)  // turns about the vertical and about the rod are free
+      if (mode.frequency() > 0.05) frequencies[scene == &parts].push_back(mode.frequency());
   }
-  EXPECT_NEAR(height[0], height[1], 1e-7);
   ASSERT_EQ(frequencies[0].size(), frequencies[1].size());
   EXPECT_GT(frequencies[0].size(), 10u);
   for (std::size_t i = 0; i < frequencies[0].size(); ++i)

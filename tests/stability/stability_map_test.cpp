@@ -138,6 +138,24 @@ TEST(StabilityMap, IsWrittenAsJsonTableAndPicture) {
   EXPECT_THROW(StabilityMap{}.draw(folder + "/none"), SceneError);
 }
 
+TEST(StabilityMap, IsAPageThatHoldsItsDataWhateverTheWords) {
+  StabilityMap map;
+  map.add({.scene = "S01", .title = "drift", .method = "own", .value = 3.6e-3, .why = "</script> & \"quoted\""});
+  map.add({.scene = "S01", .title = "drift", .method = "RATTLE, h = 1 s", .column = "RATTLE"});
+  const std::string path = std::string(LITHE_BINARY_DIR) + "/tests/stability_map/map.html";
+  map.write_page(path);
+  std::stringstream page;
+  page << std::ifstream(path).rdbuf();
+  const std::string text = page.str(), begin = R"(id="cells">)", end = "</script>";
+  const std::size_t from = text.find(begin) + begin.size();
+  const nlohmann::json cells = nlohmann::json::parse(text.substr(from, text.find(end, from) - from));
+  ASSERT_EQ(cells.size(), 2u);
+  EXPECT_EQ(cells[0].at("why"), "</script> & \"quoted\"");
+  EXPECT_EQ(cells[0].at("column"), "");
+  EXPECT_TRUE(cells[1].at("value").is_null());
+  EXPECT_EQ(cells[1].at("column"), "RATTLE");
+}
+
 TEST(StabilityMap, LargestStableStepIsFoundByBisection) {
   int asked = 0;
   const auto below = [&](double h) { return ++asked, h <= 0.0123; };

@@ -13,6 +13,8 @@
 #include <cstdlib>
 #include <vector>
 
+#include "engine/base/sundials_context.h"
+
 namespace {
 
 constexpr int kParameters = 7;  // cart, mass, inertia, length, stiffness, damping, speed
@@ -119,14 +121,13 @@ void print(const char* package, N_Vector y, N_Vector* s, int angle) {
 
 struct Problem {
   explicit Problem(int size) {
-    SUNContext_Create(nullptr, &context);
     y = N_VNew_Serial(size, context);
     s = N_VCloneVectorArray(kParameters, y);
     matrix = SUNDenseMatrix(size, size, context);
     solver = SUNLinSol_Dense(y, matrix, context);
     tolerances.assign(kParameters, 1e-13);
   }
-  SUNContext context = nullptr;
+  SUNContext context = lithe::make_sundials_context();
   N_Vector y = nullptr;
   N_Vector* s = nullptr;
   SUNMatrix matrix = nullptr;

@@ -15,6 +15,7 @@
 #include <Eigen/Cholesky>
 
 #include "engine/base/math.h"
+#include "engine/base/sundials_context.h"
 #include "integrators/runge_kutta_tableau.h"
 #include "tools/bench/measure.h"
 #include "tools/bench/peers/mechanisms.h"
@@ -197,7 +198,7 @@ class Ida {
 
  private:
   void create(double tolerance) {
-    SUNContext_Create(nullptr, &context_);
+    context_ = lithe::make_sundials_context();
     y_ = N_VNew_Serial(size_, context_);
     y_dot_ = N_VNew_Serial(size_, context_);
     id_ = N_VNew_Serial(size_, context_);
@@ -213,7 +214,11 @@ class Ida {
     if (stabilized_) Eigen::Map<Loops>(y + 14) = multipliers;
 
     ida_ = IDACreate(context_);
+#if SUNDIALS_VERSION_MAJOR < 7
     IDASetErrFile(ida_, nullptr);
+#else
+    SUNContext_ClearErrHandlers(context_);
+#endif
     IDAInit(ida_, stabilized_ ? &stabilized_residual : &index1_residual, 0, y_, y_dot_);
     IDASetUserData(ida_, &squeezer_);
     // The multipliers' rounding grows as 1/h: a fine tolerance on them would stop Newton at the first steps.

@@ -1,4 +1,4 @@
-# `cpack --config build/release/CPackConfig.cmake`: a .deb for Debian 12 and a tarball, each with the command, headers,
+# `cpack --config build/release/CPackConfig.cmake`: a .deb for the Debian it is made on and a tarball, each with the command, headers,
 # libraries, plug-ins, pages and examples. tests/package/check_archives.sh unpacks both into an empty root.
 install(DIRECTORY examples docs DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN "CMakeLists.txt" EXCLUDE)
 install(FILES README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
@@ -14,7 +14,8 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 # `lithe run` compiles scenes against the shared library and Eigen alone; find_package(lithe) links the static ones.
 set(compiler "g++ (>= 12)")
 if(CMAKE_CXX_COMPILER_ID STREQUAL Clang)
-  string(PREPEND compiler "clang-16 | ")
+  string(REGEX MATCH "^[0-9]+" version ${CMAKE_CXX_COMPILER_VERSION})
+  string(PREPEND compiler "clang-${version} | ")
 endif()
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "${compiler}, libeigen3-dev (>= 3.4)")
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS

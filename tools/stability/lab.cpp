@@ -5,6 +5,10 @@
 
 #include "engine/base/error.h"
 #include "engine/study/study_run.h"
+#include "integrators/catalogue.h"
+#include "integrators/moreau_jean.h"
+#include "integrators/nonsmooth_generalized_alpha.h"
+#include "tools/stability/methods/limited.h"
 
 namespace lithe::lab {
 namespace {
@@ -41,11 +45,12 @@ Finding run(const Cell& cell) {
   }
 }
 
-StabilityCell run(const Scene& scene, const Cell& cell) {
-  const Finding finding = run(cell);
+namespace {
+
+StabilityCell described(const Scene& scene, const std::string& method, const Finding& finding) {
   StabilityCell out{.scene = scene.id,
                     .title = scene.title,
-                    .method = cell.role == Role::ours ? "ours: " + cell.method : cell.method,
+                    .method = method,
                     .outcome = finding.outcome,
                     .largest_stable_step = finding.largest_stable_step,
                     .why = finding.why};
@@ -57,6 +62,40 @@ StabilityCell run(const Scene& scene, const Cell& cell) {
       out.more += (out.more.empty() ? "" : "; ") + f.what + ": " + short_number(f.value);
     }
   }
+  return out;
+}
+
+constexpr double kTimeLimit = 10;  // s of CPU
+
+}  // namespace
+
+StabilityCell run(const Scene& scene, const Cell& cell) {
+  return described(scene, cell.role == Role::ours ? "ours: " + cell.method : cell.method, run(cell));
+}
+
+std::vector<StudyMethod> methods_of_the_engine() {
+  std::vector<StudyMethod> all = standard_methods();
+  const auto by_step = [&]<class Method>(const std::string& name, std::type_identity<Method>) {
+    all.push_back({name, StudyMethod::Setting::step, [](double step) -> std::unique_ptr<Integrator> {
+                     return std::make_unique<Method>(typename Method::Parameters{.step = step});
+                   }});
+  };
+  by_step("Moreau-Jean", std::type_identity<MoreauJean>());
+  by_step("nonsmooth generalized-alpha", std::type_identity<NonsmoothGeneralizedAlpha>());
+  return all;
+}
+
+StabilityCell run(const Scene& scene, const StudyMethod& method) {
+  const double setting = method.setting == StudyMethod::Setting::step ? scene.settings.step : scene.settings.tolerance;
+  bool expired = false;
+  const double end = thread_seconds() + kTimeLimit;
+  Finding finding =
+      run({method.name,
+           [&] { return scene.judge([&] { return std::make_unique<Limited>(method.make(setting), end, expired); }); }});
+  if (expired)
+    finding.outcome = Outcome::unstable, finding.why = "it takes more than ten seconds of CPU: its step collapses";
+  StabilityCell out = described(scene, method.name + ", " + setting_text(method.setting, setting), finding);
+  out.column = method.name;
   return out;
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/motion/integrator.h"
 #include "engine/study/stability_map.h"
 
 /// The laboratory's scenes: what each file of scenes/ registers.
@@ -44,9 +45,16 @@ struct Cell {
   Role role = Role::published;
   Cost cost = Cost::quick;
 };
+/// What every method of the engine is given on a scene.
+struct Settings {
+  double tolerance, step;  // s
+};
 struct Scene {
   std::string id, title;  // "S01", "constraint drift"
   std::vector<Cell> cells;
+  // Where all methods can be tried: it makes as many of one as it needs, with the settings.
+  std::function<Finding(const std::function<std::unique_ptr<Integrator>()>& make)> judge{};
+  Settings settings{};
 };
 
 /// All scenes of the executable, by id.
@@ -57,6 +65,11 @@ std::vector<Scene> scenes();
 struct Registered {
   explicit Registered(Scene scene);
 };
+
+/// All methods of the engine, those for rigid contacts too.
+std::vector<StudyMethod> methods_of_the_engine();
+/// A scene that has a judge under one of them. What takes more than ten seconds of CPU counts as a collapsed step.
+StabilityCell run(const Scene& scene, const StudyMethod& method);
 
 /// A cell of the map; an Error that the method throws is a refusal with its words, of no figure.
 StabilityCell run(const Scene& scene, const Cell& cell);

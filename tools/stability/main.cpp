@@ -1,4 +1,5 @@
-// The stability laboratory: every scene of scenes/ with every method; writes summary.json, table.md, map.svg and .png.
+// The stability laboratory: every scene of scenes/ with its own methods and with every one of the engine; writes
+// summary.json, table.md, map.html, and of the scenes' own methods map.svg and .png.
 //   stability [--expected expected.json ...] [--out results/stability] [S01 S05 ...]
 #include <cmath>
 #include <cstdio>
@@ -47,7 +48,14 @@ int run_laboratory(int argc, char** argv) {
     }
   }
 
-  StabilityMap map;
+  StabilityMap own, all;
+  const auto tell = [](const StabilityCell& cell, double seconds, const std::string& mark) {
+    std::printf("%s  %-62s %-10s %10s  %s; %s  (%.1f s)%s\n", cell.scene.c_str(), cell.method.c_str(),
+                to_string(cell.outcome).c_str(), std::isfinite(cell.value) ? short_number(cell.value).c_str() : "-",
+                cell.measure.c_str(), cell.more.c_str(), seconds, mark.c_str());
+    if (cell.measure.empty()) std::printf("       %s\n", cell.why.c_str());
+    std::fflush(stdout);
+  };
   int differing = 0;
   for (const lab::Scene& scene : lab::scenes()) {
     if (!wanted.empty() && !wanted.contains(scene.id)) continue;
@@ -64,20 +72,23 @@ int run_laboratory(int argc, char** argv) {
           if (!open) ++differing;
         }
       }
-      std::printf("%s  %-62s %-10s %10s  %s; %s  (%.1f s)%s\n", scene.id.c_str(), result.method.c_str(),
-                  to_string(result.outcome).c_str(),
-                  std::isfinite(result.value) ? short_number(result.value).c_str() : "-", result.measure.c_str(),
-                  result.more.c_str(), seconds, mark.c_str());
-      if (result.measure.empty()) std::printf("       %s\n", result.why.c_str());
-      std::fflush(stdout);
-      map.add(std::move(result));
+      tell(result, seconds, mark);
+      all.add(result);
+      own.add(std::move(result));
+    }
+    if (!scene.judge) continue;
+    for (const StudyMethod& method : lab::methods_of_the_engine()) {
+      const double begun = bench::wall_seconds();
+      all.add(lab::run(scene, method));
+      tell(all.cells().back(), bench::wall_seconds() - begun, "");
     }
   }
-  map.write_json(out + "/summary.json");
-  map.write_table(out + "/table.md");
-  map.draw(out + "/map");
-  std::printf("%zu cells, %d not as expected; %s/summary.json, table.md, map.svg, map.png\n", map.cells().size(),
-              differing, out.c_str());
+  all.write_json(out + "/summary.json");
+  all.write_table(out + "/table.md");
+  all.write_page(out + "/map.html");
+  own.draw(out + "/map");
+  std::printf("%zu cells, %d not as expected; %s/summary.json, table.md, map.html, map.svg, map.png\n",
+              all.cells().size(), differing, out.c_str());
   return differing == 0 ? 0 : 1;
 }
 

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "integrators/adams.h"
@@ -97,11 +98,22 @@ void add_candidates(Scene& scene, const std::vector<Candidate>& candidates, Judg
                            c.role});
 }
 
-/// A scene of published cells and the library's methods on it.
+/// A scene on which every method of the engine is tried too; the judge is given one, or what makes as many as it needs.
 template <class Judge>
-Scene with_candidates(Scene scene, const std::vector<Candidate>& candidates, Judge judge) {
-  add_candidates(scene, candidates, judge);
+Scene under_every_method(Scene scene, const Settings& settings, Judge judge) {
+  if constexpr (std::is_invocable_v<Judge, Integrator&>)
+    scene.judge = [judge](const std::function<Method()>& make) { return judge(*make()); };
+  else
+    scene.judge = judge;
+  scene.settings = settings;
   return scene;
+}
+
+/// A scene of published cells and the library's methods on it, those chosen and all with the same settings.
+template <class Judge>
+Scene with_candidates(Scene scene, const std::vector<Candidate>& candidates, const Settings& settings, Judge judge) {
+  add_candidates(scene, candidates, judge);
+  return under_every_method(std::move(scene), settings, judge);
 }
 
 }  // namespace lithe::lab

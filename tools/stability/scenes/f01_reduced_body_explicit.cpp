@@ -124,7 +124,7 @@ const Registered scene{with_candidates(
      {{"RK4 beyond its limit", [] { return beyond(classical(), 1); }, Role::also},
       {"explicit Runge-Kutta 5(4) beyond its limit", [] { return beyond(order(dormand_prince5), 1); }, Role::also},
       {"explicit Runge-Kutta 8(5,3) beyond its limit", [] { return beyond(order(dormand_prince8), 2); }, Role::also}}},
-    {automatic(1e-4), runge_kutta5(1e-4), radau(1e-4), alpha(1e-3)}, judge)};
+    {automatic(1e-4), runge_kutta5(1e-4), radau(1e-4), alpha(1e-3)}, {1e-4, 1e-3}, judge)};
 
 }  // namespace
 }  // namespace lithe::lab

@@ -63,7 +63,7 @@ const Registered scene{with_candidates(
       failing<ExplicitIndex1>("RK4 h = 1e-3", {.step = 1e-3, .method = rk4}, "beyond its limit"),
       failing<ThetaRule>("implicit Euler h = 1e-3", {.step = 1e-3, .theta = 1}, "damps spin and vibration alike"),
       failing<ThetaRule>("implicit midpoint h = 1e-3", {.step = 1e-3}, "bounded, second order")}},
-    {automatic(1e-6), runge_kutta8(1e-8), radau(1e-6), alpha(2e-4), rattle(2e-4)}, judge)};
+    {automatic(1e-6), runge_kutta8(1e-8), radau(1e-6), alpha(2e-4), rattle(2e-4)}, {1e-6, 2e-4}, judge)};
 
 }  // namespace
 }  // namespace lithe::lab

@@ -63,7 +63,7 @@ const Registered scene{with_candidates(
       plain("generalized-alpha rho = 0.98", 0.98, "damped, but slowly")}},
     {automatic(1e-6), radau(1e-6), alpha(kStep), alpha(kStep, 0.8, GeneralizedAlpha::Form::stabilized_index2),
      hht(kStep), linearly_implicit(kStep), rattle(kStep)},
-    judge)};
+    {1e-6, kStep}, judge)};
 
 }  // namespace
 }  // namespace lithe::lab

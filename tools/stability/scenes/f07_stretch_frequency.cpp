@@ -83,7 +83,7 @@ Finding judge(Integrator& method) {
 
 const Registered scene{with_candidates(
     {"F07", "explicit methods and the stretch of a beam", {{"RK4 beyond its limit", beyond, Role::also}}},
-    {automatic(1e-4), radau(1e-4), alpha(2e-4), runge_kutta8(1e-4)}, judge)};
+    {automatic(1e-4), radau(1e-4), alpha(2e-4), runge_kutta8(1e-4)}, {1e-4, 2e-4}, judge)};
 
 }  // namespace
 }  // namespace lithe::lab

@@ -125,7 +125,7 @@ const Registered scene{with_candidates(
       in_time("linearly implicit Euler, h = 0.08, in time",
               "its damping exceeds the growth: it calls the column stable",
               [] { return std::make_unique<LinearlyImplicit>(LinearlyImplicit::Parameters{.step = 0.08}); })}},
-    {automatic(1e-6), radau(1e-8), alpha(2e-3)}, grows)};
+    {automatic(1e-6), radau(1e-8), alpha(2e-3)}, {1e-6, 2e-3}, grows)};
 
 }  // namespace
 }  // namespace lithe::lab

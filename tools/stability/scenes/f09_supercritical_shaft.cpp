@@ -111,7 +111,7 @@ const Registered scene{with_candidates({"F09",
                                             return finding;
                                           },
                                           Role::also}}},
-                                       {automatic(1e-7), radau(1e-7), alpha(2e-4, 0.9)}, whirl)};
+                                       {automatic(1e-7), radau(1e-7), alpha(2e-4, 0.9)}, {1e-7, 2e-4}, whirl)};
 
 }  // namespace
 }  // namespace lithe::lab

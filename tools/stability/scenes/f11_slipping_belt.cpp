@@ -135,7 +135,7 @@ const Registered scene{
                      "a belt that slips",
                      {{"fixed ratio of the wheels", fixed_ratio, Role::also},
                       {"friction smoothed by tanh(v/0.01)", [] { return smoothed(0.01); }, Role::also}}},
-                    {automatic(1e-7), radau(1e-7), alpha(2e-4)}, braked)};
+                    {automatic(1e-7), radau(1e-7), alpha(2e-4)}, {1e-7, 2e-4}, braked)};
 
 }  // namespace
 }  // namespace lithe::lab

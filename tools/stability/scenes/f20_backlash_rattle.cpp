@@ -59,7 +59,7 @@ Finding rattles(Integrator& method) {
 const Registered scene{with_candidates({"F20", "a gear that rattles in its backlash", {}},
                                        {automatic(1e-8), radau(1e-8), runge_kutta8(1e-8), alpha(2e-4), alpha(5e-5),
                                         alpha(1e-6), hht(1e-4), linearly_implicit(1e-4)},
-                                       rattles)};
+                                       {1e-8, 5e-5}, rattles)};
 
 }  // namespace
 }  // namespace lithe::lab

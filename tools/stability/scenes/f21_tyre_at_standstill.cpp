@@ -69,7 +69,7 @@ const Registered scene{
                      "a tyre at standstill",
                      {{"slip over |v| + 0.1 m/s, RK4 h = 1e-4", [] { return quotient(0.1, 1e-4); }, Role::also},
                       {"slip over |v| + 1e-5 m/s, RK4 h = 1e-3", [] { return quotient(1e-5, 1e-3); }, Role::also}}},
-                    {automatic(1e-7), radau(1e-7), alpha(1e-2)}, carcass)};
+                    {automatic(1e-7), radau(1e-7), alpha(1e-2)}, {1e-7, 1e-2}, carcass)};
 
 }  // namespace
 }  // namespace lithe::lab

@@ -79,7 +79,7 @@ const Registered scene{
                      "a stiff bearing",
                      {{"RK4 beyond the limit of the contacts", beyond, Role::also},
                       {"stiffness of a tenth of the load, constant", constant_stiffness, Role::also}}},
-                    {automatic(1e-7), radau(1e-7), alpha(1e-4), runge_kutta8(1e-7)}, judge)};
+                    {automatic(1e-7), radau(1e-7), alpha(1e-4), runge_kutta8(1e-7)}, {1e-7, 1e-4}, judge)};
 
 }  // namespace
 }  // namespace lithe::lab

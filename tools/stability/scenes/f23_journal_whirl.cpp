@@ -98,7 +98,8 @@ const Registered scene{with_candidates({"F23",
                                             return judge(method);
                                           },
                                           Role::also}}},
-                                       {automatic(1e-9), radau(1e-9), alpha(kTurn / 400, 0.95)}, judge)};
+                                       {automatic(1e-9), radau(1e-9), alpha(kTurn / 400, 0.95)}, {1e-9, kTurn / 400},
+                                       judge)};
 
 }  // namespace
 }  // namespace lithe::lab

@@ -63,9 +63,9 @@ Finding judge(Integrator& method) {
           course.why};
 }
 
-const Registered scene{
-    with_candidates({"F24", "a load on columns of oil", {{"RK4 beyond its limit", beyond, Role::also}}},
-                    {automatic(1e-6), radau(1e-6), lie_bdf(1e-6), runge_kutta8(1e-6), alpha(5e-5)}, judge)};
+const Registered scene{with_candidates(
+    {"F24", "a load on columns of oil", {{"RK4 beyond its limit", beyond, Role::also}}},
+    {automatic(1e-6), radau(1e-6), lie_bdf(1e-6), runge_kutta8(1e-6), alpha(5e-5)}, {1e-6, 5e-5}, judge)};
 
 }  // namespace
 }  // namespace lithe::lab

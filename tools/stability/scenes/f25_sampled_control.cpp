@@ -94,7 +94,7 @@ const Registered scene{with_candidates(
          return Finding{judged(size, 0.5, 1), {{"amplitude, of the start", size}}};
        },
        Role::also}}},
-    {automatic(1e-6), radau(1e-6), runge_kutta8(1e-6), alpha(1e-3)}, judge)};
+    {automatic(1e-6), radau(1e-6), runge_kutta8(1e-6), alpha(1e-3)}, {1e-6, 1e-3}, judge)};
 
 }  // namespace
 }  // namespace lithe::lab

@@ -72,7 +72,7 @@ const Registered scene{with_candidates({"F26",
                                          {"friction smoothed below 10 µm/s", [] { return smoothed(1e-5); }, Role::also},
                                          set_valued<MoreauJean>("Moreau-Jean", 1e-2),
                                          set_valued<NonsmoothGeneralizedAlpha>("nonsmooth generalized-alpha", 1e-2)}},
-                                       {automatic(1e-7), radau(1e-7), alpha(1e-2)},
+                                       {automatic(1e-7), radau(1e-7), alpha(1e-2)}, {1e-7, 1e-2},
                                        [](Integrator& method) { return creep(Law::bristles, method); })};
 
 }  // namespace

@@ -60,7 +60,7 @@ Finding snaps(Integrator& method) {
 const Registered scene{with_candidates({"F28", "a rope that goes slack and snaps", {}},
                                        {automatic(1e-7), radau(1e-7), runge_kutta8(1e-7), alpha(5e-3), alpha(1e-3),
                                         alpha(1e-4), hht(1e-3), linearly_implicit(1e-3)},
-                                       snaps)};
+                                       {1e-7, 1e-3}, snaps)};
 
 }  // namespace
 }  // namespace lithe::lab

@@ -74,7 +74,7 @@ Finding swings_up(Integrator& method) {
 const Registered scene{with_candidates({"F29", "gear teeth at parametric resonance", {}},
                                        {automatic(1e-8), radau(1e-8), runge_kutta8(1e-8), alpha(kPeriod / 20),
                                         alpha(kPeriod / 500), hht(kPeriod / 50), linearly_implicit(kPeriod / 200)},
-                                       swings_up)};
+                                       {1e-8, kPeriod / 500}, swings_up)};
 
 }  // namespace
 }  // namespace lithe::lab

@@ -100,7 +100,7 @@ const Registered scene{
                      {{"locked at the end of a step of 0.1 s", [] { return at_the_end_of_a_step(0.1); }, Role::also},
                       {"locked at the end of a step of 0.01 s", [] { return at_the_end_of_a_step(0.01); }, Role::also},
                       {"stop of 1e5 N m/rad", [] { return stop(1e5); }, Role::also}}},
-                    {automatic(1e-6), radau(1e-6), runge_kutta8(1e-6), alpha(0.01)}, located)};
+                    {automatic(1e-6), radau(1e-6), runge_kutta8(1e-6), alpha(0.01)}, {1e-6, 0.01}, located)};
 
 }  // namespace
 }  // namespace lithe::lab

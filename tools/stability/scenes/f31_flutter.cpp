@@ -120,7 +120,7 @@ Finding swings_up(Integrator& method) {
 const Registered scene{with_candidates(
     {"F31", "a wing 2 % beyond flutter", {}},
     {automatic(1e-8), radau(1e-8), runge_kutta8(1e-8), alpha(1e-2), alpha(1e-3), hht(2e-3), linearly_implicit(1e-3)},
-    swings_up)};
+    {1e-8, 1e-3}, swings_up)};
 
 }  // namespace
 }  // namespace lithe::lab

@@ -2,8 +2,8 @@
 #include "engine/study/study_run.h"
 #include "tools/stability/lab.h"
 #include "tools/stability/methods/explicit_index1.h"
+#include "tools/stability/scenes/candidates.h"
 #include "tools/stability/scenes/natural_rods.h"
-#include "tools/stability/scenes/ours.h"
 
 namespace lithe::lab {
 namespace {
@@ -50,14 +50,15 @@ Finding least_norm_projected() {
   return cross(method, {}, 4, "the branch is held by the projection");
 }
 
-const Registered scene{
+const Registered scene{under_every_method(
     {"S08",
      "singular configuration, fixed independent constraints",
      {{"index 1 by elimination", by_elimination},
       {"minimum-norm multipliers plus position projection (N = 2)", least_norm_projected},
       {"explicit Runge-Kutta 5(4), 1e-9, N = 2", [] { return cross(*runge_kutta(1e-9), {}, 4, ""); }, Role::ours},
       {"library's explicit Runge-Kutta, 1e-9, N = 7", [] { return cross(*runge_kutta(1e-9), kSeven, kEnd, ""); },
-       Role::also}}}};
+       Role::also}}},
+    {1e-9, 1e-3}, [](Integrator& method) { return cross(method, {}, 4, ""); })};
 
 }  // namespace
 }  // namespace lithe::lab

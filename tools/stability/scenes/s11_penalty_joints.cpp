@@ -3,7 +3,7 @@
 #include "joints/forces/spring_damper.h"
 #include "tools/stability/lab.h"
 #include "tools/stability/methods/explicit_index1.h"
-#include "tools/stability/scenes/ours.h"
+#include "tools/stability/scenes/candidates.h"
 #include "tools/stability/scenes/pendulum.h"
 
 namespace lithe::lab {
@@ -76,12 +76,14 @@ Finding implicit(Integrator& method) {
       "unconditionally stable in the linear range; see S24 for the limit"};
 }
 
-const Registered scene{{"S11",
+const Registered scene{
+    under_every_method({"S11",
                         "stiff penalty joints under explicit Runge-Kutta",
                         {{"RK4 above h = 2.83 sqrt(m/k)", above},
                          {"RK4 below", below},
                          {"generalized-alpha rho = 0.8 (implicit)", [] { return implicit(*alpha_index3(0.01)); }},
-                         {"generalized-alpha, defaults", [] { return implicit(*alpha_index3(0.01)); }, Role::ours}}}};
+                         {"generalized-alpha, defaults", [] { return implicit(*alpha_index3(0.01)); }, Role::ours}}},
+                       {1e-6, 0.01}, implicit)};
 
 }  // namespace
 }  // namespace lithe::lab

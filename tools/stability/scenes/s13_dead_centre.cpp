@@ -5,8 +5,8 @@
 #include "tools/stability/lab.h"
 #include "tools/stability/methods/dense_equations.h"
 #include "tools/stability/methods/explicit_index1.h"
+#include "tools/stability/scenes/candidates.h"
 #include "tools/stability/scenes/mechanisms.h"
-#include "tools/stability/scenes/ours.h"
 
 namespace lithe::lab {
 namespace {
@@ -102,7 +102,7 @@ Finding ours(Method a, Method b) {
            {"B", second.branch}}};
 }
 
-const Registered scene{
+const Registered scene{under_every_method(
     {"S13",
      "slider-crank dead centre",
      {{"A: crank angle or all three coordinates, LU",
@@ -111,7 +111,8 @@ const Registered scene{
       {"B (r = l): three coordinates, LU or least squares",
        [] { return passes(SliderCrank::kB, 1.3e-6, 8.4e-2, "the branch is kept because nothing disturbs it"); }},
       {"B with the step falling on 90 deg or noise 1e-6", disturbed},
-      {"explicit Runge-Kutta 5(4), 1e-9", [] { return ours(runge_kutta(1e-9), runge_kutta(1e-9)); }, Role::ours}}}};
+      {"explicit Runge-Kutta 5(4), 1e-9", [] { return ours(runge_kutta(1e-9), runge_kutta(1e-9)); }, Role::ours}}},
+    {1e-9, 1e-3}, [](const std::function<Method()>& make) { return ours(make(), make()); })};
 
 }  // namespace
 }  // namespace lithe::lab

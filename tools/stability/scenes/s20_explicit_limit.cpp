@@ -140,7 +140,7 @@ const Registered scene{with_candidates(
     {"S20",
      "stiff elastic modes under explicit Runge-Kutta",
      {{"RK4 above h omega_max = 2.828", beyond}, {"RK4 below", below}, {"few modes kept, RK4", few_modes}}},
-    {automatic(1e-4), radau(1e-5)}, judge)};
+    {automatic(1e-4), radau(1e-5)}, {1e-4, 1e-3}, judge)};
 
 }  // namespace
 }  // namespace lithe::lab

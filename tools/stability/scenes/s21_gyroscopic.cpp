@@ -63,7 +63,7 @@ const Registered scene{with_candidates(
          return implicit(0.5, {1, 1, 1}, "quadratic invariants kept");
        }}}},
     {automatic(1e-7), runge_kutta8(1e-9), radau(1e-8), lie_bdf(1e-9), adams(1e-9), alpha(1.0 / 240), rattle(1.0 / 240)},
-    judge)};
+    {1e-7, 1.0 / 240}, judge)};
 
 }  // namespace
 }  // namespace lithe::lab

@@ -70,7 +70,7 @@ const Registered scene{with_candidates(
          return over_tilts([](double eps) { return as_scipy(quaternion, VectorX::Unit(7, 0), eps); }, {278, 194, 170},
                            {NAN, NAN, NAN}, "no singularity");
        }}}},
-    {automatic(1e-7), runge_kutta8(1e-9)}, judge)};
+    {automatic(1e-7), runge_kutta8(1e-9)}, {1e-7, 0.01}, judge)};
 
 }  // namespace
 }  // namespace lithe::lab

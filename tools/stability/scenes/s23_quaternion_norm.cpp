@@ -32,7 +32,7 @@ const Registered scene{with_candidates(
      "quaternion norm",
      {{"no normalisation", [] { return rk4(false, -1.7e-6, -4.1e-9, "RK4 is dissipative on rotations"); }},
       {"normalised or constrained", [] { return rk4(true, NAN, NAN, ""); }}}},
-    {automatic(1e-6), alpha(0.01), rattle(0.01)}, judge)};
+    {automatic(1e-6), alpha(0.01), rattle(0.01)}, {1e-6, 0.01}, judge)};
 
 }  // namespace
 }  // namespace lithe::lab

@@ -97,7 +97,8 @@ const Registered scene{with_candidates(
        [] {
          return over_steps(plain(0.5), {.most = {0.96, 0.99, 0.998, 0.9996}}, 0, "high-frequency damping");
        }}}},
-    {automatic(1e-6), radau(1e-6), alpha(0.01), alpha(0.01, 0.5), hht(0.01), linearly_implicit(0.01)}, judge)};
+    {automatic(1e-6), radau(1e-6), alpha(0.01), alpha(0.01, 0.5), hht(0.01), linearly_implicit(0.01)}, {1e-6, 0.01},
+    judge)};
 
 }  // namespace
 }  // namespace lithe::lab

@@ -126,7 +126,7 @@ const Registered scene{with_candidates(
          return change(follow(0.05, Alpha(1)), follow(0.01, Alpha(1)), NAN, NAN, 2,
                        "no constraint here, so S05 does not apply");
        }}}},
-    {automatic(1e-9), rattle(0.05), runge_kutta8(1e-10), alpha(0.05)}, judge)};
+    {automatic(1e-9), rattle(0.05), runge_kutta8(1e-10), alpha(0.05)}, {1e-9, 0.05}, judge)};
 
 }  // namespace
 }  // namespace lithe::lab

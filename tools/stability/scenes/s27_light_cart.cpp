@@ -99,7 +99,7 @@ const Registered scene{with_candidates(
        }},
       {"RK45 1e-8", [] { return scipy(dormand_prince5(), 1e-8, 1e-8, 2.9e-6, "close to the mark"); }},
       {"extrapolation, 80 bit, 1e-16", extrapolated}}},
-    {automatic(1e-10), runge_kutta5(1e-11), runge_kutta8(1e-11)}, judge)};
+    {automatic(1e-10), runge_kutta5(1e-11), runge_kutta8(1e-11)}, {1e-10, 1e-3}, judge)};
 
 }  // namespace
 }  // namespace lithe::lab

@@ -96,7 +96,7 @@ const Registered scene{with_candidates({"S28",
                                         "reference floor",
                                         {{"compared with the published vectors", against_published},
                                          {"compared with the tables here", against_reference}}},
-                                       {automatic(1e-12)}, judge)};
+                                       {automatic(1e-12)}, {1e-12, 1e-5}, judge)};
 
 }  // namespace
 }  // namespace lithe::lab

@@ -125,7 +125,7 @@ const Registered scene{with_candidates(
       {"RK4 h = 2e-3", [] { return finding(follow(rk4_step, 2e-3), 43, -2e-3, "the same, smaller"); }},
       {"implicit midpoint h = 5e-3 / 2e-3", midpoint},
       {"Euler angles", euler_angles}}},
-    {automatic(1e-7), runge_kutta8(1e-9), adams(1e-9), rattle(2e-3), alpha(2e-3)}, judge)};
+    {automatic(1e-7), runge_kutta8(1e-9), adams(1e-9), rattle(2e-3), alpha(2e-3)}, {1e-7, 2e-3}, judge)};
 
 }  // namespace
 }  // namespace lithe::lab

@@ -176,15 +176,17 @@ Cell cell_in_pieces(int pieces, const Candidate& candidate, const Case& c) {
           [pieces, make = candidate.make, &c] { return in_pieces(*make(), pieces, c); }, candidate.role};
 }
 
-const Registered scene{{"S40",
-                        "spin-up beyond the critical speed",
-                        {{"linear FFRF, no geometric stiffness", linear},
-                         {"with centrifugal stiffness matrix", with_stiffening},
-                         {"geometrically exact beam", exact},
-                         cell_in_pieces(16, automatic(1e-4), case_A()),
-                         cell_in_pieces(16, alpha(0.01), case_A()),
-                         cell_in_pieces(8, alpha(0.01), case_B()),
-                         cell_in_pieces(8, alpha(0.01), case_A())}}};
+const Registered scene{under_every_method({"S40",
+                                           "spin-up beyond the critical speed",
+                                           {{"linear FFRF, no geometric stiffness", linear},
+                                            {"with centrifugal stiffness matrix", with_stiffening},
+                                            {"geometrically exact beam", exact},
+                                            cell_in_pieces(16, automatic(1e-4), case_A()),
+                                            cell_in_pieces(16, alpha(0.01), case_A()),
+                                            cell_in_pieces(8, alpha(0.01), case_B()),
+                                            cell_in_pieces(8, alpha(0.01), case_A())}},
+                                          {1e-4, 0.01},
+                                          [](Integrator& method) { return in_pieces(method, 8, case_A()); })};
 
 }  // namespace
 }  // namespace lithe::lab

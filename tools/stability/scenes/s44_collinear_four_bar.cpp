@@ -120,7 +120,8 @@ Cell cell(const Candidate& candidate, double sign, bool about_y) {
 }
 Candidate damped() { return alpha(0.01, 0.2, GeneralizedAlpha::Form::stabilized_index2); }
 
-const Registered scene{{"S44",
+const Registered scene{
+    under_every_method({"S44",
                         "collinear pose of the flexible four-bar",
                         {{"static continuation", [] { return continuation(1, false); }},
                          {"static continuation, tilt x, backwards", [] { return continuation(-1, false); }, Role::also},
@@ -129,7 +130,8 @@ const Registered scene{{"S44",
                          cell(damped(), -1, false),
                          cell(damped(), -1, true),
                          cell(automatic(1e-4), 1, false),
-                         cell(automatic(1e-4), 1, true)}}};
+                         cell(automatic(1e-4), 1, true)}},
+                       {1e-4, 0.01}, [](Integrator& method) { return passage(method, 1, true); })};
 
 }  // namespace
 }  // namespace lithe::lab

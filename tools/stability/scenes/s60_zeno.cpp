@@ -2,6 +2,7 @@
 #include "engine/base/error.h"
 #include "engine/run/simulation.h"
 #include "joints/point_on_plane_joint.h"
+#include "tools/stability/scenes/candidates.h"
 #include "tools/stability/scenes/contacts.h"
 
 namespace lithe::lab {
@@ -124,14 +125,15 @@ Finding step(Integrator& method) {
           "bounces shorter than a step are not told from rest"};
 }
 
-const Registered scene{
+const Registered scene{under_every_method(
     {"S60",
      "Zeno",
      {{"event driven without cut-off", without_cut_off},
       {"event driven with rest threshold", with_threshold},
       {"time stepping", [] { return step(*moreau(1e-3)); }},
       {"Moreau-Jean, h = 0.02", [] { return step(*moreau(0.02)); }, Role::ours},
-      {"nonsmooth generalized-alpha, h = 1e-3", [] { return step(*nonsmooth_alpha(1e-3)); }, Role::ours}}}};
+      {"nonsmooth generalized-alpha, h = 1e-3", [] { return step(*nonsmooth_alpha(1e-3)); }, Role::ours}}},
+    {1e-6, 1e-3}, step)};
 
 }  // namespace
 }  // namespace lithe::lab

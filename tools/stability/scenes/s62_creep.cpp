@@ -1,6 +1,7 @@
 // S62: a block on a slope of 10 degrees that friction of 0.3 holds (C02): regularised friction lets it creep.
 #include "engine/study/study_run.h"
 #include "tools/stability/methods/ordinary.h"
+#include "tools/stability/scenes/candidates.h"
 #include "tools/stability/scenes/contacts.h"
 
 namespace lithe::lab {
@@ -92,14 +93,15 @@ Finding bristles() {
           course.why};
 }
 
-const Registered scene{
+const Registered scene{under_every_method(
     {"S62",
      "false sticking (creep)",
      {{"regularised Coulomb tanh(v/vd)", regularised},
       {"set-valued friction (complementarity)", [] { return set_valued(*moreau(1e-3)); }},
       {"Moreau-Jean, h = 0.01", [] { return set_valued(*moreau(0.01)); }, Role::ours},
       {"nonsmooth generalized-alpha, h = 0.01", [] { return set_valued(*nonsmooth_alpha(0.01)); }, Role::ours},
-      {"compliant contact with bristles (LuGre)", bristles, Role::also, Cost::slow}}}};
+      {"compliant contact with bristles (LuGre)", bristles, Role::also, Cost::slow}}},
+    {1e-6, 1e-3}, set_valued)};
 
 }  // namespace
 }  // namespace lithe::lab

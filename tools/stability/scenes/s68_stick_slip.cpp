@@ -131,14 +131,16 @@ Finding two_laws() {
           "breaks away at the peak of Stribeck's curve, before the belt's speed"};
 }
 
-const Registered scene{{"S68",
+const Registered scene{
+    under_every_method({"S68",
                         "stick-slip",
                         {{"regularised, vd = 0.1", one_law},
                          {"regularised, vd = 0.01 / 0.001", two_laws},
                          {"event driven", [] { return event_driven(*runge_kutta(1e-12)); }},
                          {"default (automatic, tolerance 1e-9), events of Simulation",
                           [] { return event_driven(*automatic(1e-9).make()); }, Role::ours},
-                         {"compliant contact with bristles (LuGre)", bristles, Role::also, Cost::slow}}}};
+                         {"compliant contact with bristles (LuGre)", bristles, Role::also, Cost::slow}}},
+                       {1e-9, 1e-3}, event_driven)};
 
 }  // namespace
 }  // namespace lithe::lab
