@@ -31,8 +31,10 @@ TEST_P(DoctorJudgedBySoundScenes, RaisesNoAlarm) {
 
 INSTANTIATE_TEST_SUITE_P(Geometry, DoctorJudgedByErrors, testing::ValuesIn(errors_of_geometry()));
 INSTANTIATE_TEST_SUITE_P(Numbers, DoctorJudgedByErrors, testing::ValuesIn(errors_of_numbers()));
+INSTANTIATE_TEST_SUITE_P(Second, DoctorJudgedByErrors, testing::ValuesIn(errors_of_second_round()));
 INSTANTIATE_TEST_SUITE_P(Machines, DoctorJudgedBySoundScenes, testing::ValuesIn(sound_machines()));
 INSTANTIATE_TEST_SUITE_P(Oddities, DoctorJudgedBySoundScenes, testing::ValuesIn(sound_oddities()));
+INSTANTIATE_TEST_SUITE_P(Second, DoctorJudgedBySoundScenes, testing::ValuesIn(sound_second_round()));
 
 }  // namespace
 }  // namespace lithe::test

@@ -9,4 +9,8 @@ std::vector<SeededError> errors_of_numbers();   // units, signs, forces, setting
 std::vector<JudgedScene> sound_machines();      // mechanisms, drives, gears
 std::vector<JudgedScene> sound_oddities();      // unusual scales, forces, flexible bodies, contact
 
+// Ten each, written when the rules had been mended.
+std::vector<SeededError> errors_of_second_round();
+std::vector<JudgedScene> sound_second_round();
+
 }  // namespace lithe::test
