@@ -1,4 +1,4 @@
-#include <typeinfo>
+#include <typeindex>
 
 #include "engine/model/marker_motions.h"
 #include "engine/observe/contact_sensors.h"
@@ -21,35 +21,35 @@ State shaken(const System& system, const State& start, double length) {
 void look_for_copies(const System& system, const State& start, double length, std::vector<Finding>& out) {
   // 1. Those that could be alike, by type and bodies.
   using Entry = SystemGraph::ForceEntry;
-  std::map<std::pair<std::string, std::vector<const Body*>>, std::vector<const Entry*>> alike;
-  for (const Entry& entry : system.graph().forces()) {
+  const auto key = [](const Entry& entry) {
     std::vector<const Body*> bodies;
     for (const Marker& m : entry.markers) bodies.push_back(m.body);
-    alike[{entry.type.name(), bodies}].push_back(&entry);
-  }
-  std::erase_if(alike, [](const auto& group) { return group.second.size() < 2; });
-  if (alike.empty()) return;
+    return std::pair(entry.type, bodies);
+  };
+  std::map<std::pair<std::type_index, std::vector<const Body*>>, std::vector<const Entry*>> alike;
+  for (const Entry& entry : system.graph().forces()) alike[key(entry)].push_back(&entry);
+  if (std::ranges::all_of(alike, [](const auto& group) { return group.second.size() < 2; })) return;
   // 2. Those that are, here and where all has moved.
   Snapshot now(system, start), moved(system, shaken(system, start, length));
   const auto at_one_place = [&](const Marker& a, const Marker& b) {
     const MarkerKinematics A = now.marker(a), B = now.marker(b);
     return (A.p - B.p).norm() < 1e-9 * length && (A.R - B.R).norm() < 1e-9;
   };
-  for (const auto& [key, group] : alike)
-    for (std::size_t i = 0; i < group.size(); ++i)
-      for (std::size_t k = i + 1; k < group.size(); ++k) {
-        const Entry &a = *group[i], &b = *group[k];
-        if (!std::ranges::equal(a.markers, b.markers, at_one_place)) continue;
-        const VectorX here = force_values(now, *a.force), there = force_values(moved, *a.force);
-        if (!(there.norm() > 0) || (force_values(now, *b.force) - here).norm() > 1e-12 * here.norm() ||
-            (force_values(moved, *b.force) - there).norm() > 1e-9 * there.norm())
-          continue;
-        out.push_back({Cause::drawn_twice, true, 0.8,
-                       quoted(a.force->name()) + " and " + quoted(b.force->name()) +
-                           " do the same at the same points of " + bodies_of(*a.force) + ": the force acts twice",
-                       "leave one of them out; if two are meant, give one twice the stiffness"});
-        return;
-      }
+  const auto do_the_same = [&](const Entry& a, const Entry& b) {
+    if (!std::ranges::equal(a.markers, b.markers, at_one_place)) return false;
+    const VectorX here = force_values(now, *a.force), there = force_values(moved, *a.force);
+    return there.norm() > 0 && (force_values(now, *b.force) - here).norm() <= 1e-12 * here.norm() &&
+           (force_values(moved, *b.force) - there).norm() <= 1e-9 * there.norm();
+  };
+  for (const Entry& a : system.graph().forces())
+    for (const Entry* b : alike[key(a)]) {
+      if (b->place <= a.place || !do_the_same(a, *b)) continue;
+      out.push_back({Cause::drawn_twice, true, 0.8,
+                     quoted(a.force->name()) + " and " + quoted(b->force->name()) +
+                         " do the same at the same points of " + bodies_of(*a.force) + ": the force acts twice",
+                     "leave one of them out; if two are meant, give one twice the stiffness"});
+      return;
+    }
 }
 
 /// Surfaces that overlap far as drawn: their energy throws the bodies apart.
@@ -105,7 +105,10 @@ void look_at_friction(const System& system, const State& start, std::vector<Find
 }  // namespace
 
 void look_at_elements(const System& system, const State& start, double length, std::vector<Finding>& out) {
-  look_for_copies(system, start, length, out);
+  try {
+    look_for_copies(system, start, length, out);
+  } catch (const Error&) {  // NOLINT: a law that refuses the moved state cannot be compared
+  }
   look_for_overlaps(system, start, length, out);
   look_at_friction(system, start, out);
 }

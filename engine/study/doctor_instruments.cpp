@@ -219,6 +219,11 @@ std::vector<Rate> fastest_rates(const System& system, const State& state) {
     rows.set_reaction({Vector3::Zero(), Vector3::Zero()});
     entry.force->evaluate(state.time, views, rows);
     Rate rate{"'" + entry.force->name() + "' between " + bodies_of(*entry.force), entry.force};
+    if (rows.count() == 1 && views.size() == 2) {
+      const Vector3 line = views[1].p - views[0].p;
+      const Wrench& w = rows.wrench(0, 1);
+      rate.pulls = w.torque.isZero(0) && line.norm() > 0 && w.force.cross(line).norm() < 1e-9 * line.norm();
+    }
     for (int r = 0; r < rows.count(); ++r) {
       force.setZero();
       for (std::size_t m = 0; m < views.size(); ++m)
@@ -251,6 +256,22 @@ double Watched::median_step() const {
   return steps[steps.size() / 2];
 }
 
+namespace {
+
+/// What the sensors read, one after the other.
+std::vector<double> watched(const System& system, const std::vector<Sensor>& sensors, const State& state) {
+  Snapshot now(system, state);
+  std::vector<double> all;
+  for (const Sensor& sensor : sensors) {
+    std::vector<double> values(sensor.columns().size());
+    sensor.evaluate(now, values);
+    all.insert(all.end(), values.begin(), values.end());
+  }
+  return all;
+}
+
+}  // namespace
+
 Watched run_watched(const System& system, const std::vector<Sensor>& sensors, const State& start, double duration,
                     Integrator& integrator, const DiagnoseOptions& options) {
   Watched run;
@@ -266,19 +287,15 @@ Watched run_watched(const System& system, const std::vector<Sensor>& sensors, co
     run.reached = !run.too_slow;
     if (run.too_slow)
       run.why = "it had taken " + std::to_string(run.times.size() - 1) + " steps to " + time_text(run.last.time);
+    if (run.reached) run.watch_at_end = watched(system, sensors, state);
   } catch (const Error& error) {
+    run.reached = false;
     run.why = error.problem();
   } catch (const std::exception& error) {
+    run.reached = false;
     run.why = error.what();
   }
   run.statistics = simulation.statistics();
-  if (!run.reached) return run;
-  Snapshot end(system, state);
-  for (const Sensor& sensor : sensors) {
-    std::vector<double> values(sensor.columns().size());
-    sensor.evaluate(end, values);
-    run.watch_at_end.insert(run.watch_at_end.end(), values.begin(), values.end());
-  }
   return run;
 }
 

@@ -39,6 +39,7 @@ struct Rate {
   std::string name;                                  // "'spring' between 'wheel' and ground"
   const ForceElement* force = nullptr;               // null: an elastic coordinate
   double frequency = 0, damping = 0, stiffness = 0;  // rad/s; 1/s; N/m or N m/rad
+  bool pulls = false;                                // one row, along the line between two markers
   double largest() const { return std::max(frequency, damping); }
 };
 std::vector<Rate> fastest_rates(const System& system, const State& state);  // the fastest first

@@ -9,20 +9,26 @@
 namespace lithe::doctor {
 namespace {
 
-/// A sensor of the scene that gives a value that is not finite.
+/// A sensor of the scene that throws, or gives a value that is not finite.
 std::vector<Finding> find_bad_sensors(const Case& c) {
   Snapshot now(*c.drawn.system);
   for (const State& state : c.run.samples) {
     now.evaluate(state);
     for (const Sensor& sensor : c.drawn.sensors) {
-      VectorX values(static_cast<Eigen::Index>(sensor.columns().size()));
-      sensor.evaluate(now, {values.data(), sensor.columns().size()});
-      for (Eigen::Index i = 0; i < values.size(); ++i)
-        if (!std::isfinite(values[i]))
-          return {{Cause::no_number, true, 0.97,
-                   "the sensor " + quoted(sensor.columns()[static_cast<std::size_t>(i)]) + " (" + sensor.where() +
-                       ") is not finite at " + time_text(state.time),
-                   "look for a division by a zero distance or speed, a root or a logarithm of what is negative"}};
+      const auto bad = [&](const std::string& column, const std::string& what) {
+        return std::vector{Finding{
+            Cause::no_number, true, 0.97,
+            "the sensor " + quoted(column) + " (" + sensor.where() + ") " + what + " at " + time_text(state.time),
+            "look for a division by a zero distance or speed, a root or a logarithm of what is negative"}};
+      };
+      std::vector<double> values(sensor.columns().size());
+      try {
+        sensor.evaluate(now, values);
+      } catch (const std::exception& error) {
+        return bad(sensor.columns().front(), std::string("throws '") + error.what() + "'");
+      }
+      for (std::size_t i = 0; i < values.size(); ++i)
+        if (!std::isfinite(values[i])) return bad(sensor.columns()[i], "is not finite");
     }
   }
   return {};
@@ -158,12 +164,11 @@ std::vector<Finding> find_soft_springs(const Case& c) {
   if (c.run.samples.empty() || !(system.gravity().norm() > 0)) return {};
   Snapshot start(system, c.run.samples.front()), now(system);
   for (const Rate& rate : fastest_rates(system, c.run.samples.front())) {
-    if (!rate.force || rate.force->row_count() != 1 || !(rate.frequency > 0)) continue;
+    if (!rate.pulls || !(rate.frequency > 0)) continue;
     const std::vector<Marker>& markers = rate.force->markers();
-    if (markers.size() != 2) continue;
     const double length = (start.marker(markers[1]).p - start.marker(markers[0]).p).norm();
     const double sag = system.gravity().norm() / (rate.frequency * rate.frequency);
-    if (!(length > 0) || !(sag > 3 * length)) continue;
+    if (!(sag > 3 * length)) continue;
     double longest = 0;
     for (const State& state : c.run.samples) {
       now.evaluate(state);

@@ -1,5 +1,6 @@
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseQR>
+#include <numbers>
 #include <set>
 
 #include "engine/analysis/free_motions.h"
@@ -106,6 +107,41 @@ std::vector<std::string> weakest_holders(const System& system, const RowRanks& r
   return names;
 }
 
+/// Hinges whose axes are off the direction that most of them share, and slides along it: such a mechanism would be
+/// plane. Empty where there is no such direction, or no joint off it.
+std::string odd_axes(const System& system, const State& start, const std::set<const Body*>& of) {
+  constexpr double kOff = 1e-3;  // rad
+  struct Axis {
+    std::string name;
+    Vector3 direction;
+    bool slides;
+  };
+  std::vector<Axis> axes;
+  Snapshot now(system, start);
+  for (const auto& c : system.graph().constraints()) {
+    const auto free = c.constraint->freedom();
+    if (!free || free->x || !std::ranges::any_of(c.markers, [&](const Marker& m) { return of.contains(m.body); }))
+      continue;
+    const bool turns = free->rotation == JointFreedom::Rotation::about_z;
+    if (turns != free->z) axes.push_back({c.constraint->name(), now.marker(c.markers[0]).R.col(2), free->z});
+  }
+  const auto off = [](const Axis& axis, const Vector3& common) {
+    const double along = std::min(std::abs(axis.direction.dot(common)), 1.0);
+    return axis.slides ? std::asin(along) : std::acos(along);
+  };
+  for (const Axis& candidate : axes) {
+    if (candidate.slides) continue;
+    std::string odd;
+    std::size_t count = 0;
+    for (const Axis& axis : axes)
+      if (const double angle = off(axis, candidate.direction); angle > kOff && ++count <= kNamed)
+        odd += (odd.empty() ? "" : ", ") + quoted(axis.name) + " by " + number(angle * 180 / std::numbers::pi) +
+               " degrees";
+    if (2 * count < axes.size()) return odd.empty() ? "" : "; axes that the others' plane does not allow: " + odd;
+  }
+  return "";
+}
+
 /// Bodies that their joints lock against each other, though none of these is a weld: beside others that move.
 void look_at_locked_parts(const System& system, const State& start, std::vector<Finding>& out) {
   const SystemGraph& graph = system.graph();
@@ -134,7 +170,8 @@ void look_at_locked_parts(const System& system, const State& start, std::vector<
     slides |= free && free->z && !free->x;
   }
   out.push_back({Cause::locked, slides, 0.85,
-                 listed(bodies) + " cannot move: " + listed(joints) + " hold " + (bodies.size() > 1 ? "them" : "it"),
+                 listed(bodies) + " cannot move: " + listed(joints) + " hold " + (bodies.size() > 1 ? "them" : "it") +
+                     odd_axes(system, start, held),
                  "see whether each of these joints is on the bodies that are meant; a frame that is to stand needs no "
                  "joint that could turn or slide"});
 }
@@ -212,12 +249,14 @@ void look_at_rank(const System& system, const State& start, std::vector<Finding>
          "drop these rows, as a spherical or cylindrical joint in place of a revolute one does, or keep them: "
          "they are borne, but how forces are shared among them is not told by rigid bodies"});
   const RowRanks ranks = row_ranks(system, start);
+  std::set<const Body*> all;
+  for (const auto& entry : system.graph().bodies()) all.insert(entry.body);
   if (system.degrees_of_freedom() == 0 && drives.maxCoeff() == 0)
     out.push_back({Cause::locked, true, 0.97,
                    "nothing can move: " + std::to_string(layout.v_count()) + " velocities, held by " +
                        std::to_string(system.rank()) +
-                       " independent rows, and no drive; the motion that is held least " + "is held by " +
-                       listed(weakest_holders(system, ranks)),
+                       " independent rows, and no drive; the motion that is held least is held by " +
+                       listed(weakest_holders(system, ranks)) + odd_axes(system, start, all),
                    "see whether the axes of these joints are right, or give one of them more freedom; "
                    "describe(system) lists who holds what"});
   else

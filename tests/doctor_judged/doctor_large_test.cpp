@@ -47,7 +47,7 @@ TEST(DoctorOfLargeScenes, NamesTheOneMechanismThatATiltedAxisLocks) {
   const std::vector<Finding> found = look_over_row(1, 0.2);
   const auto locked = std::ranges::find(found, Cause::locked, &Finding::cause);
   ASSERT_NE(locked, found.end());
-  for (const char* name : {"'left crank 37'", "'right crank 37'", "'bar 37'"})
+  for (const char* name : {"'left crank 37'", "'right crank 37'", "'bar 37'", "'right pin 37' by 11.5 degrees"})
     EXPECT_NE(locked->what.find(name), std::string::npos) << locked->what;
   EXPECT_EQ(locked->what.find(" 36'"), std::string::npos) << locked->what;
 }
