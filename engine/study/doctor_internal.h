@@ -17,8 +17,8 @@ namespace lithe::doctor {
 std::string number(double value);                   // three digits
 std::string bodies_of(const Connector& connector);  // "'wheel' and ground"
 
-/// What the rows of G M^-1/2 that are not redundant, each brought to length 1, say of ranks at a state. Sparse: its
-/// cost grows with the scene as that of its factors does.
+/// What the rows of G M^-1/2 that are not redundant, each brought to length 1, say of ranks at a state; M with the
+/// inertia of each body over its mass. Sparse: its cost grows with the scene as that of its factors does.
 struct RowRanks {
   std::vector<int> kept;             // the rows, numbers in lambda
   double smallest = 1, largest = 1;  // singular values

@@ -20,7 +20,8 @@ VectorX scattered(Eigen::Index size) {
   return x;
 }
 
-/// L⁻¹ Gᵀ of the kept rows, M = L Lᵀ, each column of length 1: its singular values are those of G M^-1/2.
+/// L⁻¹ Gᵀ of the kept rows, M = L Lᵀ with the inertia of each body over its mass, each column of length 1: its singular
+/// values tell of the geometry alone, however light a body is beside its neighbours.
 Sparse scaled_rows(const Evaluator& equations, const std::vector<int>& kept) {
   const int n = equations.layout().v_count();
   std::vector<int> column_of(static_cast<std::size_t>(equations.layout().row_count()), -1);
@@ -40,6 +41,10 @@ Sparse scaled_rows(const Evaluator& equations, const std::vector<int>& kept) {
   rows.setFromTriplets(of_rows.begin(), of_rows.end());
   const Eigen::SimplicialLLT<Sparse, Eigen::Lower, Eigen::NaturalOrdering<int>> factor(mass);
   if (factor.info() == Eigen::Success) factor.matrixL().solveInPlace(rows);
+  VectorX scale = VectorX::Ones(n);
+  for (const Layout::BodySlice& b : equations.layout().bodies())
+    if (b.frame) scale.segment(b.v, 6 + b.linear).setConstant(std::sqrt(mass.coeff(b.v, b.v)));
+  rows = scale.asDiagonal() * rows;
   for (Eigen::Index k = 0; k < rows.cols(); ++k)
     if (const double length = rows.col(k).norm(); length > 0) rows.col(k) /= length;
   rows.prune(0.0);
@@ -61,24 +66,20 @@ std::set<const Body*> welded_to_ground(const SystemGraph& graph) {
   return held;
 }
 
-/// Bodies that joints hold at rest, whatever pushes them: under scattered forces they do not accelerate.
+/// Bodies that joints hold at rest, whatever pushes them: under forces that would accelerate each velocity by about 1
+/// they do not move.
 std::set<const Body*> held_bodies(const System& system, const State& start) {
   const Layout& layout = system.layout();
   const auto equations = factorized(system, start);
-  const VectorX force = scattered(layout.v_count());
-  VectorX mass = VectorX::Zero(force.size()), motion = force, no_load = VectorX::Zero(layout.row_count());
+  VectorX motion = VectorX::Zero(layout.v_count()), no_load = VectorX::Zero(layout.row_count());
   equations->visit_blocks([&](int row, int column, ConstMatrixRef block) {
-    if (row == column && row < force.size()) mass.segment(row, block.rows()) += block.diagonal();
+    if (row == column && row < motion.size()) motion.segment(row, block.rows()) += block.diagonal();
   });
+  motion.array() *= scattered(motion.size()).array();
   equations->solve(motion, no_load);
   std::set<const Body*> held, moving;
-  for (const Layout::BodySlice& b : layout.bodies()) {
-    const int count = (b.frame ? 6 : 0) + b.linear;
-    bool moves = false;
-    for (int v = b.v; v < b.v + count; ++v)
-      moves |= !(std::abs(motion[v]) * mass[v] < 1e-11 * std::abs(force[v])) && mass[v] > 0;
-    (moves ? moving : held).insert(b.body);
-  }
+  for (const Layout::BodySlice& b : layout.bodies())
+    (motion.segment(b.v, (b.frame ? 6 : 0) + b.linear).lpNorm<Eigen::Infinity>() > 1e-9 ? moving : held).insert(b.body);
   std::erase_if(held, [&](const Body* b) { return moving.contains(b); });
   return held;
 }
@@ -156,8 +157,9 @@ void look_at_locked_parts(const System& system, const State& start, std::vector<
       if (c.constraint->depends_on_time() ||
           std::ranges::any_of(c.markers, [&](const Marker& m) { return driven.contains(m.body); }))
         for (const Marker& m : c.markers)
-          if (held.erase(m.body) > 0) more |= driven.insert(m.body).second;
+          if (!meant.contains(m.body)) more |= driven.insert(m.body).second;
   }
+  std::erase_if(held, [&](const Body* b) { return driven.contains(b); });
   if (held.empty()) return;
   std::vector<std::string> bodies, joints;
   bool slides = false;

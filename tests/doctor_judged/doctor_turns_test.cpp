@@ -38,7 +38,7 @@ TEST(DoctorOfTurns, CountsThoseThatLongStepsLose) {
   const std::vector<Sensor> sensors = rotor(true).draw(graph);
   const System system = assemble(graph);
   State state = system.initial_state();
-  GeneralizedAlpha integrator{{.step = 0.1}};
+  GeneralizedAlpha integrator{{.step = 0.05}};
   Simulation simulation{system, integrator};
   simulation.run(state, kDuration);
   Snapshot end(system, state);
@@ -46,20 +46,20 @@ TEST(DoctorOfTurns, CountsThoseThatLongStepsLose) {
   EXPECT_NEAR(lost, std::round(lost), 1e-6);
   ASSERT_GT(std::round(lost), 1);
 
-  const Diagnosis diagnosis = spin(0.1, true);
+  const Diagnosis diagnosis = spin(0.05, true);
   ASSERT_FALSE(diagnosis.findings.empty());
   const Finding& first = diagnosis.findings.front();
   EXPECT_EQ(first.cause, Cause::lost_turns) << diagnosis.text();
   EXPECT_TRUE(first.alarm);
   const std::string turns = " " + std::to_string(std::lround(lost)) + " turns are lost";
-  for (const std::string& part : {std::string("'shaft'"), turns, std::string("'turned'"), std::string("0.1 s")})
+  for (const std::string& part : {std::string("'shaft'"), turns, std::string("'turned'"), std::string("0.05 s")})
     EXPECT_NE(first.what.find(part), std::string::npos) << part << " in: " << first.what;
   EXPECT_NE(first.fix.find("0.0314 s"), std::string::npos) << first.fix;
 }
 
 TEST(DoctorOfTurns, IsCalmWhereStepsAreShortOrNothingReadsTheTurns) {
   EXPECT_TRUE(spin(0.01, true).findings.empty()) << spin(0.01, true).text();
-  EXPECT_TRUE(spin(0.1, false).findings.empty()) << spin(0.1, false).text();
+  EXPECT_TRUE(spin(0.05, false).findings.empty()) << spin(0.05, false).text();
 }
 
 TEST(DoctorOnPages, GivesItsFindingsWithTheirCauses) {

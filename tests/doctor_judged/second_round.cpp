@@ -130,7 +130,7 @@ std::vector<SeededError> errors_of_second_round() {
            return {coordinate_rate(shaft.angle(), "speed")};
          }},
         "generalized-alpha index 3, fixed step",
-        0.05},
+        0.02},
        {Cause::lost_turns},
        {{"shaft"}, {"clock spring"}}},
       {{{.name = "a planet is pinned to the ground instead of the carrier",
