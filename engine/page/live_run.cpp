@@ -189,7 +189,7 @@ HttpResponse LiveRun::page() {
     first = first_;
   }
   if (!first) return {.status = 503, .body = "the run has no state yet: reload this page\n"};
-  if (page_.empty()) page_ = page_text({first.get()}, name_, url(), PageKind::live);
+  if (page_.empty()) page_ = page_text({first.get()}, {.title = name_}, url(), PageKind::live);
   return {.type = "text/html; charset=utf-8", .body = page_};
 }
 

@@ -253,7 +253,7 @@ void write_page(const Run& run, const std::string& path, const PageOptions& opti
 void write_page(const std::vector<std::reference_wrapper<const Run>>& runs, const std::string& path,
                 const PageOptions& options) {
   if (runs.empty()) throw SceneError("a page without a run", path, "give the runs that it is to show");
-  std::string title = options.title;
+  PageOptions page = options;
   std::set<std::string> names;
   std::vector<std::shared_ptr<const RunRecord>> kept;
   std::vector<const RunRecord*> records;
@@ -261,28 +261,32 @@ void write_page(const std::vector<std::reference_wrapper<const Run>>& runs, cons
     if (!names.insert(run.name()).second)
       throw SceneError("two runs of the page are called '" + run.name() + "'", path,
                        "give each its own RunOptions::name");
-    if (options.title.empty()) title += (title.empty() ? "" : ", ") + run.name();
+    if (options.title.empty()) page.title += (page.title.empty() ? "" : ", ") + run.name();
     kept.push_back(run.record());
     records.push_back(kept.back().get());
     if (records.back()->row_count() == 0)
       throw SceneError("the run '" + run.name() + "' has no states", path,
                        "call simulation.observe(run, every(...)) before simulation.run()");
   }
-  const std::string text = page_text(records, title, path);
+  const std::string text = page_text(records, page, path);
   PartialFile file(path);
   file.stream() << text;
   file.commit();
 }
 
-std::string page_text(const std::vector<const RunRecord*>& runs, const std::string& title, const std::string& where,
+std::string page_text(const std::vector<const RunRecord*>& runs, const PageOptions& options, const std::string& where,
                       PageKind kind) {
   using namespace page_parts;
   Arrays arrays;
   Json page = {{"format", "lithe-page"},
                {"version", 1},
-               {"title", title},
+               {"title", options.title},
                {"made_by", "lithe " + std::string(kVersion)},
+               {"findings", Json::array()},
                {"runs", Json::array()}};
+  for (const PageFinding& found : options.findings)
+    page["findings"].push_back(
+        {{"kind", found.kind}, {"text", found.text}, {"fix", found.fix}, {"alarm", found.alarm}});
   if (kind == PageKind::live) page["live"] = {{"width", runs[0]->width}};
   for (const RunRecord* run : runs) page["runs"].push_back(PageRun(*run, arrays, kind).make());
 

@@ -8,8 +8,18 @@
 
 namespace lithe {
 
+/// What a look at the scene has found, for a list on the page: page_findings() of a diagnosis (engine/study/doctor.h).
+/// Names of bodies and connectors that stand in 'quotes' select these by a click.
+struct PageFinding {
+  std::string kind{};  // "open joint"
+  std::string text{};
+  std::string fix{};  // empty: none
+  bool alarm = true;  // false: worth knowing
+};
+
 struct PageOptions {
-  std::string title{};  // empty: the names of the runs
+  std::string title{};                  // empty: the names of the runs
+  std::vector<PageFinding> findings{};  // most important first
 };
 
 /// Writes a recorded run as one HTML file that opens in any browser, without a server or a network: bodies in 3D,

@@ -9,7 +9,7 @@
 #include "engine/base/math.h"
 #include "engine/model/appearance.h"
 #include "engine/observe/event.h"
-#include "engine/page/run.h"
+#include "engine/page/page.h"
 
 namespace lithe {
 
@@ -97,7 +97,7 @@ FittedShapes fit_shapes(const MatrixX& displacements, double tolerance);
 /// Runs as one page. A live one has one run, which goes on (LiveRun): its arrays tell which part of a row they are of
 /// (tools/viewer/README.md), and nothing is left out or rounded by the motion so far. `where`: for errors.
 enum class PageKind { finished, live };
-std::string page_text(const std::vector<const RunRecord*>& runs, const std::string& title, const std::string& where,
+std::string page_text(const std::vector<const RunRecord*>& runs, const PageOptions& options, const std::string& where,
                       PageKind kind = PageKind::finished);
 
 /// The whole page around the data: tools/viewer/dist/viewer.html, as it was when the library was built.

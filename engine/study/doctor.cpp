@@ -144,6 +144,7 @@ Diagnosis diagnose(const StudyScene& scene, const StudyMethod& method, const Dia
     findings.push_back({Cause::below_round_off, true, 0.98,
                         "a tolerance of " + number(options.setting) + " is below round-off, 2e-16 of each coordinate",
                         "give 1e-12 at the finest; 1e-6 to 1e-9 is usual"});
+  for (Finding& finding : of_motion(c)) findings.push_back(std::move(finding));
   if (c.degraded()) {
     for (Finding& finding : of_run(c)) findings.push_back(std::move(finding));
     rank(findings);
@@ -183,8 +184,19 @@ std::string to_string(Cause cause) {
                                       "tolerance below round-off",
                                       "unstable method",
                                       "chaos",
+                                      "negative damping",
+                                      "drawn twice",
+                                      "overlap",
+                                      "too few modes",
+                                      "lost turns",
                                       "unknown"};
   return names[static_cast<int>(cause)];
+}
+
+std::vector<PageFinding> page_findings(const Diagnosis& diagnosis) {
+  std::vector<PageFinding> out;
+  for (const Finding& f : diagnosis.findings) out.push_back({to_string(f.cause), f.what, f.fix, f.alarm});
+  return out;
 }
 
 std::string Diagnosis::text() const {

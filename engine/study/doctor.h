@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "engine/assembly/system.h"
+#include "engine/page/page.h"
 #include "engine/study/study.h"
 
 namespace lithe {
@@ -27,6 +28,11 @@ enum class Cause {
   below_round_off,     // the tolerance is finer than the arithmetic
   unstable_method,     // energy grows at any step
   chaos,               // small errors grow by themselves
+  negative_damping,    // a force feeds the motion that it should damp
+  drawn_twice,         // two elements do the same
+  overlap,             // surfaces are in each other as drawn
+  too_few_modes,       // a deformable body lacks the modes that its loads bend
+  lost_turns,          // an angle turned by more than half a turn a step, and its turns are read
   unknown
 };
 std::string to_string(Cause cause);
@@ -72,8 +78,11 @@ struct DiagnoseOptions {
 /// a finer setting, looks for the cause. Throws nothing that the scene throws: that is the diagnosis.
 Diagnosis diagnose(const StudyScene& scene, const StudyMethod& method, const DiagnoseOptions& options = {});
 
-/// Looks over a system and a state to start from, without a run: ranks (dense, up to 600 velocities), units, start
-/// values, free bodies. The length is that of the scene, m.
+/// Findings as a page lists them: write_page(run, "crane.html", {.findings = page_findings(diagnosis)}).
+std::vector<PageFinding> page_findings(const Diagnosis& diagnosis);
+
+/// Looks over a system and a state to start from, without a run: ranks, units, start values, free bodies, elements
+/// drawn twice, surfaces that overlap. The length is that of the scene, m.
 std::vector<Finding> look_over(const System& system, const State& start, double characteristic_length = 1);
 
 }  // namespace lithe

@@ -90,21 +90,20 @@ std::vector<Finding> find_jumps(const Case& c) {
 
 std::vector<Finding> find_rank_loss(const Case& c) {
   const System& system = *c.drawn.system;
-  if (system.layout().row_count() == 0 || system.layout().v_count() > kMaxDense) return {};
+  if (system.layout().row_count() == 0) return {};
   // Ranks over the run, and at its end.
   std::vector<double> ratios;
   const std::size_t every = std::max<std::size_t>(1, c.run.samples.size() / 16);
-  DenseRows weakest;
+  RowRanks weakest;
   double least = 2, when = 0;
   const auto look = [&](const State& state) {
-    const DenseRows rows = dense_rows(system, state);
-    if (rows.singular_values.size() > 0 && rows.conditioning() < least)
-      least = rows.conditioning(), weakest = rows, when = state.time;
+    RowRanks rows = row_ranks(system, state);
+    const double conditioning = rows.conditioning();
+    if (rows.weakest_row >= 0 && conditioning < least)
+      least = conditioning, weakest = std::move(rows), when = state.time;
+    return conditioning;
   };
-  for (std::size_t i = 0; i < c.run.samples.size(); i += every) {
-    look(c.run.samples[i]);
-    ratios.push_back(dense_rows(system, c.run.samples[i]).conditioning());
-  }
+  for (std::size_t i = 0; i < c.run.samples.size(); i += every) ratios.push_back(look(c.run.samples[i]));
   look(c.run.last);
   for (const State& dip : c.run.dips) look(dip);
   if (ratios.empty() || weakest.weakest_row < 0) return {};

@@ -9,8 +9,6 @@ namespace lithe {
 namespace doctor {
 namespace {
 
-std::string quoted(const std::string& name) { return "'" + name + "'"; }
-
 /// The pose and velocities that the bodies were drawn with.
 State as_drawn(const System& system) {
   State state = system.initial_state();
@@ -20,16 +18,6 @@ State as_drawn(const System& system) {
     b.body->initial_state(state.q.segment(b.q, c.q_count()), state.v.segment(b.v, c.v_count()));
   }
   return state;
-}
-
-/// g or ġ of a state, all rows.
-VectorX rows_at(const System& system, double time, const State& state, Level level) {
-  Evaluator equations(system);
-  equations.recall(state.quarter_turns);
-  equations.evaluate(time, state.q, state.v, Level::velocity);
-  VectorX rows(system.layout().row_count());
-  equations.constraint(level, rows);
-  return rows;
 }
 
 void look_at_start(const System& system, const State& start, double length, std::vector<Finding>& out) {
@@ -80,79 +68,6 @@ void look_at_start(const System& system, const State& start, double length, std:
                    "start from system.initial_state(), or make them consistent with Projector::velocity"});
 }
 
-void look_at_rank(const System& system, const State& start, std::vector<Finding>& out) {
-  const Layout& layout = system.layout();
-  if (layout.row_count() == 0) return;
-  const VectorX drives = drive_rates(system), g_dot = rows_at(system, start.time, start, Level::velocity);
-  const VectorX g = rows_at(system, start.time, start, Level::position);
-  std::string rows;
-  int count = 0;
-  for (const RedundantRow& r : system.redundant_rows()) {
-    const std::string repeats = r.repeats.empty() ? " restrains nothing" : " repeats " + r.repeats;
-    if (++count <= 4) rows += (rows.empty() ? "" : "; ") + r.name + repeats;
-    if (std::abs(g_dot[r.row]) > 1e-8 * (1 + start.v.cwiseAbs().maxCoeff()) || std::abs(g[r.row]) > 1e-8) {
-      const bool driven = drives.maxCoeff() > 0;
-      out.push_back({driven ? Cause::incompatible_drive : Cause::open_joint, true, 0.96,
-                     "joint " + r.name + repeats + " but asks for another motion: it opens at " + number(g_dot[r.row]) +
-                         " a second",
-                     driven ? "drive every freedom once; let two drives of one freedom give the same motion"
-                            : "leave one of them out, or make their lengths agree"});
-      return;
-    }
-  }
-  if (!rows.empty())
-    out.push_back(
-        {Cause::redundant_rows, false, 0.6,
-         "constraint rows repeat others (rank " + std::to_string(system.rank()) + " of " +
-             std::to_string(layout.row_count()) + "): " + rows,
-         "drop these rows, as a spherical or cylindrical joint in place of a revolute one does, or keep them: "
-         "they are borne, but how forces are shared among them is not told by rigid bodies"});
-  if (system.degrees_of_freedom() == 0 && drives.maxCoeff() == 0)
-    out.push_back({Cause::locked, true, 0.97,
-                   "nothing can move: " + std::to_string(layout.v_count()) + " velocities, held by " +
-                       std::to_string(system.rank()) + " independent rows, and no drive",
-                   "take a joint away, or a joint with more freedom; describe(system) lists who holds what"});
-  if (layout.v_count() > kMaxDense) return;
-  const DenseRows dense = dense_rows(system, start);
-  if (dense.conditioning() < 1e-7)
-    out.push_back({Cause::singular_position, true, 0.9,
-                   "the start is a singular position: rows lose rank there, " + layout.row_name(dense.weakest_row) +
-                       " most (singular values " + number(dense.singular_values.minCoeff()) + " to " +
-                       number(dense.singular_values.maxCoeff()) + ")",
-                   "start beside that position, by a degree or so, with the velocity of the branch that is meant"});
-}
-
-/// One body's mass and inertia about its frame.
-struct BodyInertia {
-  const Layout::BodySlice* slice;
-  double mass;
-  Vector3 principal;  // ascending
-  double gyration() const { return std::sqrt(principal[2] / mass); }
-  /// Of the box with that mass and inertia.
-  double density() const {
-    const Vector3& J = principal;
-    const double volume_squared = (J[1] + J[2] - J[0]) * (J[0] + J[2] - J[1]) * (J[0] + J[1] - J[2]);
-    return volume_squared > 0 ? mass / std::sqrt(216 * volume_squared / (mass * mass * mass)) : 0;
-  }
-};
-
-std::vector<BodyInertia> inertias(const System& system, const State& start) {
-  Evaluator equations(system);
-  equations.recall(start.quarter_turns);
-  equations.evaluate(start.time, start.q, start.v, Level::velocity);
-  equations.factorize({0, 0, 1}, VectorX::Zero(start.v.size()), VectorX::Zero(system.layout().row_count()), nullptr);
-  std::vector<BodyInertia> out;
-  equations.visit_blocks([&](int row, int column, ConstMatrixRef block) {
-    if (row != column || block.rows() != 6) return;
-    for (const Layout::BodySlice& b : system.layout().bodies()) {
-      if (!b.frame || b.v != row) continue;
-      const Matrix3 J = block.bottomRightCorner<3, 3>();
-      out.push_back({&b, block(0, 0), Eigen::SelfAdjointEigenSolver<Matrix3>(J, Eigen::EigenvaluesOnly).eigenvalues()});
-    }
-  });
-  return out;
-}
-
 void look_at_units(const System& system, const State& start, double length, std::vector<Finding>& out) {
   const auto add = [&](Cause cause, double certainty, const std::string& what, const std::string& fix) {
     out.push_back({cause, true, certainty, what, fix});
@@ -160,25 +75,18 @@ void look_at_units(const System& system, const State& start, double length, std:
   if (const double g = system.gravity().norm(); g > 100)
     add(Cause::bad_unit, 0.98, "gravity is " + number(g) + " m/s²: " + number(g / 9.80665) + " times that of the earth",
         "give SI units throughout: metres, kilograms, seconds; 9.81, not 9810 mm/s²");
-  // 1. How far bodies and markers reach.
-  double reach = length;
-  Vector3 low = Vector3::Constant(1e300), high = -low;
-  for (const auto& b : system.layout().bodies())
-    if (b.frame) {
-      low = low.cwiseMin(start.q.segment<3>(b.q));
-      high = high.cwiseMax(start.q.segment<3>(b.q));
-    }
-  if (low.x() <= high.x()) reach = std::max(reach, (high - low).norm());
-  Snapshot now(system, start);
-  const auto reach_of = [&](const std::vector<Marker>& markers) {
-    for (const Marker& m : markers)
-      if (m.body->coordinates().frames > 0) reach = std::max(reach, now.marker(m).r.norm());
-  };
-  for (const auto& c : system.graph().constraints()) reach_of(c.markers);
-  for (const auto& f : system.graph().forces()) reach_of(f.markers);
-  for (const auto& c : system.graph().contacts()) reach_of(c.markers);
-  // 2. Bodies.
+  const double reach = std::max(length, reach_of(system, start));
+  // 1. Bodies.
   const std::vector<BodyInertia> all = inertias(system, start);
+  constexpr double kTooDense = 3e8;  // kg/m³: grams for kilograms make any stuff denser; a thin rod's idle axis less
+  Snapshot now(system, start);
+  const auto own_reach = [&](const BodyInertia& b) {
+    double farthest = 0;
+    for (const auto& c : system.graph().constraints())
+      for (const Marker& m : c.markers)
+        if (m.body == b.slice->body) farthest = std::max(farthest, now.marker(m).r.norm());
+    return farthest;
+  };
   for (const BodyInertia& b : all) {
     const std::string body = "body " + quoted(b.slice->name);
     if (!(b.mass > 0)) continue;
@@ -186,6 +94,11 @@ void look_at_units(const System& system, const State& start, double length, std:
       add(Cause::bad_unit, 0.95,
           body + " has a radius of gyration of " + number(b.gyration()) + " m in a scene of " + number(reach) + " m",
           "give its inertia in kg m² about its centre of mass (1 kg mm² is 1e-6 kg m²)");
+    else if (b.principal == Vector3::Ones() && b.gyration() > 3 * reach)
+      add(Cause::bad_unit, 0.9,
+          body + " has an inertia of 1 kg m² about all axes, as if it had been left out: a radius of gyration of " +
+              number(b.gyration()) + " m in a scene of " + number(reach) + " m",
+          "give its mass and its inertia (kg m², about its centre of mass)");
     else if (b.gyration() < 1e-6 * reach)
       add(Cause::mass_ratio, 0.85,
           body + " turns almost without inertia: its radius of gyration is " + number(b.gyration()) +
@@ -195,6 +108,11 @@ void look_at_units(const System& system, const State& start, double length, std:
       add(Cause::bad_unit, 0.93,
           body + " has mass and inertia of a box of " + number(b.density()) + " kg/m³, thinner than air by far",
           "give lengths in metres and inertia in kg m²: millimetres make densities of 1e-6");
+    else if (b.slice->linear == 0 && b.density() > kTooDense && own_reach(b) > 20 * b.gyration())
+      add(Cause::bad_unit, 0.92,
+          body + " has mass and inertia of a box of " + number(b.density()) + " kg/m³, of " + number(b.gyration()) +
+              " m, but markers " + number(own_reach(b)) + " m from its centre",
+          "give its mass in kilograms beside an inertia in kg m² (1 g is 1e-3 kg)");
   }
   const auto [light, heavy] = std::minmax_element(
       all.begin(), all.end(), [](const BodyInertia& a, const BodyInertia& b) { return a.mass < b.mass; });
@@ -203,7 +121,7 @@ void look_at_units(const System& system, const State& start, double length, std:
         "body " + quoted(heavy->slice->name) + " weighs " + number(heavy->mass / light->mass) + " times as much as " +
             quoted(light->slice->name) + " (" + number(light->mass) + " kg)",
         "check both masses (kg); what has next to no mass is better a massless joint, a rod or a coupling");
-  // 3. Springs.
+  // 2. Springs.
   for (const Rate& rate : fastest_rates(system, start))
     if (rate.stiffness > 1e14)
       add(Cause::bad_unit, 0.94, rate.name + " has a stiffness of " + number(rate.stiffness) + " N/m (or N m/rad)",
@@ -236,6 +154,60 @@ void look_at_ties(const System& system, std::vector<Finding>& out) {
 }
 
 }  // namespace
+
+std::string quoted(const std::string& name) { return "'" + name + "'"; }
+
+double BodyInertia::density() const {
+  const Vector3& J = principal;
+  const double volume_squared = (J[1] + J[2] - J[0]) * (J[0] + J[2] - J[1]) * (J[0] + J[1] - J[2]);
+  return volume_squared > 0 ? mass / std::sqrt(216 * volume_squared / (mass * mass * mass)) : 0;
+}
+
+std::vector<BodyInertia> inertias(const System& system, const State& start) {
+  Evaluator equations(system);
+  equations.recall(start.quarter_turns);
+  equations.evaluate(start.time, start.q, start.v, Level::velocity);
+  equations.factorize({0, 0, 1}, VectorX::Zero(start.v.size()), VectorX::Zero(system.layout().row_count()), nullptr);
+  std::vector<BodyInertia> out;
+  equations.visit_blocks([&](int row, int column, ConstMatrixRef block) {
+    if (row != column || block.rows() != 6) return;
+    for (const Layout::BodySlice& b : system.layout().bodies()) {
+      if (!b.frame || b.v != row) continue;
+      const Matrix3 J = block.bottomRightCorner<3, 3>();
+      out.push_back({&b, block(0, 0), Eigen::SelfAdjointEigenSolver<Matrix3>(J, Eigen::EigenvaluesOnly).eigenvalues()});
+    }
+  });
+  return out;
+}
+
+double reach_of(const System& system, const State& start) {
+  double reach = 0;
+  Vector3 low = Vector3::Constant(1e300), high = -low;
+  for (const auto& b : system.layout().bodies())
+    if (b.frame) {
+      low = low.cwiseMin(start.q.segment<3>(b.q));
+      high = high.cwiseMax(start.q.segment<3>(b.q));
+    }
+  if (low.x() <= high.x()) reach = (high - low).norm();
+  Snapshot now(system, start);
+  const auto add = [&](const std::vector<Marker>& markers) {
+    for (const Marker& m : markers)
+      if (m.body->coordinates().frames > 0) reach = std::max(reach, now.marker(m).r.norm());
+  };
+  for (const auto& c : system.graph().constraints()) add(c.markers);
+  for (const auto& f : system.graph().forces()) add(f.markers);
+  for (const auto& c : system.graph().contacts()) add(c.markers);
+  return reach;
+}
+
+VectorX rows_at(const System& system, double time, const State& state, Level level) {
+  Evaluator equations(system);
+  equations.recall(state.quarter_turns);
+  equations.evaluate(time, state.q, state.v, Level::velocity);
+  VectorX rows(system.layout().row_count());
+  equations.constraint(level, rows);
+  return rows;
+}
 
 VectorX drive_rates(const System& system) {
   State still = system.initial_state();
@@ -285,6 +257,7 @@ std::vector<Finding> look_over(const System& system, const State& start, double 
   doctor::look_at_rank(system, start, findings);
   doctor::look_at_units(system, start, characteristic_length, findings);
   doctor::look_at_ties(system, findings);
+  doctor::look_at_elements(system, start, characteristic_length, findings);
   return findings;
 }
 

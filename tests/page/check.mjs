@@ -238,7 +238,7 @@ async function checkPage(browser, path) {
   const failed = await page.evaluate(() => window.lithe.failed);
   check('the page opens its run', !failed, failed);
   if (!failed) {
-    const steps = [checkScene, checkTips, checkCharts, checkVariants, checkSelection, checkKeys, checkModes, checkFields, checkTipPixel, checkThemes];
+    const steps = [checkScene, checkTips, checkCharts, checkVariants, checkSelection, checkKeys, checkModes, checkFields, checkFindings, checkTipPixel, checkThemes];
     for (const step of steps) await step(page, basename(path) === 'known_motion.html');
   }
   check('no error in the console, nothing asked of a network', trouble.length === 0, trouble.join('; '));
@@ -257,6 +257,23 @@ async function checkFields(page, known) {
   const legend = await page.locator('.legend').getAttribute('aria-label');
   check('its legend tells its range', /^damage: 0 to 0\.2500? *$/.test(legend), legend);
   await page.evaluate((colouring) => window.lithe.view.set({ colouring }), before);
+}
+
+/** What was found in the scene is listed, and its names select what they name. */
+async function checkFindings(page, known) {
+  const tab = page.locator('#tab-Findings');
+  if (!known) return check('findings have their tab', (await tab.count()) === (await page.evaluate(() => (window.lithe.model.findings.length ? 1 : 0))));
+  await tab.click();
+  const told = await page.locator('.finding').allInnerTexts();
+  check('both findings are listed, text as text', told.length === 2 && /no such body' <b>/.test(told[0]) && /worth knowing/.test(told[1]), told.join(' | '));
+  check('the alarm is marked', (await page.locator('.finding.alarm').count()) === 1);
+  check('names that there are are links', (await page.locator('.finding .link').allInnerTexts()).join() === 'pin,link,link');
+  const selects = async (name) => {
+    await page.locator('.finding .link', { hasText: name }).first().click();
+    return (await page.evaluate(() => window.lithe.selected()))?.name === name;
+  };
+  check('a click on a name selects the joint, and the body', (await selects('pin')) && (await selects('link')));
+  await page.locator('#tab-Graph').click();
 }
 
 /** A page with spoilt numbers says so in the page. */

@@ -159,7 +159,11 @@ function makeRun(arrays, name, flexible) {
 export function fixturePage(viewer, broken = false) {
   const arrays = new Arrays();
   const runs = [makeRun(arrays, 'rigid', false), makeRun(arrays, 'flexible', true)];
-  const scene = JSON.stringify({ format: 'lithe-page', version: 1, title: 'Pendulum of known motion', made_by: 'fixture', runs }).replaceAll('<', '\\u003c');
+  const findings = [
+    { kind: 'open joint', text: "'pin' is open by 2 mm between 'link' and 'no such body' <b>", fix: "move the marker of 'link'", alarm: true },
+    { kind: 'redundant rows', text: 'one row repeats another', fix: '', alarm: false },
+  ];
+  const scene = JSON.stringify({ format: 'lithe-page', version: 1, title: 'Pendulum of known motion', made_by: 'fixture', findings, runs }).replaceAll('<', '\\u003c');
   const data = broken ? arrays.packed().slice(0, 400) : arrays.packed();
   return viewer.replace('<!--LITHE-DATA-->', () =>
     `<script type="application/json" id="lithe-scene">${scene}</script>\n<script type="text/plain" id="lithe-data">${data}</script>`);

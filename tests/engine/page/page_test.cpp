@@ -185,7 +185,8 @@ TEST(Page, ShowsWhatJointsAndForcesDoToTheirBodies) {
   simulation.on({.name = "half </script>", .function = watch(coordinate(pin.angle(), "a")), .level = 0.3});
   simulation.run(state, 0.4);
   run.add(simulation.events());
-  write_page(run, folder.path("arm.html"), {.title = "Träger <&>"});
+  write_page(run, folder.path("arm.html"),
+             {.title = "Träger <&>", .findings = {{"open joint", "'pin' gapes", "close it"}, {.alarm = false}}});
   const Page page(folder.path("arm.html"));
   const Table& table = record.table();
 
@@ -228,6 +229,10 @@ TEST(Page, ShowsWhatJointsAndForcesDoToTheirBodies) {
 
   // Names as they are, a title with a tag in it, an event, a shape that was drawn and sticks that were not.
   EXPECT_EQ(page.scene["title"], "Träger <&>");
+  ASSERT_EQ(page.scene["findings"].size(), 2u);
+  EXPECT_EQ(page.scene["findings"][0],
+            (Json{{"kind", "open joint"}, {"text", "'pin' gapes"}, {"fix", "close it"}, {"alarm", true}}));
+  EXPECT_EQ(page.scene["findings"][1]["alarm"], false);
   EXPECT_EQ(page.scene["runs"][0]["bodies"][1]["name"], arm.name());
   ASSERT_EQ(page.scene["runs"][0]["events"].size(), 1u);
   EXPECT_EQ(page.scene["runs"][0]["events"][0]["name"], "half </script>");

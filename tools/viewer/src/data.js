@@ -241,6 +241,7 @@ export async function readPage(page = document) {
   return {
     title: json.title || 'Lithe',
     made_by: json.made_by ?? '',
+    findings: json.findings ?? [],
     runs: json.runs.map((run, i) => readRun(run, i, arrays)),
     live: json.live ?? null, // {width}: numbers of a state, of a run that goes on
     json,

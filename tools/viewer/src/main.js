@@ -8,6 +8,7 @@ import { Live } from './live.js';
 import { Model } from './model.js';
 import { chartDock } from './panels/charts.js';
 import { displayView } from './panels/display.js';
+import { findingsView } from './panels/findings.js';
 import { graphView } from './panels/graph_view.js';
 import { header } from './panels/header.js';
 import { helpSheet } from './panels/help.js';
@@ -112,6 +113,7 @@ async function open(app) {
       ['List', () => listView(model, view)],
       ['Modes', () => modesView(model, view, (index) => stage?.fitBody(index))],
       ['Display', () => displayView(model, view, stage)],
+      ...(model.findings.length ? [['Findings', () => findingsView(model, view)]] : []),
     ]),
     inspector(model, view, { chart: charts.show, fit: (index) => stage?.fitBody(index), follow: eye.follow }));
   app.append(charts.element, side, help, picker);

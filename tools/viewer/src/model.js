@@ -28,6 +28,7 @@ export class Model {
   constructor(page) {
     this.title = page.title;
     this.made_by = page.made_by;
+    this.findings = page.findings;
     this.runs = page.runs;
     this.start = Math.min(...this.runs.map((run) => run.times[0]));
     this.end = this.#last();
