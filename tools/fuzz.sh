@@ -38,7 +38,10 @@ for target in "${targets[@]}"; do
   echo "== $target"
   export LITHE_FUZZ_TARGET=$target
   if [ "$seconds" = coverage ]; then
-    LLVM_PROFILE_FILE="$out/$target/profile" "$program" -runs=0 ${corpus[@]+"${corpus[@]}"} >"$out/$target/log" 2>&1
+    rm -f "$out/$target"/*.profraw
+    find "${corpus[@]}" -type f -print0 |
+      LLVM_PROFILE_FILE="$out/$target/%p.profraw" xargs -0 "$program" >"$out/$target/log" 2>&1 ||
+      { tail -30 "$out/$target/log"; exit 1; }
     continue
   fi
   if [ "$seconds" = minimise ]; then
@@ -57,13 +60,16 @@ for target in "${targets[@]}"; do
   # HDF5 itself leaks where a file is damaged.
   leaks=1
   case $target in hdf5_table | basis | checkpoint_file | run_file | run_scene) leaks=0 ;; esac
-  ASAN_OPTIONS=detect_leaks=$leaks "$program" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=1024 -max_len=32768 \
+  # Inputs that are choices (tools/fuzz/script.h) want some hundred bytes from the start.
+  lengths=(-max_len=32768)
+  case $target in checkpoint | plugin_table) lengths=(-max_len=512 -len_control=0) ;; esac
+  ASAN_OPTIONS=detect_leaks=$leaks "$program" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=1024 "${lengths[@]}" \
     -print_final_stats=1 -artifact_prefix="$out/$target/" "$out/$target/corpus" ${corpus[@]+"${corpus[@]}"} \
     >"$out/$target/log" 2>&1 || { status=1; tail -40 "$out/$target/log"; continue; }
   grep -E 'number_of_executed|new_units' "$out/$target/log"
 done
 if [ "$seconds" = coverage ]; then
-  llvm-profdata-16 merge -o "$out/profile" $(printf "$out/%s/profile " "${targets[@]}")
+  llvm-profdata-16 merge -o "$out/profile" $(find "${targets[@]/#/$out/}" -name '*.profraw')
   echo "| source | lines | reached |"
   echo "|---|---|---|"
   llvm-cov-16 export "$program" -instr-profile="$out/profile" -summary-only -ignore-filename-regex='/(usr|tools/fuzz)/' |

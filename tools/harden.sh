@@ -32,21 +32,21 @@ mkdir -p "$out/results"
 tools/install_packages.sh
 tools/install_packages.sh tools/harden_packages.txt
 
-# Builds targets of the preset `release`, which has tests and benchmarks.
+# built PRESET TARGET...
 built() {
-  cmake --preset release
-  cmake --build --preset release --parallel "$LITHE_JOBS" --target "$@"
+  cmake --preset "$1"
+  cmake --build --preset "$1" --parallel "$LITHE_JOBS" --target "${@:2}"
 }
 
 analysers() { tools/analyse.sh; }
 valgrind() {
-  built engine_test bodies_test joints_test integrators_test models_test gradient_test plugins_test
+  built v2 engine_test bodies_test joints_test integrators_test models_test gradient_test plugins_test
   tools/valgrind.sh
 }
 fuzz() { tools/fuzz.sh "$fuzz"; }
 coverage() { tools/fuzz.sh coverage; }
 endurance() {
-  built endurance
+  built release endurance
   local program=build/release/tools/endurance/endurance scene bad=0
   for scene in "--bodies 1000" "--flexible 20" "--contacts 1000"; do
     # shellcheck disable=SC2086
@@ -56,7 +56,7 @@ endurance() {
   return $bad
 }
 differential() {
-  built differential
+  built release differential
   build/release/tools/differential/differential --scenes "$scenes" --jobs "$LITHE_JOBS"
 }
 

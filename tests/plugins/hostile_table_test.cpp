@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "engine/archive/archive.h"
+#include "engine/plugin/registry.h"
 #include "engine/run/simulation.h"
 #include "tests/plugins/kinds/frame_chain.cpp"
 #include "tests/plugins/kinds/heun.cpp"
