@@ -116,7 +116,7 @@ Table connector(Evaluate* evaluate, int rows) {
 
 // ---- a body: a point mass in frames, and masses beside it that move along one line each ----
 
-struct Shape {
+struct HostileShape {
   int32_t frames = 1, linear = 2;
   int q() const { return 7 * frames + linear; }
   int v() const { return 6 * frames + linear; }
@@ -271,7 +271,7 @@ lithe_integrator_type integrator() {
 
 // ---- the scene ----
 
-enum class Kind { joint, force, body, integrator } kind;
+enum class HostileKind { joint, force, body, integrator } kind;
 
 int32_t entry(const lithe_host* host) {
   const auto hand_over = [&](auto add, const auto& one) {
@@ -279,16 +279,16 @@ int32_t entry(const lithe_host* host) {
     if (script->odd()) add(host->context, &one);
   };
   switch (kind) {
-    case Kind::joint:
+    case HostileKind::joint:
       hand_over(host->add_joint, connector<lithe_joint_type>(evaluate_joint, 3));
       break;
-    case Kind::force:
+    case HostileKind::force:
       hand_over(host->add_force, connector<lithe_force_type>(evaluate_force, 1));
       break;
-    case Kind::body:
+    case HostileKind::body:
       hand_over(host->add_body, body());
       break;
-    case Kind::integrator:
+    case HostileKind::integrator:
       hand_over(host->add_integrator, integrator());
       break;
   }
@@ -307,22 +307,22 @@ void plugin_table(std::string_view input, const std::filesystem::path&) {
   FuzzScript words(input);
   script = &words;
   shape = {};
-  kind = static_cast<Kind>(words.byte() % 4);
+  kind = static_cast<HostileKind>(words.byte() % 4);
   Registry registry;
   registry.add_plugin("fuzzed", entry);
   SystemGraph graph{{.gravity = {0, 0, -9.81}}};
   auto& stone = graph.add<RigidBody>("stone", {.mass = 2, .inertia = {0.1, 0.2, 0.3}});
   std::vector<Marker> markers{graph.ground().marker(), stone.marker()};
   std::unique_ptr<Integrator> method;
-  if (kind == Kind::joint) {
+  if (kind == HostileKind::joint) {
     const JointType& type = registry.joint("fuzzed");
     markers.resize(static_cast<size_t>(type.table.marker_count), stone.marker({0, 0.1, 0}));
     graph.add(type, "joint", markers, parameters());
-  } else if (kind == Kind::force) {
+  } else if (kind == HostileKind::force) {
     const ForceType& type = registry.force("fuzzed");
     markers.resize(static_cast<size_t>(type.table.marker_count), stone.marker({0, 0.1, 0}));
     graph.add(type, "force", markers, parameters());
-  } else if (kind == Kind::body) {
+  } else if (kind == HostileKind::body) {
     auto& body = graph.add(registry.body("fuzzed"), "body", parameters());
     if (words.odd()) body.marker({1, 0, 0});
     if (words.odd()) body.node(3);
