@@ -286,6 +286,9 @@ bool LieBdf::keep(Archive& archive, EquationsOfMotion& equations, const State& s
   archive("h", h_);
   archive("order", order_);
   archive("steps_at_order", steps_at_order_);
+  if (order_ < 0 || order_ > parameters_.max_order)
+    throw FileError("the checkpoint's method has order " + std::to_string(order_), archive.source(),
+                    "resume from an older one");
   archive("raising", raising_);
   archive("begun", begun_);
   archive("failed", failed_);

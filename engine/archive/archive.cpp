@@ -180,7 +180,6 @@ void Archive::operator()(std::string_view name, ContactMemory& memory) {
   group(name, [&] {
     int count = static_cast<int>(memory.size());
     (*this)("count", count);
-    if (loads_) memory.assign(static_cast<std::size_t>(std::max(count, 0)), {});
     std::vector<int> integers;
     std::vector<double> numbers;
     constexpr std::size_t kIntegers = 14, kNumbers = 20, kOfCompliant = 10, kOfRigid = 5;  // of a trace
@@ -220,13 +219,14 @@ void Archive::operator()(std::string_view name, ContactMemory& memory) {
     (*this)("integers", integers);
     (*this)("numbers", numbers);
     if (!loads_) return;
-    bool fits = integers.size() == kIntegers * memory.size();
+    bool fits = count >= 0 && integers.size() == kIntegers * static_cast<std::size_t>(count);
     std::size_t needed = 0;
     for (std::size_t i = 0; fits && i < integers.size(); i += kIntegers) {
       fits = integers[i] == 0 || integers[i] == 1;
       needed += kNumbers + (integers[i] == 0 ? kOfCompliant : kOfRigid);
     }
     if (!fits || numbers.size() != needed) refuse("count", "does not fit the contacts that it holds");
+    memory.assign(static_cast<std::size_t>(count), {});
     auto whole = integers.begin();
     auto real = numbers.begin();
     for (ContactTrace& trace : memory)

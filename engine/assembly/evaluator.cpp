@@ -8,10 +8,28 @@
 #include "engine/assembly/held_blocks.h"
 #include "engine/assembly/least_norm.h"
 #include "engine/assembly/tangent_factors.h"
+#include "engine/base/error.h"
 #include "engine/contact/rigid_contacts.h"
 #include "engine/factor/block_products.h"
 
 namespace lithe {
+namespace {
+
+/// Whether a contact that a state remembers is between surfaces that the scene has.
+bool is_of(const std::vector<ContactRecord>& contacts, const ContactTrace& trace) {
+  if (trace.element < 0 || trace.element >= std::ssize(contacts)) return false;
+  const std::vector<Marker>& markers = contacts[static_cast<std::size_t>(trace.element)].markers;
+  const auto has = [&](const ContactSide& side) {
+    if (side.collider < 0 || side.collider >= std::ssize(markers)) return false;
+    const int most = markers[static_cast<std::size_t>(side.collider)].body->marker_count();
+    return side.node_count >= 0 && side.node_count <= std::ssize(side.nodes) &&
+           std::all_of(side.nodes.begin(), side.nodes.begin() + side.node_count,
+                       [&](int node) { return node >= 0 && node < most; });
+  };
+  return has(trace.point.A) && has(trace.point.B);
+}
+
+}  // namespace
 
 Evaluator::Evaluator(const System& system) : system_(system) {
   const auto& layout = system.layout();
@@ -71,7 +89,12 @@ void Evaluator::make_contacts() {
 }
 
 void Evaluator::recall(const ContactMemory& contacts) {
-  if (contacts_) contacts_->recall(contacts);
+  if (!contacts_) return;
+  for (const ContactTrace& trace : contacts)
+    if (!is_of(system_.contacts(), trace))
+      throw SceneError("the state remembers a contact that this scene does not have", "State::contacts",
+                       "start from system.initial_state(), or from a checkpoint of this scene");
+  contacts_->recall(contacts);
 }
 
 EquationsOfMotion::Parts Evaluator::parts() {

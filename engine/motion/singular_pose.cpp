@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "engine/archive/archive.h"
+#include "engine/base/error.h"
 
 namespace lithe {
 namespace {
@@ -374,7 +375,13 @@ void SingularPose::history(Archive& archive) {
     if (kept_[i].q.size() > 0) kept.push_back(i);
   archive("kept", kept);
   for (int i : kept)
-    if (i >= 0 && i < kKept) archive("state " + std::to_string(i), kept_[i]);
+    if (i >= 0 && i < kKept) {
+      archive("state " + std::to_string(i), kept_[i]);
+      const Layout& layout = equations_.layout();
+      if (kept_[i].q.size() != layout.q_count() || kept_[i].v.size() != layout.v_count())
+        throw FileError("the checkpoint's earlier states do not fit the scene", archive.source(),
+                        "resume from an older one");
+    }
   archive("rule", rule_);
   if (rule_ < 0) return;
   rule_ = std::min(rule_, kRules - 1);

@@ -288,7 +288,11 @@ std::string page_text(const std::vector<const RunRecord*>& runs, const PageOptio
     page["findings"].push_back(
         {{"kind", found.kind}, {"text", found.text}, {"fix", found.fix}, {"alarm", found.alarm}});
   if (kind == PageKind::live) page["live"] = {{"width", runs[0]->width}};
-  for (const RunRecord* run : runs) page["runs"].push_back(PageRun(*run, arrays, kind).make());
+  for (const RunRecord* run : runs) try {
+      page["runs"].push_back(PageRun(*run, arrays, kind).make());
+    } catch (const Json::exception&) {  // of a file that another program has changed
+      throw SceneError("the run '" + run->name + "' lacks a part of its description", where, "record the run again");
+    }
 
   constexpr std::string_view kPlace = "<!--LITHE-DATA-->";
   const std::string_view viewer = viewer_template();

@@ -81,10 +81,54 @@ void check_arrays(const Hdf5Reader& file, const nlohmann::json& json, const RunR
     for (const auto& part : json) check_arrays(file, part, record);
 }
 
+/// Rows of that width; 0: any.
 MatrixX rows_of(const Hdf5Reader& file, const std::string& name, int width) {
   const MatrixX rows = file.matrix(name);
-  if (rows.size() > 0 && width > 0 && rows.rows() != width) file.refuse(name, "has rows of another width");
+  if (rows.size() == 0) return {width, 0};
+  if (width > 0 && rows.rows() != width) file.refuse(name, "has rows of another width");
+  if (rows.rows() > RunRecord::kMostColumns) file.refuse(name, "has rows that are too wide");
+  if (!rows.allFinite()) file.refuse(name, "has a number that is not finite");
   return rows;
+}
+
+/// What a page needs of each body and channel is there and fits.
+void check_scene(const Hdf5Reader& file, const nlohmann::json& scene, const RunRecord& record) {
+  const auto set = [&](const nlohmann::json& place) -> const MatrixX& {
+    return record.sets.at(place.at("set").get<std::string>());
+  };
+  scene.at("contacts").get<bool>();
+  for (const auto& channel : scene.at("channels")) {
+    channel.at("name").get_ref<const std::string&>();
+    if (channel.at("values").at("width").get<int>() != 1) file.refuse("/scene", "has a channel that is not one number");
+  }
+  for (const auto& body : scene.at("bodies")) {
+    body.at("frame").get<bool>();
+    const auto& mesh = body.at("mesh");
+    if (mesh.is_null()) continue;
+    const MatrixX& points = set(mesh.at("points"));
+    bool fits = points.rows() == 3 && points.cols() > 0;
+    if (mesh.contains("nodal")) {
+      fits = fits && mesh["nodal"].at("width").get<int>() == points.size();
+    } else {
+      const auto modes = mesh.at("coordinates").at("width").get<Eigen::Index>();
+      const auto has = [&](const nlohmann::json& place, Eigen::Index rows, Eigen::Index columns) {
+        return set(place).cols() == columns && (columns == 0 || set(place).rows() == rows);
+      };
+      fits = fits && has(mesh.at("shapes"), points.size(), modes);
+      if (mesh.at("pairs").is_object()) fits = fits && has(mesh["pairs"], points.size(), modes * (modes + 1) / 2);
+      if (mesh.at("stress").is_object()) fits = fits && has(mesh["stress"].at("shapes"), 2 * points.size(), modes);
+    }
+    if (!fits) file.refuse("/scene", "has a body whose mesh and shapes do not fit each other");
+  }
+}
+
+/// Parsed; what reads it calls itself once a level.
+nlohmann::json parsed(const Hdf5Reader& file, const std::string& text) {
+  constexpr int kDeepest = 50;
+  return nlohmann::json::parse(text, [&](int depth, nlohmann::json::parse_event_t, nlohmann::json&) {
+    if (depth > kDeepest) file.refuse("/scene", "is nested more deeply than a scene is");
+    return true;
+  });
 }
 
 }  // namespace
@@ -108,23 +152,26 @@ RunRecord read_run_file(const std::string& path) {
     from = end + 1;
   }
   const MatrixX rows = rows_of(file, "/rows", 0);
-  record.width = static_cast<int>(rows.rows());
+  record.width = std::max(1, static_cast<int>(rows.rows()));
   record.rows.assign(rows.data(), rows.data() + rows.size());
   const MatrixX contacts = rows_of(file, "/contacts", RunRecord::kContactWidth);
-  for (Eigen::Index i = 0; i < contacts.cols(); ++i)
+  for (Eigen::Index i = 0; i < contacts.cols(); ++i) {
+    if (contacts(0, i) < 0) file.refuse("/contacts", "has a point of no row");
     if (contacts(0, i) < static_cast<double>(rows.cols()))  // of a row that was written
       record.contacts.insert(record.contacts.end(), contacts.col(i).begin(), contacts.col(i).end());
+  }
   const MatrixX events = rows_of(file, "/events", 1 + kEventName);
   for (Eigen::Index i = 0; i < events.cols(); ++i) {
     std::string name;
     for (Eigen::Index k = 1; k < events.rows() && events(k, i) > 0; ++k)
-      name += static_cast<char>(static_cast<unsigned char>(events(k, i)));
+      name += static_cast<char>(static_cast<unsigned char>(std::min(events(k, i), 255.0)));
     record.events.push_back({events(0, i), name, -1});
   }
   try {
-    const auto scene = nlohmann::json::parse(record.scene);
+    const auto scene = parsed(file, record.scene);
     record.name = scene.at("name").get<std::string>();
     check_arrays(file, scene, record);
+    if (record.row_count() > 0) check_scene(file, scene, record);
   } catch (const nlohmann::json::exception&) {
     file.refuse("/scene", "is not the description of a run");
   }

@@ -26,7 +26,7 @@ struct RunRecord {
   std::vector<double> rows;      // row[0]: time, s
   std::vector<double> contacts;  // kContactWidth a point: number of the row, connector, point (m), force (N)
   std::vector<EventRecord> events;
-  static constexpr int kContactWidth = 8;
+  static constexpr int kContactWidth = 8, kMostColumns = 100'000'000;
 
   int row_count() const { return static_cast<int>(rows.size() / static_cast<std::size_t>(width)); }
 };

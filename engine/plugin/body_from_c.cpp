@@ -10,7 +10,7 @@ namespace lithe {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr int kMostCoordinates = 10'000'000;
+constexpr int kMostCoordinates = 10'000'000, kMostOfBody = 10'000'000;
 
 /// Entries of a lower triangle with n columns, by column, rows rising from the diagonal.
 bool is_pattern(const int32_t* rows, const int32_t* columns, int32_t count, int32_t n) {
@@ -45,10 +45,14 @@ BodyFromC::BodyFromC(Parameters parameters)
   if (frames > 1 && table_.frame_pairs) {
     const int32_t *first = nullptr, *second = nullptr;
     const int32_t pairs = table_.frame_pairs(object_.get(), &first, &second);
+    if (pairs < 0 || pairs > std::int64_t{frames} * (frames - 1) / 2 || (pairs > 0 && (!first || !second)))
+      throw SceneError(object_.description() + " couples " + std::to_string(pairs) + " pairs of its " +
+                           std::to_string(frames) + " frames, or lists none of them",
+                       "", "its author is to fix frame_pairs(): each pair once, both lists");
     for (int32_t i = 0; i < pairs; ++i) pairs_.push_back({first[i], second[i]});
     coordinates_.pairs = pairs_;
   }
-  set_marker_count(table_.marker_count(object_.get()));
+  count_markers();
   const int32_t *rows = nullptr, *columns = nullptr;
   const int32_t count = table_.linear_pattern(object_.get(), &rows, &columns);
   if (count == 0) return;
@@ -59,6 +63,14 @@ BodyFromC::BodyFromC(Parameters parameters)
   using Indices = Eigen::Map<const Eigen::VectorXi>;
   pattern_ = {Indices(rows, count), Indices(columns, count)};
   coordinates_.pattern = &pattern_;
+}
+
+void BodyFromC::count_markers() {
+  const int32_t count = table_.marker_count(object_.get());
+  if (count < 0 || count > kMostOfBody)
+    throw SceneError(object_.description() + " has " + std::to_string(count) + " markers", "",
+                     "its author is to fix marker_count(): 0 to " + std::to_string(kMostOfBody));
+  set_marker_count(count);
 }
 
 /// Calls a function of the table with the state as C sees it; false if it asks for a smaller step.
@@ -91,7 +103,10 @@ Marker BodyFromC::made_marker(Function function, const char* where_at, const Pla
   if (index < 0)
     throw SceneError(type + " refuses a marker: " + why.problem(), where(),
                      why.fix().empty() ? "see what its author says of its markers" : why.fix());
-  set_marker_count(table_.marker_count(object_.get()));
+  count_markers();
+  if (index >= marker_count())
+    throw SceneError(type + " made marker " + std::to_string(index) + " and has " + std::to_string(marker_count()),
+                     where(), "its author is to fix marker_count(): it counts those that were made");
   return {this, index};
 }
 

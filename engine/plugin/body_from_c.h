@@ -49,6 +49,7 @@ class BodyFromC final : public Body {
  private:
   template <class Call>
   bool call(const BodyState& state, Call&& function) const;
+  void count_markers();
   template <class Function, class... Place>
   Marker made_marker(Function function, const char* where_at, const Place&... place);
 

@@ -35,6 +35,27 @@ lithe_state as_c(State& state) {
           static_cast<int32_t>(state.quarter_turns.size())};
 }
 
+[[noreturn]] void refuse_call(const std::string& problem, const char* fix) {
+  throw SimulationError("the integrator of a plug-in " + problem, "lithe_equations", fix);
+}
+
+Level level_of(int32_t level) {
+  if (level < LITHE_POSITION || level > LITHE_ACCELERATION)
+    refuse_call("asks for level " + std::to_string(level),
+                "its author is to give LITHE_POSITION, LITHE_VELOCITY or LITHE_ACCELERATION");
+  return static_cast<Level>(level);
+}
+
+void check_count(int32_t count) {
+  if (count < 0) refuse_call("gives " + std::to_string(count) + " quarter turns", "its author is to give all, or 0");
+}
+
+ComplexFactor& complex_factor_of(EquationsOfMotion& equations) {
+  ComplexFactor* factor = equations.parts().complex_factor;
+  if (!factor) refuse_call("asks for a complex factor, which these equations do not have", "take another integrator");
+  return *factor;
+}
+
 }  // namespace
 
 /// Runs f on the equations; what it throws waits at the border.
@@ -58,7 +79,7 @@ IntegratorFromC::IntegratorFromC(const IntegratorType& type, const ParameterList
   t.host = &border_;
   t.evaluate = [](void* host, double time, const double* q, const double* v, int32_t level) {
     return Border::cross(host, [&](Border& self, int nq, int nv, int) {
-      self.equations->evaluate(time, read(q, nq), read(v, nv), static_cast<Level>(level));
+      self.equations->evaluate(time, read(q, nq), read(v, nv), level_of(level));
     });
   };
   t.residual = [](void* host, const double* v_dot, const double* lambda, double* r) {
@@ -67,9 +88,8 @@ IntegratorFromC::IntegratorFromC(const IntegratorType& type, const ParameterList
     });
   };
   t.constraint = [](void* host, int32_t which, double* out) {
-    return Border::cross(host, [&](Border& self, int, int, int rows) {
-      self.equations->constraint(static_cast<Level>(which), write(out, rows));
-    });
+    return Border::cross(
+        host, [&](Border& self, int, int, int rows) { self.equations->constraint(level_of(which), write(out, rows)); });
   };
   t.factorize = [](void* host, const lithe_tangent_weights* w, const double* v_dot, const double* lambda,
                    const double* increment) {
@@ -88,16 +108,17 @@ IntegratorFromC::IntegratorFromC(const IntegratorType& type, const ParameterList
     return Border::cross(host, [&](Border& self, int, int nv, int rows) {
       if (increment) self.increment = read(increment, nv);
       const auto complex = [](const double* x) { return std::complex<double>(x[0], x[1]); };
-      self.equations->parts().complex_factor->factorize_complex(
-          {complex(w->position), complex(w->velocity), complex(w->acceleration)}, read(v_dot, nv), read(lambda, rows),
-          increment ? &self.increment : nullptr);
+      complex_factor_of(*self.equations)
+          .factorize_complex({complex(w->position), complex(w->velocity), complex(w->acceleration)}, read(v_dot, nv),
+                             read(lambda, rows), increment ? &self.increment : nullptr);
     });
   };
   t.solve_complex = [](void* host, double* rv, double* rl) {
     return Border::cross(host, [&](Border& self, int, int nv, int rows) {
       using Map = Eigen::Map<ComplexVectorX>;
-      self.equations->parts().complex_factor->solve_complex(Map(reinterpret_cast<std::complex<double>*>(rv), nv),
-                                                            Map(reinterpret_cast<std::complex<double>*>(rl), rows));
+      complex_factor_of(*self.equations)
+          .solve_complex(Map(reinterpret_cast<std::complex<double>*>(rv), nv),
+                         Map(reinterpret_cast<std::complex<double>*>(rl), rows));
     });
   };
   t.energy = [](void* host, double* joules) {
@@ -127,12 +148,14 @@ IntegratorFromC::IntegratorFromC(const IntegratorType& type, const ParameterList
   };
   t.recall = [](void* host, const double* quarter_turns, int32_t count) {
     return Border::cross(host, [&](Border& self, int, int, int) {
+      check_count(count);
       self.quarter_turns = read(quarter_turns, count);
       self.equations->memory().recall(self.quarter_turns);
     });
   };
   t.track = [](void* host, double* quarter_turns, int32_t count) {
     return Border::cross(host, [&](Border& self, int, int, int) {
+      check_count(count);
       self.quarter_turns = read(quarter_turns, count);
       self.equations->memory().track(self.quarter_turns);
       if (self.quarter_turns.size() == count) write(quarter_turns, count) = self.quarter_turns;
@@ -186,8 +209,10 @@ void IntegratorFromC::begin(State& state) {
   ErrorText why;
   lithe_state s = as_c(state);
   const int32_t code = table_.start(object_.get(), &border_.table, &s, why.text, sizeof why.text);
-  state.time = s.time;
   finish(code > 0 ? -1 : code, why);
+  if (s.time != state.time)
+    throw SimulationError(object_.description() + " moves time at its start", "integrator",
+                          "its author is to leave the time as it is in start()");
 }
 
 bool IntegratorFromC::keep(Archive& archive, EquationsOfMotion& equations, const State& state) {
@@ -196,6 +221,10 @@ bool IntegratorFromC::keep(Archive& archive, EquationsOfMotion& equations, const
   std::vector<unsigned char> bytes;
   if (keeps && !archive.loads()) {
     const std::int64_t size = table_.save(object_.get(), nullptr, 0);
+    constexpr std::int64_t kMost = 1'000'000'000;
+    if (size > kMost)
+      throw SimulationError(object_.description() + " has a past of " + std::to_string(size) + " bytes", "integrator",
+                            "its author is to keep less in save(), at most " + std::to_string(kMost));
     bytes.resize(static_cast<std::size_t>(std::max<std::int64_t>(size, 0)));
     keeps = size >= 0 && table_.save(object_.get(), bytes.data(), size) == size;
   }

@@ -93,6 +93,10 @@ struct Registry::Loading {
                         std::to_string(LITHE_PLUGIN_VERSION) + " of the interface has " +
                         std::to_string(kFirstSize<Table>),
                     "build the plug-in anew against this Lithe, and set struct_size");
+    if (table->struct_size % sizeof(void*) != 0)
+      return refuse(
+          its + " has a table of " + std::to_string(table->struct_size) + " bytes, which ends within a member",
+          "set struct_size to the sizeof of the table's type");
     Type type;
     std::memset(&type.table, 0, sizeof(Table));  // what the plug-in does not know stays null
     std::memcpy(&type.table, table, std::min(table->struct_size, sizeof(Table)));

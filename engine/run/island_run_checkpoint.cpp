@@ -125,7 +125,9 @@ void IslandRun::check_loaded(const Archive& archive, const State& state) const {
   for (const ContactTrace& trace : state.contacts)
     sound = sound && trace.element >= 0 && trace.element < static_cast<int>(system_.contacts().size()) &&
             std::holds_alternative<RigidMemory>(trace.memory) ==
-                (system_.contacts()[trace.element].element->law() == ContactElement::Law::rigid);
+                (system_.contacts()[trace.element].element->law() == ContactElement::Law::rigid) &&
+            trace.point.position.allFinite() && trace.point.normal.allFinite() && std::isfinite(trace.point.gap) &&
+            trace.force.allFinite() && trace.moment.allFinite();
   if (!sound)
     throw FileError("the checkpoint's state does not fit the scene, or is not finite", archive.source(),
                     "resume from an older one, or start a new run");

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "engine/base/fnv1a.h"
+#include "engine/base/log.h"
 #include "engine/base/number_text.h"
 #include "engine/output/partial_file.h"
 #include "engine/study/study_run.h"
@@ -84,7 +85,7 @@ std::uint64_t fingerprint(const Table& table) {
 }
 
 /// The outcomes, by row, as a table. Its columns are those of the first point that has results.
-SweepResult gather(const Table& parameters, std::vector<SweepOutcome>& outcomes) {
+SweepResult gather(const Table& parameters, std::vector<SweepOutcome> outcomes) {
   SweepResult result{.table = {.columns = parameters.columns}};
   const auto first =
       std::find_if(outcomes.begin(), outcomes.end(), [](const SweepOutcome& outcome) { return !outcome.failure; });
@@ -122,6 +123,41 @@ class Bar {
  private:
   const Table& parameters_;
   Progress progress_;
+};
+
+/// The table so far, in a file: each time as a whole, so that a kill leaves one that is complete.
+class KeptTable {
+ public:
+  KeptTable(const Table& parameters, std::string path, const std::vector<SweepOutcome>& outcomes)
+      : parameters_(parameters), path_(std::move(path)), outcomes_(outcomes) {
+    if (!path_.empty()) gather(parameters_, outcomes_).write_csv(path_);
+  }
+  /// Unless the last time was so recently that it would cost more than a twentieth of the time.
+  void update() {
+    if (!path_.empty() && Clock::now() >= next_) try_to_write(gather(parameters_, outcomes_));
+  }
+  void finish(const SweepResult& result) {
+    if (!path_.empty()) try_to_write(result);
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  void try_to_write(const SweepResult& result) {
+    const auto begun = Clock::now();
+    try {
+      result.write_csv(path_);
+    } catch (const FileError& error) {  // the points computed so far are worth more
+      if (!warned_) log::warn(error.what());
+      warned_ = true;
+    }
+    next_ = Clock::now() + 20 * (Clock::now() - begun);
+  }
+
+  const Table& parameters_;
+  const std::string path_;
+  const std::vector<SweepOutcome>& outcomes_;
+  Clock::time_point next_{};
+  bool warned_ = false;
 };
 
 thread_local bool within_point = false;
@@ -192,10 +228,20 @@ void SweepResult::write_csv(const std::string& path) const {
 SweepResult sweep(const SweepScene& scene, const Table& parameters, const SweepOptions& options) {
   check(scene, parameters, options);
   const int count = parameters.row_count();
-  std::vector<SweepOutcome> outcomes(count);
+  std::vector<SweepOutcome> outcomes;
+  for (int row = 0; row < count; ++row)
+    outcomes.push_back({.row = row,
+                        .failure = SweepFailure{row, SweepPoint(parameters, row).text(), "it was not computed", "sweep",
+                                                "run the sweep again: it ended before this point"}});
   if (within_point) {
-    for (int row = 0; row < count; ++row) outcomes[row] = compute(scene, parameters, row);
-    return gather(parameters, outcomes);
+    KeptTable table(parameters, options.file, outcomes);
+    for (int row = 0; row < count; ++row) {
+      outcomes[row] = compute(scene, parameters, row);
+      table.update();
+    }
+    SweepResult result = gather(parameters, std::move(outcomes));
+    table.finish(result);
+    return result;
   }
 
   SweepRanks* ranks = SweepRanks::find();
@@ -203,11 +249,13 @@ SweepResult sweep(const SweepScene& scene, const Table& parameters, const SweepO
   const int threads =
       options.threads > 0 ? options.threads : free_processors(ranks ? ranks->ranks_on_this_machine() : 1);
   Bar bar(parameters, rank == 0 ? options.progress : Progress::Show::never);
+  KeptTable table(parameters, rank == 0 ? options.file : "", outcomes);
   int finished = 0;
   const auto keep = [&](SweepOutcome outcome, int all_threads) {
     bar.count(outcome, all_threads);
     ++finished;
     outcomes.at(outcome.row) = std::move(outcome);
+    table.update();
   };
   SweepThreads team(std::min(threads, count), [&](int row) {
     within_point = true;
@@ -220,8 +268,9 @@ SweepResult sweep(const SweepScene& scene, const Table& parameters, const SweepO
     while (finished < count)
       for (SweepOutcome& outcome : team.take(std::chrono::seconds(1))) keep(std::move(outcome), team.size());
   }
-  SweepResult result = gather(parameters, outcomes);
+  SweepResult result = gather(parameters, std::move(outcomes));
   result.rank = rank;
+  table.finish(result);
   return result;
 }
 

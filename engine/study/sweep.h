@@ -41,6 +41,11 @@ using SweepScene = std::function<SweepValues(const SweepPoint&)>;
 struct SweepOptions {
   int threads = 0;  // 0: all processors that this process may use
   Progress::Show progress = Progress::Show::on_terminal;
+  /// Where the table is kept while points are computed, as write_csv() writes it; empty: nowhere. Points that are not
+  /// done have that as their error. It is what a killed rank or a lost node leaves behind; points that ended within
+  /// twenty times what writing it takes may be missing. FileError, before any point, where it cannot be written; later
+  /// a warning: the table returned is whole.
+  std::string file{};
 };
 
 /// Why a point has no results.

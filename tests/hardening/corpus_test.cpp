@@ -43,13 +43,7 @@ TEST_P(Corpus, is_read_into_what_is_sound_or_refused) {
   EXPECT_GT(read + refused, 0) << "no corpus";
 }
 
-std::vector<fuzz::Target> all_targets() {
-  std::vector<fuzz::Target> all = fuzz::body_targets();
-  for (const fuzz::Target& target : fuzz::table_targets()) all.push_back(target);
-  for (const fuzz::Target& target : fuzz::model_targets()) all.push_back(target);
-  return all;
-}
-INSTANTIATE_TEST_SUITE_P(Fuzz, Corpus, testing::ValuesIn(all_targets()),
+INSTANTIATE_TEST_SUITE_P(Fuzz, Corpus, testing::ValuesIn(fuzz::all_targets()),
                          [](const auto& test) { return std::string(test.param.name); });
 
 /// How many of a file's single flipped bits are refused; what is read all the same must be the content itself, where a

@@ -1,8 +1,11 @@
 // A program for check_ranks.cmake to start under mpirun: sweeps, and ranks that go astray.
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <string>
+#include <thread>
 
 #include "lithe/lithe.h"
 
@@ -36,8 +39,9 @@ const Table kPoints = grid({{"mass", {1, -1, 2, 3}}, {"time", evenly_spaced(0.1,
 }  // namespace
 
 /// sweep_ranks FILE.csv: two sweeps, the second written.   sweep_ranks HOW: rank 1 goes astray after the first.
-int main(int, char** arguments) {
-  const std::string what = arguments[1];
+/// sweep_ranks HOW FILE.csv: the table of the second is kept there meanwhile.
+int main(int count, char** arguments) {
+  const std::string what = arguments[1], kept = count > 2 ? arguments[2] : "";
   const auto twice = [](const SweepPoint& point) -> SweepValues { return {{"twice", 2 * point["x"]}}; };
   const SweepResult first = sweep(twice, grid({{"x", evenly_spaced(0, 1, 11)}}));
   for (int row = 0; row < 11; ++row)
@@ -51,9 +55,15 @@ int main(int, char** arguments) {
   const SweepResult second = sweep(
       [&](const SweepPoint& point) {
         if (what == "dies" && astray) std::raise(SIGKILL);
+        if (what == "dies_late" && astray) std::this_thread::sleep_for(std::chrono::seconds(3)), std::raise(SIGKILL);
+        if (what == "first_dies") {
+          if (first.rank > 0) std::this_thread::sleep_for(std::chrono::milliseconds(500));
+          static std::atomic<int> own = 0;
+          if (first.rank == 0 && ++own > 2) std::raise(SIGKILL);  // its first outcome is in the file by then
+        }
         return double_pendulum(point);
       },
-      points, {.threads = 2});
+      points, {.threads = 2, .file = kept});
   second.write_csv(what);
   if (second.rank == 0) std::printf("%s", second.report().c_str());
   bool whole = second.failures.size() == 5 && second.table.row_count() == 20;

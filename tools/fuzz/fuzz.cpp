@@ -7,30 +7,17 @@
 #include <string>
 
 #include "engine/base/error.h"
+#include "engine/base/log.h"
 #include "engine/base/temporary_folder.h"
 #include "tools/fuzz/targets.h"
-
-// Messages are of no interest here, and spdlog is not linked.
-namespace lithe::log {
-void info(const std::string&) {}
-void warn(const std::string&) {}
-}  // namespace lithe::log
 
 namespace {
 
 using lithe::fuzz::Target;
 
-std::vector<Target> all_targets() {
-  std::vector<Target> all = lithe::fuzz::body_targets();
-  const auto add = [&](const std::vector<Target>& more) { all.insert(all.end(), more.begin(), more.end()); };
-  add(lithe::fuzz::table_targets());
-  add(lithe::fuzz::model_targets());
-  return all;
-}
-
 Target chosen() {
   const char* name = std::getenv("LITHE_FUZZ_TARGET");
-  for (const Target& target : all_targets())
+  for (const Target& target : lithe::fuzz::all_targets())
     if (name && target.name == std::string(name)) return target;
   std::fprintf(stderr, "LITHE_FUZZ_TARGET names no target: '%s'\n", name ? name : "");
   std::exit(2);
@@ -39,6 +26,7 @@ Target chosen() {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  static const lithe::log::Quiet quiet;
   static const Target target = chosen();
   static const lithe::TemporaryFolder folder("lithe_fuzz");
   for (const auto& old : std::filesystem::directory_iterator(folder.path())) std::filesystem::remove_all(old.path());

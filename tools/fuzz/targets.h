@@ -21,11 +21,18 @@ struct Target {
   const char* name;
   void (*run)(std::string_view input, const std::filesystem::path& folder);  // a folder to write into
 };
-std::vector<Target> body_targets();   // finite-element files
-std::vector<Target> table_targets();  // tables and reduced bodies
-std::vector<Target> model_targets();  // robots, data sets of Adams, FMUs
+std::vector<Target> body_targets();        // finite-element files
+std::vector<Target> table_targets();       // tables and reduced bodies
+std::vector<Target> model_targets();       // robots, data sets of Adams, FMUs
+std::vector<Target> checkpoint_targets();  // checkpoints, by file and by content
+std::vector<Target> run_targets();         // run files and the pages made of them
+std::vector<Target> plugin_targets();      // tables of plug-ins
+std::vector<Target> all_targets();
 
 /// An input written to a file of that name; its path.
 std::string file_of(std::string_view input, const std::filesystem::path& folder, const std::string& name);
+
+/// A sound checkpoint, the first input of its target.
+void write_checkpoint_seed(const std::string& path);
 
 }  // namespace lithe::fuzz

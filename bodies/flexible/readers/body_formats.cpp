@@ -118,7 +118,7 @@ FoundBody read_matrix_market_folder(const BodyOpening& file, const ImportOptions
 // ---- SID ----
 bool is_sid(const BodyOpening& file) {
   const auto part = std::find(file.words.begin(), file.words.end(), "part");
-  return part != file.words.end() && part + 2 < file.words.end() && *(part + 1) == "new" && *(part + 2) == "modal";
+  return file.words.end() - part > 2 && *(part + 1) == "new" && *(part + 2) == "modal";
 }
 
 FoundBody read_sid_file(const BodyOpening& file, const ImportOptions&) {
@@ -163,8 +163,7 @@ bool is_abaqus(const BodyOpening& file) {
 FoundBody read_abaqus_job(const BodyOpening& file, const ImportOptions&) {
   FoundBody found;
   const fs::path stiffness = generated(file, "_STIF"), mass = generated(file, "_MASS");
-  std::string deck = stiffness.string();
-  deck = deck.substr(0, deck.rfind("_STIF")) + ".inp";
+  const std::string name = stiffness.string(), deck = name.substr(0, name.rfind("_STIF")) + ".inp";
   found.model = read_abaqus({.deck = deck, .stiffness = stiffness.string(), .mass = mass.string()});
   found.body.files = {deck, stiffness, mass};
   return found;

@@ -11,6 +11,7 @@
 
 #include "bodies/flexible/flexible_body.h"
 #include "bodies/rigid_body.h"
+#include "engine/base/log.h"
 #include "engine/run/simulation.h"
 #include "engine/study/sweep.h"
 #include "engine/study/sweep_internal.h"
@@ -229,6 +230,36 @@ TEST(Sweep, WritesWhatIsMissingAsEmptyCellsAndSaysWhy) {
   const SweepResult sound = sweep(scene, grid({{"x", {4, 9}}}), kQuiet);
   sound.write_csv(folder.path("sound.csv"));
   EXPECT_EQ(file_text(folder.path("sound.csv")), "x,root,\"y, m\"\n4,2,0.1\n9,3,0.1\n");
+}
+
+TEST(Sweep, KeepsItsTableWhilePointsAreComputed) {
+  const ScratchFolder folder;
+  const std::string path = folder.path("kept/table.csv");
+  std::string seen;
+  const auto scene = [&](const SweepPoint& point) -> SweepValues {
+    for (int tries = 0; point.row() == 2 && seen.find("4,2,") == std::string::npos && tries < 1000; ++tries) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      seen = file_text(path);  // of the first point; that of the second may be under way
+    }
+    while (point.row() == 3 && !std::filesystem::is_regular_file(folder.path("kept"))) {  // it cannot be written now
+      std::error_code busy;  // a file is being written there
+      std::filesystem::remove_all(folder.path("kept"), busy);
+      write_text(folder.path("kept"), "a file where the folder was");
+    }
+    return {{"root", std::sqrt(point["x"])}};
+  };
+  const std::string error = "it was not computed; at sweep; run the sweep again: it ended before this point\n";
+  const SweepResult result =
+      sweep(scene, grid({{"x", {4, 9, 16, 25}}}), {.threads = 1, .progress = Progress::Show::never, .file = path});
+  EXPECT_TRUE(seen.starts_with("x,root,error\n4,2,\n9,")) << seen;
+  EXPECT_TRUE(seen.ends_with("16,," + error + "25,," + error)) << seen;
+  EXPECT_TRUE(result.failures.empty());
+  EXPECT_EQ(result.table.values, (std::vector<double>{4, 2, 9, 3, 16, 4, 25, 5}));
+  EXPECT_NE(log::last_warning().find("kept/table.csv"), std::string::npos) << log::last_warning();
+  const std::string refused = message_of<FileError>([&] {
+    sweep(scene, grid({{"x", {4}}}), {.progress = Progress::Show::never, .file = path});
+  });
+  EXPECT_NE(refused.find("kept/table.csv"), std::string::npos) << refused;
 }
 
 TEST(Sweep, RefusesPointsThatAreNone) {
