@@ -52,9 +52,9 @@ class MoreauJean final : public Integrator, public DifferentiableSteps {
   JointFrictionImpulses friction_;
   IntegratorStatistics statistics_;
   VectorX q_, v_, d_, rv_, rl_;
-  VectorX lambda_;               // of the last state that had any
-  VectorX mean_, more_, total_;  // of correct()
-  bool deforms_ = false;         // some body
+  VectorX lambda_;                        // of the last state that had any
+  VectorX mean_, more_, total_, lack_;    // of correct()
+  bool deforms_ = false, nodal_ = false;  // some body; without a frame
 };
 
 }  // namespace lithe

@@ -7,7 +7,7 @@
 
 #include "engine/base/error.h"
 #include "joints/contact/contact.h"
-#include "joints/contact/shape_internal.h"
+#include "joints/contact/triangle_patch_internal.h"
 #include "joints/contact/triangles_internal.h"
 
 namespace lithe {
@@ -22,8 +22,9 @@ struct Part {
   bool placed;             // not in the axes of the marker itself
   btVector3 local_centre;  // of a ball around it, in its axes
   double radius;           // of that ball; negative: endless
-  btTransform at;          // its axes to the world's
-  btVector3 centre;
+  btTransform at{};        // its axes to the world's
+  btVector3 centre{};
+  double mesh_half = 0;  // of triangles: how deep others of triangles may be, each side's half of it, m
 
   const btCollisionShape* bullet() const {
     return shape->convex ? static_cast<const btCollisionShape*>(shape->convex.get()) : shape->concave.get();
@@ -39,7 +40,7 @@ void flatten(const Shape::Data& shape, const Placement& placement, bool placed, 
               true, parts);
     return;
   }
-  Part part{&shape, placement, placed, btVector3(0, 0, 0), -1, {}, {}};
+  Part part{&shape, placement, placed, btVector3(0, 0, 0), -1};
   if (part.bullet() != nullptr && shape.kind != Kind::surface)
     part.bullet()->getBoundingSphere(part.local_centre, part.radius);
   if (shape.kind == Kind::sphere) part.radius = static_cast<const btSphereShape*>(part.bullet())->getRadius();
@@ -81,7 +82,7 @@ double width(const Shape::Data& shape, const btVector3& direction) {
 }
 
 /// The least width: of a polyhedron between a face and the corner farthest from it, of round shapes along or across
-/// their axis. Triangles of a mesh have one side and no thickness, those of a deforming surface what they enclose.
+/// their axis. Triangles of a deforming surface have what they enclose; of meshes see mesh_half.
 double thickness(const Shape::Data& shape) {
   double least = std::numeric_limits<double>::infinity();
   switch (shape.kind) {
@@ -91,9 +92,6 @@ double thickness(const Shape::Data& shape) {
       return 2 * static_cast<const btSphereShape*>(shape.convex.get())->getRadius();
     case Kind::capsule:
       return 2 * static_cast<const btCapsuleShape*>(shape.convex.get())->getRadius();
-    case Kind::mesh:
-    case Kind::height_field:
-      return 0;
     case Kind::surface: {
       Vector3 low = shape.points.front(), high = low;
       for (const Vector3& p : shape.points) low = low.cwiseMin(p), high = high.cwiseMax(p);
@@ -209,6 +207,7 @@ class BulletDetector final : public ContactDetector {
       for (int b = a + 1; b < n; ++b) {
         if (!contact.may_meet(a, b)) continue;
         check(a, b);
+        thicken(a, b);
         if (few || endless[a] || endless[b]) always_.push_back({a, b});
         few = few && always_.size() <= kFew;
       }
@@ -259,7 +258,7 @@ class BulletDetector final : public ContactDetector {
   double half_thickness(int collider) const override {
     double least = std::numeric_limits<double>::infinity();
     for (int i = first_[collider]; i < first_[collider + 1]; ++i)
-      least = std::min(least, thickness(*parts_[i].shape) / 2);
+      least = std::min(least, parts_[i].triangles() ? parts_[i].mesh_half : thickness(*parts_[i].shape) / 2);
     return least;
   }
 
@@ -273,14 +272,21 @@ class BulletDetector final : public ContactDetector {
   /// Throws SceneError for kinds that have no contact.
   void check(int a, int b) const {
     for (int i = first_[a]; i < first_[a + 1]; ++i)
+      for (int j = first_[b]; j < first_[b + 1]; ++j)
+        if (parts_[i].shape->kind == Kind::half_space && parts_[j].shape->kind == Kind::half_space)
+          throw SceneError("colliders " + std::to_string(a) + " and " + std::to_string(b) +
+                               " are both half spaces, which do not meet each other",
+                           "", "use a box or a mesh for one of them, or groups that keep them apart");
+  }
+
+  /// Meshes push each other out from no deeper than the thinner one's share; alone, triangles have no thickness.
+  void thicken(int a, int b) {
+    for (int i = first_[a]; i < first_[a + 1]; ++i)
       for (int j = first_[b]; j < first_[b + 1]; ++j) {
-        const Part &A = parts_[i], &B = parts_[j];
-        const bool planes = A.shape->kind == Kind::half_space && B.shape->kind == Kind::half_space;
-        if (planes || (A.triangles() && B.triangles()))
-          throw SceneError("colliders " + std::to_string(a) + " and " + std::to_string(b) + " are both " +
-                               (planes ? "half spaces" : "of triangles") + ", which do not meet each other",
-                           "",
-                           "use convex shapes for one of them (a hull, a compound), or groups that keep them apart");
+        if (!parts_[i].triangles() || !parts_[j].triangles()) continue;
+        const double half = std::min(narrow::push_depth(*parts_[i].shape), narrow::push_depth(*parts_[j].shape)) / 2;
+        for (Part* part : {&parts_[i], &parts_[j]})
+          part->mesh_half = part->mesh_half > 0 ? std::min(part->mesh_half, half) : half;
       }
   }
 
@@ -368,7 +374,9 @@ class BulletDetector final : public ContactDetector {
     if (A.radius >= 0 && B.radius >= 0) {
       const double far = A.radius + B.radius + reach;
       if (!((A.centre - B.centre).length2() < far * far)) return;
-      if (B.triangles())
+      if (A.triangles() && B.triangles())
+        narrow::mesh_mesh(*A.shape, A.at, *B.shape, B.at, reach, touches_);
+      else if (B.triangles())
         swapped = true, narrow::mesh_convex(*B.shape, B.at, *A.shape->convex, A.at, reach, touches_);
       else if (A.triangles())
         narrow::mesh_convex(*A.shape, A.at, *B.shape->convex, B.at, reach, touches_);

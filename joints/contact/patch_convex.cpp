@@ -11,8 +11,6 @@
 namespace lithe::narrow {
 namespace triangle_parts {
 
-constexpr double kSlope = 0.2;  // a corner of a face that faces the surface rises less over the lowest one
-
 Vector3 from_local(const btTransform& bt, const Vector3& x) { return from_bullet(bt * to_bullet(x)); }
 
 }  // namespace triangle_parts

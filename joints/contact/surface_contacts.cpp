@@ -49,13 +49,7 @@ struct Nodes {
       sum += std::abs(eta[i]) * (each ? reach[static_cast<Eigen::Index>(i)] : reach.maxCoeff());
     return 1.5 * sum;
   }
-  /// How deep a node may be and still be pushed back the way it came: half the body's thickness, m.
-  double depth() const {
-    btVector3 low, high;
-    data->concave->getAabb(btTransform::getIdentity(), low, high);
-    const Vector3 extent = from_bullet(high - low);
-    return std::max(0.5 * extent.minCoeff(), 0.01 * extent.maxCoeff());
-  }
+  double depth() const { return push_depth(*data); }
   void find_all() {
     found.resize(data->triangles.size());
     std::iota(found.begin(), found.end(), 0);

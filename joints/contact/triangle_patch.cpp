@@ -110,7 +110,7 @@ bool TrianglePatch::on_border(const Near& near) const {
 }
 
 void TrianglePatch::meet_ball(const Vector3& center, double radius, double reach, double depth, std::uint64_t name,
-                              std::vector<PatchTouch>& touches) {
+                              std::vector<PatchTouch>& touches, std::span<const Vector3> arms) {
   const double range = std::max(reach + radius, depth);
   const Vector3 low = center.array() - range, high = center.array() + range;
   near_.clear();
@@ -136,29 +136,50 @@ void TrianglePatch::meet_ball(const Vector3& center, double radius, double reach
   };
   const auto of_face = [&](const Near& near) { return feature_name(1, name, triangles[near.triangle].facet); };
 
+  const auto over_face = [&](const Near& near) {
+    const PatchTriangle& t = triangles[near.triangle];
+    return (center - near.place - near.height * t.normal).norm() <= triangle_parts::kRound * t.size;
+  };
+  const auto own = [&](const Vector3& normal) {
+    return std::ranges::all_of(
+        arms, [&](const Vector3& arm) { return normal.dot(arm) >= -triangle_parts::kSlope * arm.norm(); });
+  };
   // Inside or outside says the nearest triangle; where several share the nearest place, the one most square to the way
   // there.
-  const Near* nearest = nullptr;
-  for (const Near& near : near_)
-    if (near.distance <= least + triangle_parts::kRound * triangles[near.triangle].size &&
-        (!nearest || std::abs(near.height) > std::abs(nearest->height)))
-      nearest = &near;
+  const auto nearest_from = [&](double distance, const auto& counts) {
+    const Near* nearest = nullptr;
+    for (const Near& near : near_)
+      if (near.distance <= distance + triangle_parts::kRound * triangles[near.triangle].size && counts(near) &&
+          (!nearest || std::abs(near.height) > std::abs(nearest->height)))
+        nearest = &near;
+    return nearest;
+  };
+  const Near* nearest = nearest_from(least, [](const Near&) { return true; });
   if (nearest->height < 0) {
-    const PatchTriangle& t = triangles[nearest->triangle];
+    const auto way_out = [&](const Near& near) {
+      return over_face(near) ? triangles[near.triangle].normal : Vector3((near.place - center) / near.distance);
+    };
+    if (!arms.empty()) {
+      const auto counts = [&](const Near& near) {
+        return near.height < 0 && (over_face(near) || is_nearest_around(near)) && own(way_out(near));
+      };
+      least = std::numeric_limits<double>::infinity();
+      for (const Near& near : near_)
+        if (near.distance < least && counts(near)) least = near.distance;
+      nearest = nearest_from(least, counts);
+      if (!nearest) return;
+    }
     const bool on_face = nearest->weights.minCoeff() > 0;
     if (nearest->distance > depth || (!on_face && on_border(*nearest))) return;
-    const Vector3 way = center - nearest->place;
-    const bool round = (way - nearest->height * t.normal).norm() <= triangle_parts::kRound * t.size;
-    const Vector3 out = round ? t.normal : Vector3((nearest->place - center) / nearest->distance);
-    add(*nearest, out, (round ? nearest->height : -nearest->distance) - radius, of_face(*nearest));
+    add(*nearest, way_out(*nearest), (over_face(*nearest) ? nearest->height : -nearest->distance) - radius,
+        of_face(*nearest));
     return;
   }
   for (const Near& near : near_) {
     const PatchTriangle& t = triangles[near.triangle];
-    const Vector3 way = center - near.place;
-    const bool over_face = (way - near.height * t.normal).norm() <= triangle_parts::kRound * t.size;
-    if (near.height < 0 || (over_face ? near.height : near.distance) - radius >= reach) continue;
-    if (over_face) {
+    const bool over = over_face(near);
+    if (near.height < 0 || (over ? near.height : near.distance) - radius >= reach || !own(t.normal)) continue;
+    if (over) {
       add(near, t.normal, near.height - radius, of_face(near));
       continue;
     }
@@ -172,7 +193,7 @@ void TrianglePatch::meet_ball(const Vector3& center, double radius, double reach
     if (!open)
       add(near, t.normal, near.height - radius, of_face(near));
     else if (radius > 0)
-      add(near, way / near.distance, near.distance - radius, feature_name(2, name, edge));
+      add(near, (center - near.place) / near.distance, near.distance - radius, feature_name(2, name, edge));
   }
   triangle_parts::drop_duplicates(triangles, start, touches);
   // Two places on what was one plane before it bent.
@@ -180,92 +201,6 @@ void TrianglePatch::meet_ball(const Vector3& center, double radius, double reach
     for (std::size_t k = start; k < i; ++k)
       if (touches[k].touch.feature == touches[i].touch.feature)
         touches[i].touch.feature = feature_name(10, touches[i].touch.feature, 0);
-}
-
-int TrianglePatch::twin(int triangle, int i) const {
-  const auto& t = triangles[triangle].x;
-  for (int k = 0; k < static_cast<int>(triangles.size()); ++k) {
-    const auto& x = triangles[k].x;
-    if (k != triangle && std::find(x.begin(), x.end(), t[i]) != x.end() &&
-        std::find(x.begin(), x.end(), t[(i + 1) % 3]) != x.end())
-      return k;
-  }
-  return -1;
-}
-
-bool TrianglePatch::leans(int triangle, int i, int other, const Vector3& d) const {
-  const PatchTriangle& t = triangles[triangle];
-  const Vector3 &start = t.x[i], along = t.x[(i + 1) % 3] - start;
-  const auto out = [&](const PatchTriangle& side) {  // in its plane, away from it
-    for (const Vector3& x : side.x)
-      if (x != start && x != t.x[(i + 1) % 3])
-        return Vector3((start - x) - (start - x).dot(along) / along.dot(along) * along);
-    return Vector3(Vector3::Zero());
-  };
-  const auto beyond = [&](const Vector3& m) { return d.dot(m) >= -triangle_parts::kParallel * m.norm(); };
-  if (!beyond(out(t))) return false;
-  if (other < 0) return d.dot(t.normal) >= -triangle_parts::kParallel;
-  return beyond(out(triangles[other])) && d.dot(t.normal + triangles[other].normal) > 0;
-}
-
-const std::vector<TrianglePatch::OpenEdge>& TrianglePatch::find_open_edges() {
-  open_.clear();
-  for (int k = 0; k < static_cast<int>(triangles.size()); ++k)
-    for (int i = 0; i < 3; ++i) {
-      if (!triangles[k].open[i]) continue;
-      const int other = twin(k, i);
-      if (other < 0 || other > k) open_.push_back({k, i, other});
-    }
-  return open_;
-}
-
-void TrianglePatch::meet_edges_of(TrianglePatch& other, double reach, double depth, std::vector<EdgeTouch>& touches) {
-  constexpr double kRound = triangle_parts::kRound;
-  const std::size_t start = touches.size();
-  const auto& of_other = other.find_open_edges();
-  const double range = std::max(reach, depth);
-  for (const OpenEdge& mine : find_open_edges()) {
-    const PatchTriangle& t = triangles[mine.triangle];
-    const int a = mine.edge, a_end = (a + 1) % 3;
-    const Vector3 &a0 = t.x[a], &a1 = t.x[a_end], along = a1 - a0;
-    const Vector3 low = a0.cwiseMin(a1).array() - range, high = a0.cwiseMax(a1).array() + range;
-    Vector3 facing = t.normal;
-    if (mine.other >= 0) facing += triangles[mine.other].normal;
-    for (const OpenEdge& theirs : of_other) {
-      const PatchTriangle& u = other.triangles[theirs.triangle];
-      const int b = theirs.edge, b_end = (b + 1) % 3;
-      const Vector3 &b0 = u.x[b], &b1 = u.x[b_end];
-      if ((b0.cwiseMin(b1).array() > high.array()).any() || (b0.cwiseMax(b1).array() < low.array()).any()) continue;
-      const Vector3 across = b1 - b0, between = b0 - a0, square = along.cross(across);
-      const double sine = square.norm();
-      if (sine <= 1e-6 * along.norm() * across.norm()) continue;
-      // a0 + s along and b0 + r across, joined by a line square to both
-      const double s = between.cross(across).dot(square) / (sine * sine);
-      const double r = between.cross(along).dot(square) / (sine * sine);
-      if (std::min(s, r) < -kRound || std::max(s, r) > 1 + kRound) continue;
-      const double sign = square.dot(facing) < 0 ? -1 : 1, gap = sign * between.dot(square) / sine;
-      const Vector3 d = (sign / sine) * square;
-      if (gap >= reach || gap < -depth || !leans(mine.triangle, a, mine.other, d) ||
-          !other.leans(theirs.triangle, b, theirs.other, -d))
-        continue;
-      const Vector3 place = a0 + s * along + 0.5 * gap * d;
-      const auto name = [](const PatchTriangle& of, int i, int k) {
-        return feature_name(3, of.corners[i], 0) + feature_name(3, of.corners[k], 0);
-      };
-      EdgeTouch touch{{place, d, gap, 0, feature_name(11, name(t, a, a_end), name(u, b, b_end))},
-                      mine.triangle,
-                      theirs.triangle,
-                      Vector3::Zero(),
-                      Vector3::Zero()};
-      touch.weights[a] = 1 - s, touch.weights[a_end] = s;
-      touch.other_weights[b] = 1 - r, touch.other_weights[b_end] = r;
-      // Edges that go on behind a corner cross there twice.
-      if (std::none_of(touches.begin() + static_cast<std::ptrdiff_t>(start), touches.end(), [&](const EdgeTouch& kept) {
-            return (kept.touch.position - place).norm() < kRound * (t.size + u.size);
-          }))
-        touches.push_back(touch);
-    }
-  }
 }
 
 }  // namespace lithe::narrow

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "joints/contact/shape_internal.h"
@@ -47,11 +48,14 @@ class TrianglePatch {
   void add(const std::array<int, 3>& corners, const std::array<bool, 3>& open, const std::array<Vector3, 3>& x,
            const std::array<Vector3, 3>& local);
   /// A ball, or a point if its radius is zero. Outside the surface: every place that is nearer than those around it (a
-  /// point: over faces alone), with gap < reach. Inside: the nearest place, no deeper than `depth`.
+  /// point: over faces alone), with gap < reach. Inside: the nearest place, no deeper than `depth`. `arms`: of a
+  /// corner, to its neighbours; a normal against which its body goes on is not its own.
   void meet_ball(const Vector3& center, double radius, double reach, double depth, std::uint64_t name,
-                 std::vector<PatchTouch>& touches);
+                 std::vector<PatchTouch>& touches, std::span<const Vector3> arms = {});
   void meet_convex(const btConvexShape& b, const btTransform& bt, double reach, Corners corners,
                    std::vector<PatchTouch>& touches);
+  /// Corners of another surface that stand out, no deeper than `depth`.
+  void meet_corners_of(const TrianglePatch& other, double reach, double depth, std::vector<PatchTouch>& touches);
   /// Open edges of both that cross, no deeper than `depth`.
   void meet_edges_of(TrianglePatch& other, double reach, double depth, std::vector<EdgeTouch>& touches);
 
@@ -78,6 +82,12 @@ class TrianglePatch {
   void meet_by_gjk(const btConvexShape& b, const btTransform& bt, double reach, std::vector<PatchTouch>& touches) const;
   /// The other triangle at edge i of a triangle; -1: none.
   int twin(int triangle, int i) const;
+  /// How deep a point is inside, where that is no more than `most`; 0: outside.
+  double depth_of(const Vector3& x, double most);
+  /// Whether edges that lie `depth` across each other, along d, about `middle`, do so because their bodies overlap that
+  /// far there. If not, there is a shorter way out.
+  bool overlaps(const OpenEdge& mine, TrianglePatch& other, const OpenEdge& theirs, const Vector3& middle,
+                const Vector3& d, double depth);
   /// Whether a contact with direction d may lean over edge i.
   bool leans(int triangle, int i, int other, const Vector3& d) const;
 
@@ -86,11 +96,13 @@ class TrianglePatch {
   std::vector<int> seen_;
   std::vector<PatchTouch> found_;
   std::vector<OpenEdge> open_;
+  std::vector<Vector3> arms_;
 };
 
 namespace triangle_parts {
 constexpr double kRound = 1e-8;     // places closer than this part of a triangle are one
 constexpr double kParallel = 1e-7;  // rad
+constexpr double kSlope = 0.2;      // corners of a face that faces the surface rise less over the lowest one
 /// Weights of the place of a triangle nearest to x; those of the corners that it does not lie between are zero.
 Vector3 nearest_weights(const std::array<Vector3, 3>& corners, const Vector3& x);
 /// Drops points that are there already, from `start` on: same place and same normal.
@@ -105,6 +117,11 @@ struct PointOnConvex {
   bool on_face;
 };
 PointOnConvex point_convex(const btConvexShape& b, const btTransform& bt, const Vector3& point);
+
+/// Adds triangles of a mesh by their numbers.
+void fill_patch(const Shape::Data& mesh, const btTransform& at, std::span<const int> numbers, TrianglePatch& patch);
+/// How deep a corner of a surface may be and still be pushed back the way it came: half the surface's thickness, m.
+double push_depth(const Shape::Data& surface);
 
 /// Triangles of a mesh whose boxes meet a box in its axes: indices, rising; replaces what was there.
 void find_triangles(const Shape::Data& mesh, const Vector3& low, const Vector3& high, std::vector<int>& found);

@@ -40,6 +40,23 @@ void find_triangles(const Shape::Data& mesh, const Vector3& low, const Vector3& 
   std::sort(found.begin(), found.end());
 }
 
+void fill_patch(const Shape::Data& mesh, const btTransform& at, std::span<const int> numbers, TrianglePatch& patch) {
+  for (int k : numbers) {
+    const auto& t = mesh.triangles[k];
+    const std::array<Vector3, 3> local{mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]};
+    std::array<Vector3, 3> x;
+    for (int i = 0; i < 3; ++i) x[i] = from_bullet(at * to_bullet(local[i]));
+    patch.add(t, mesh.open_edges[k], x, local);
+  }
+}
+
+double push_depth(const Shape::Data& surface) {
+  btVector3 low, high;
+  surface.concave->getAabb(btTransform::getIdentity(), low, high);
+  const Vector3 extent = from_bullet(high - low);
+  return std::max(0.5 * extent.minCoeff(), 0.01 * extent.maxCoeff());
+}
+
 bool bounds_below(const Shape::Data& mesh, const Vector3& normal, double offset, Vector3& low, Vector3& high) {
   btVector3 least, most;
   mesh.concave->getAabb(btTransform::getIdentity(), least, most);
@@ -70,13 +87,7 @@ void mesh_convex(const Shape::Data& mesh, const btTransform& at, const btConvexS
   const Vector3 margin = Vector3::Constant(reach);
   find_triangles(mesh, from_bullet(low) - margin, from_bullet(high) + margin, found);
   patch.clear();
-  for (int k : found) {
-    const auto& t = mesh.triangles[k];
-    const std::array<Vector3, 3> local{mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]};
-    std::array<Vector3, 3> x;
-    for (int i = 0; i < 3; ++i) x[i] = from_bullet(at * to_bullet(local[i]));
-    patch.add(t, mesh.open_edges[k], x, local);
-  }
+  fill_patch(mesh, at, found, patch);
   touching.clear();
   patch.meet_convex(b, bt, reach, TrianglePatch::Corners::sharp, touching);
   for (const PatchTouch& touch : touching) touches.push_back(touch.touch);

@@ -18,6 +18,11 @@ namespace lithe::narrow {
 void mesh_convex(const Shape::Data& mesh, const btTransform& at, const btConvexShape& b, const btTransform& bt,
                  double reach, std::vector<Touch>& touches);
 
+/// Two static meshes or height fields: corners of either that stand out over triangles of the other, and open edges
+/// that cross. Pushed out from no deeper than half the thickness of the thinner one.
+void mesh_mesh(const Shape::Data& a, const btTransform& at, const Shape::Data& b, const btTransform& bt, double reach,
+               std::vector<Touch>& touches);
+
 /// A half space (A: z <= 0 of its transform) with the corners of a mesh or height field.
 void mesh_plane(const btTransform& plane, const Shape::Data& mesh, const btTransform& at, double reach,
                 std::vector<Touch>& touches);

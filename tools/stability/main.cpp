@@ -12,7 +12,7 @@
 #include "engine/study/study_run.h"
 #include "tools/bench/measure.h"
 #include "tools/stability/lab.h"
-#include "tools/stability/open_cells.h"
+#include "tools/stability/refuted_cells.h"
 
 namespace {
 
@@ -67,9 +67,9 @@ int run_laboratory(int argc, char** argv) {
       if (const auto at = expected.find({scene.id, cell.method}); at != expected.end()) {
         result.expected = at->second;
         if (!result.expected.starts_with(to_string(result.outcome))) {
-          const bool open = lab::kOpenCells.contains({scene.id, cell.method});
-          mark = open ? "  OPEN: not as published" : "  NOT AS EXPECTED";
-          if (!open) ++differing;
+          const bool refuted = lab::kRefutedCells.contains({scene.id, cell.method});
+          mark = refuted ? "  the published outcome is refuted" : "  NOT AS EXPECTED";
+          if (!refuted) ++differing;
         }
       }
       tell(result, seconds, mark);
