@@ -153,10 +153,11 @@ int draw_flexible(Drawing& drawing, const Vector3& point) {
                  {element, origin + A * far_middle, mean(bar.far_end)}};
   if (first == far_middle) std::swap(body.places[0], body.places[1]);
   body.watched = [watch = mean(bar.far_end)](SystemGraph& graph) { return watch(graph, Matrix3::Identity()); };
-  for (std::size_t i = 0; i < 3; ++i)
-    body.nodes.push_back([name, id = (first == far_middle ? bar.far_end : bar.near_end)[i]](SystemGraph& graph) {
-      return graph.find<FlexibleBody>(name)->node(id);
-    });
+  // Nodes that the frame holds: of others the modes would strain the triangle by a little, and be locked by it.
+  const bool held = kind == Reduced::tangent || kind == Reduced::quadratic || kind == Reduced::stiffened;
+  for (std::size_t i = 0; held && first == near_middle && i < 3; ++i)
+    body.nodes.push_back(
+        [name, id = bar.near_end[i]](SystemGraph& graph) { return graph.find<FlexibleBody>(name)->node(id); });
   drawing.scene.stiff = true;
   return keep(drawing, std::move(body));
 }

@@ -2,6 +2,7 @@
 #include "joints/cylindrical_joint.h"
 #include "joints/distance_joint.h"
 #include "joints/fixed_joint.h"
+#include "joints/forces/bushing.h"
 #include "joints/orientation_joint.h"
 #include "joints/parallel_axes_joint.h"
 #include "joints/perpendicular_axes_joint.h"
@@ -35,7 +36,7 @@ struct JointKind {
   bool axes_A, axes_B;  // it holds directions of that body
   double weight;
   Offset (*offset)(Dice&, double size, Free&);
-  void (*add)(SystemGraph&, const std::string&, const std::vector<Marker>&, double size);
+  void (*add)(SystemGraph&, const std::string&, const std::vector<Marker>&, double size, const Units&);
   std::vector<DrawnCoordinate> (*coordinates)(const std::string& joint, const Free&);
   bool planar = false;  // may hold the bodies of a planar scene
 };
@@ -82,8 +83,19 @@ std::vector<DrawnCoordinate> both_of(const std::string& joint, const Free& free)
   return out;
 }
 template <class T>
-void add(SystemGraph& graph, const std::string& name, const std::vector<Marker>& markers, double) {
+void add(SystemGraph& graph, const std::string& name, const std::vector<Marker>& markers, double, const Units&) {
   graph.add<T>(name, markers);
+}
+
+/// With a rotational spring, which keeps the bend within the joint's limit of a right angle.
+template <class T>
+void add_sprung(SystemGraph& graph, const std::string& name, const std::vector<Marker>& markers, double,
+                const Units& units) {
+  graph.add<T>(name, markers);
+  Bushing::Parameters spring;
+  spring.stiffness.diagonal().tail<3>().setConstant(60 * units.energy());
+  spring.damping = 0.1 * units.time * spring.stiffness;
+  graph.add<Bushing>(name + " spring", markers, spring);
 }
 
 const std::vector<JointKind>& kinds() {
@@ -103,9 +115,9 @@ const std::vector<JointKind>& kinds() {
        [](Dice& dice, double, Free&) {
          return Offset{.turn = rotation_exp(Vector3{dice.number(-0.6, 0.6), dice.number(-0.6, 0.6), 0})};
        },
-       add<ConstantVelocityJoint>, no_coordinates},
+       add_sprung<ConstantVelocityJoint>, no_coordinates},
       {"screw", true, true, 1, slid_and_hinged,
-       [](SystemGraph& graph, const std::string& name, const std::vector<Marker>& markers, double size) {
+       [](SystemGraph& graph, const std::string& name, const std::vector<Marker>& markers, double size, const Units&) {
          graph.add<ScrewJoint>(name, markers, {.lead = size});
        },
        both_of<ScrewJoint>},
@@ -162,8 +174,9 @@ void tie(Drawing& drawing, const JointKind& kind, const Place& A, const Matrix3&
          const Matrix3& axes_B, const Free& free, double size) {
   const int element = drawing.add({.kind = kind.name, .needs = Drawing::bodies_of({&A, &B}), .add = {}});
   const std::string name = drawing.name(element);
-  drawing.scene.elements.back().add = [=, add_joint = kind.add](SystemGraph& graph, double) {
-    add_joint(graph, name, {A.marker(graph, axes_A), B.marker(graph, axes_B)}, size);
+  drawing.scene.elements.back().add = [=, add_joint = kind.add, units = drawing.scene.units](SystemGraph& graph,
+                                                                                             double) {
+    add_joint(graph, name, {A.marker(graph, axes_A), B.marker(graph, axes_B)}, size, units);
   };
   drawing.scene.joints.push_back(name);
   for (DrawnCoordinate& coordinate : kind.coordinates(name, free)) {
@@ -187,6 +200,7 @@ void grow(Drawing& drawing, BodyKind kind, const Place& parent, bool parent_axes
   const double size = drawing.scene.units.length * dice.number(0.2, 1);
   if (kind == BodyKind::flexible && parent_axes && dice.chance(0.2)) {
     const DrawnBody body = drawing.scene.bodies[static_cast<std::size_t>(draw_body(drawing, kind, parent.point))];
+    if (body.nodes.empty()) return;  // it stays free
     const Place& place = body.places.front();
     const int element =
         drawing.add({.kind = "three-node fixation", .needs = Drawing::bodies_of({&parent, &place}), .add = {}});

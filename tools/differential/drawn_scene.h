@@ -40,7 +40,7 @@ struct DrawnBody {
   bool rigid;                 // a marker may be anywhere
   std::vector<Place> places;  // the first is where it was attached
   std::function<Marker(SystemGraph& graph)> watched;
-  std::vector<std::function<Marker(SystemGraph& graph)>> nodes;  // three of a flexible body, near its first place
+  std::vector<std::function<Marker(SystemGraph& graph)>> nodes;  // three that its frame holds, at its first place
 };
 
 /// What springs, drives and friction act on: a coordinate of a joint, with its value as drawn.
