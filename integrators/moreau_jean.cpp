@@ -41,7 +41,8 @@ void MoreauJean::prepare(EquationsOfMotion& equations, State& state) {
   q_ = state.q;
   if (state.v_dot.size() != nv) state.v_dot.setZero(nv);
   if (state.lambda.size() != rows) state.lambda.setZero(rows);
-  Projector(equations).accelerations(state.time, state.q, state.v, state.v_dot, state.lambda);
+  projector_.emplace(equations);
+  projector_->accelerations(state.time, state.q, state.v, state.v_dot, state.lambda);
   lambda_ = state.lambda;
 }
 
@@ -56,12 +57,16 @@ StepResult MoreauJean::advance(EquationsOfMotion& equations, State& state, doubl
 
   // 1. Without contact: forces and their derivatives in the middle.
   const bool rigid = equations.parts().rigid_contacts != nullptr;
+  // Friction by a joint's reaction is linearised about that of this state, loads of contact in the last step included.
+  if (equations.reacts())
+    projector_->accelerations(state.time, state.q, state.v, v_, lambda_);
+  else if (state.lambda.size() == lambda_.size())
+    lambda_ = state.lambda;
   if (rigid) impulses_.leave_out_rigid(equations, state.contacts), friction_.leave_out(equations, state);
   d_ = h / 2 * state.v;
   layout.retract(state.q, d_, q_);
   equations.evaluate(state.time + h / 2, q_, state.v, Level::velocity);
   ++statistics_.evaluations;
-  if (state.lambda.size() == lambda_.size()) lambda_ = state.lambda;
   rl_.setZero();
   v_.setZero();
   equations.residual(v_, equations.reacts() ? lambda_ : rl_, rv_);

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <optional>
+
 #include "engine/motion/integrator.h"
+#include "engine/motion/projection.h"
 #include "engine/motion/step_derivative.h"
 #include "integrators/contact_impulses.h"
 #include "integrators/joint_friction_impulses.h"
@@ -51,8 +54,9 @@ class MoreauJean final : public Integrator, public DifferentiableSteps {
   ContactImpulses impulses_;
   JointFrictionImpulses friction_;
   IntegratorStatistics statistics_;
+  std::optional<Projector> projector_;
   VectorX q_, v_, d_, rv_, rl_;
-  VectorX lambda_;                        // of the last state that had any
+  VectorX lambda_;                        // of the last state that had any; where joints rub by it, of this one
   VectorX mean_, more_, total_, lack_;    // of correct()
   bool deforms_ = false, nodal_ = false;  // some body; without a frame
 };

@@ -182,7 +182,10 @@ void TangentFactors::visit_blocks(const std::function<void(int, int, ConstMatrix
 std::vector<int> TangentFactors::find_dependent_rows(double tolerance) {
   const VectorX still = VectorX::Zero(blocks_.velocity_count), no_load = VectorX::Zero(work_.residual.size());
   evaluator_.write_tangent({0, 0, 1}, still, no_load, nullptr);
-  return factor_.factorize_revealing(work_.values, row_compliances(blocks_, work_.values), tolerance);
+  VectorX reference = row_compliances(blocks_, work_.values);
+  // Rows of forces give way, so that they depend on none: not even those that move no body as drawn.
+  reference.tail(reference.size() - no_load.size()).setOnes();
+  return factor_.factorize_revealing(work_.values, reference, tolerance);
 }
 
 }  // namespace lithe
