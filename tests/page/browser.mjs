@@ -16,12 +16,12 @@ export async function openBrowser() {
 
 /**
  * A tab of 1280 x 720 with the page ready; `trouble` gathers console errors and requests. `path` is a file, which is
- * opened without a network, or the address of a run that goes on, which asks nobody else.
+ * opened without a network, or the address of a run that goes on, which asks nobody else. `phone`: a screen to touch.
  */
-export async function openPage(browser, path, { dark = false } = {}) {
+export async function openPage(browser, path, { dark = false, phone = null } = {}) {
   const live = path.startsWith('http:');
   const context = await browser.newContext({
-    viewport: { width: 1280, height: 720 }, colorScheme: dark ? 'dark' : 'light', reducedMotion: 'reduce', offline: !live,
+    viewport: phone ?? { width: 1280, height: 720 }, hasTouch: phone !== null, isMobile: phone !== null, colorScheme: dark ? 'dark' : 'light', reducedMotion: 'reduce', offline: !live,
   });
   const page = await context.newPage();
   page.setDefaultTimeout(kPatience);
