@@ -37,6 +37,21 @@ export async function openPage(browser, path, { dark = false, phone = null } = {
 /** Two frames drawn, so that what is on the screen is what was set. */
 export const settle = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
 
+/** Does what looks at no pixel without waiting for software to draw the scene: all but the drawing itself goes on. */
+export async function undrawn(page, act) {
+  await page.evaluate(() => {
+    const { renderer } = window.lithe.stage;
+    renderer.kept = renderer.render;
+    renderer.render = (scene) => scene.updateMatrixWorld();
+  });
+  await act();
+  await page.evaluate(() => {
+    const { stage } = window.lithe;
+    stage.renderer.render = stage.renderer.kept;
+    stage.draw();
+  });
+}
+
 /** The drawn pixels of the window: {at(x, y) -> [r, g, b], width, height}. Decoded by the browser itself. */
 export async function pixels(page) {
   await settle(page);

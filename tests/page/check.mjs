@@ -1,8 +1,8 @@
 // Checks pages in a real browser: node check.mjs PAGE.html... live:PROGRAM. Exits with 1 and the list of what is wrong.
 import { readFileSync, statSync } from 'node:fs';
 import { basename, resolve } from 'node:path';
-import { openBrowser, openPage, pixels, project, settle } from './browser.mjs';
-import { checkArrows } from './arrows.mjs';
+import { openBrowser, openPage, pixels, project, settle, undrawn } from './browser.mjs';
+import { checkArrowPixels, checkArrows } from './arrows.mjs';
 import { checkFollow, checkTurning, checkZoom } from './camera.mjs';
 import { checkDeformation, checkDisplay, checkLegend } from './display.mjs';
 import { checkKeyboard } from './keyboard.mjs';
@@ -242,8 +242,12 @@ const kInDepth = ['known_motion', 'bracket', 'squeezer', 'pile', 'beams', 'conta
 async function checkInDepth(page, name) {
   if (!kInDepth.includes(name.replace('.html', ''))) return;
   const known = name === 'known_motion.html';
-  for (const step of [checkArrows, checkLegend, checkDeformation, checkDisplay, checkFollow, checkZoom, checkSearch, checkKeyboard]) await step(page, check, known);
-  if (known) await checkTurning(page, check);
+  await undrawn(page, async () => {
+    for (const step of [checkArrows, checkLegend, checkDeformation, checkFollow, checkZoom, checkSearch, checkKeyboard]) await step(page, check, known);
+    if (known) await checkTurning(page, check);
+  });
+  await checkDisplay(page, check);
+  if (known) await checkArrowPixels(page, check);
 }
 
 async function checkPage(browser, path) {

@@ -1,12 +1,18 @@
 // The Display tab: what each switch draws, the deformation's factor, the legend against the recorded arrays.
 import { settle } from './browser.mjs';
 
-/** What one picture consists of. */
-const counts = (page) => page.evaluate(() => {
+/** What a picture consists of with the box unchecked and checked; the box is left as it was. */
+const counts = (box) => box.evaluate((one) => {
   const { stage } = window.lithe;
-  stage.draw();
-  const { calls, triangles, lines } = stage.renderer.info.render;
-  return { calls, triangles, lines, names: document.querySelectorAll('.labels span:not([hidden])').length };
+  const was = one.checked;
+  const found = [false, true].map((on) => {
+    if (one.checked !== on) one.click();
+    stage.draw();
+    const { triangles, lines } = stage.renderer.info.render;
+    return { triangles, lines, names: document.querySelectorAll('.labels span:not([hidden])').length };
+  });
+  if (one.checked !== was) one.click();
+  return found;
 });
 
 export async function checkDisplay(page, check) {
@@ -39,12 +45,7 @@ export async function checkDisplay(page, check) {
   const wrong = [];
   for (const [name, there] of Object.entries(has)) {
     const box = page.locator('.display fieldset', { hasText: 'Shown' }).getByLabel(name);
-    const was = await box.isChecked();
-    await box.setChecked(false);
-    const off = await counts(page);
-    await box.setChecked(true);
-    const on = await counts(page);
-    await box.setChecked(was);
+    const [off, on] = await counts(box);
     const kind = kinds[name] ?? 'triangles';
     if (there ? !(on[kind] > off[kind]) : on[kind] !== off[kind]) wrong.push(`${name}: ${off[kind]} and ${on[kind]} ${kind}`);
   }

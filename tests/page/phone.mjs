@@ -1,5 +1,5 @@
 // The page on a phone: nothing is wider than the screen, the scene has half of it, fingers turn and zoom.
-import { openPage, settle } from './browser.mjs';
+import { openPage, settle, undrawn } from './browser.mjs';
 
 const kPhones = [{ width: 360, height: 740 }, { width: 390, height: 844 }];
 
@@ -90,8 +90,10 @@ async function checkFingers(page, context, check) {
 export async function checkPhone(browser, path, check) {
   for (const screen of kPhones) {
     const { page, trouble, close } = await openPage(browser, path, { phone: screen });
-    await checkPanels(page, check, `${screen.width} x ${screen.height}`);
-    if (screen === kPhones[0]) await checkFingers(page, page.context(), check);
+    await undrawn(page, async () => {
+      await checkPanels(page, check, `${screen.width} x ${screen.height}`);
+      if (screen === kPhones[0]) await checkFingers(page, page.context(), check);
+    });
     check('no error in the console', trouble.length === 0, trouble.join('; '));
     await close();
   }

@@ -54,6 +54,7 @@ export async function checkSearch(page, check) {
   }
   await page.keyboard.type('no such thing');
   check('no channel of that name says so', (await page.locator('.picker .rows').innerText()).includes('No channel of that name'));
+  await page.keyboard.press('Escape'); // clears the words
   await page.keyboard.press('Escape');
   check('Escape closes the sheet', !(await page.locator('dialog.picker').isVisible()));
 }
