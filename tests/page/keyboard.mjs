@@ -14,15 +14,15 @@ const focused = (page) => page.evaluate(() => {
   return {
     name: (one.getAttribute('aria-label') ?? label ?? one.innerText ?? '').trim(),
     shown: ringed || (one.closest('svg') !== null && inner && parseFloat(getComputedStyle(inner).strokeWidth) > 2.5),
-    number: [...document.querySelectorAll('button, input, select, canvas, [tabindex]')].indexOf(one),
+    number: [...document.querySelectorAll('button, input, select, [tabindex]')].indexOf(one),
   };
 });
 
 /** All that can be used now, and which of it arrows lead to. */
-const usable = (page) => page.evaluate(() => [...document.querySelectorAll('button, input, select, canvas, [tabindex]')].map((one, number) => ({
+const usable = (page) => page.evaluate(() => [...document.querySelectorAll('button, input, select, [tabindex]')].map((one, number) => ({
   number,
   name: one.getAttribute('aria-label') ?? one.innerText,
-  there: !one.disabled && one.getClientRects().length > 0 && !one.closest('dialog:not([open])') && (one.matches('button, input, select, canvas') || one.getAttribute('role') === 'button' || one.tabIndex >= 0),
+  there: !one.disabled && one.getClientRects().length > 0 && !one.closest('dialog:not([open])') && (one.matches('button, input, select') || one.getAttribute('role') === 'button' || one.tabIndex >= 0),
   by_arrows: one.closest('[role=tablist], [role=listbox], .graph') !== null,
 })).filter(({ there }) => there));
 
