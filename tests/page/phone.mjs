@@ -78,12 +78,14 @@ async function checkFingers(page, context, check) {
   await settle(page);
   const place = await page.evaluate(() => {
     const { left, top, width, height } = window.lithe.camera();
-    for (let y = top + 20; y < top + height - 90; y += 6) {
-      for (let x = left + 10; x < left + width - 60; x += 6) if (window.lithe.pick(x, y)?.kind === 'body') return [x, y];
+    const hit = (x, y) => window.lithe.pick(x, y)?.kind === 'body';
+    for (let y = Math.ceil(top + 20); y < top + height - 90; y += 3) {
+      for (let x = Math.ceil(left + 10); x < left + width - 60; x += 3) if (hit(x, y) && hit(x + 1, y + 1) && hit(x - 1, y - 1)) return [x, y];
     }
     return null;
   });
   await page.touchscreen.tap(...place);
+  await settle(page);
   check('a tap selects a body', (await page.evaluate(() => window.lithe.selected()))?.kind === 'body');
 }
 
