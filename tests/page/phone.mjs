@@ -36,6 +36,8 @@ async function checkPanels(page, check, screen) {
     if (!(await seen(page, `#page-${tab}`))) unseen.push(tab);
     wide.push(...await tooWide(page));
   }
+  await page.locator('#inspector').scrollIntoViewIfNeeded();
+  if (!(await seen(page, '.side'))) unseen.push('Selected');
   await page.getByRole('button', { name: 'Charts (c)' }).tap();
   if (!(await seen(page, '.charts')) || await page.locator('.side').isVisible()) unseen.push('Charts');
   wide.push(...await tooWide(page));
