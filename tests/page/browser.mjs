@@ -16,12 +16,12 @@ export async function openBrowser() {
 
 /**
  * A tab of 1280 x 720 with the page ready; `trouble` gathers console errors and requests. `path` is a file, which is
- * opened without a network, or the address of a run that goes on, which asks nobody else.
+ * opened without a network, or the address of a run that goes on, which asks nobody else. `phone`: a screen to touch.
  */
-export async function openPage(browser, path, { dark = false } = {}) {
+export async function openPage(browser, path, { dark = false, phone = null } = {}) {
   const live = path.startsWith('http:');
   const context = await browser.newContext({
-    viewport: { width: 1280, height: 720 }, colorScheme: dark ? 'dark' : 'light', reducedMotion: 'reduce', offline: !live,
+    viewport: phone ?? { width: 1280, height: 720 }, hasTouch: phone !== null, isMobile: phone !== null, colorScheme: dark ? 'dark' : 'light', reducedMotion: 'reduce', offline: !live,
   });
   const page = await context.newPage();
   page.setDefaultTimeout(kPatience);
@@ -36,6 +36,21 @@ export async function openPage(browser, path, { dark = false } = {}) {
 
 /** Two frames drawn, so that what is on the screen is what was set. */
 export const settle = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+
+/** Does what looks at no pixel without waiting for software to draw the scene: all but the drawing itself goes on. */
+export async function undrawn(page, act) {
+  await page.evaluate(() => {
+    const { renderer } = window.lithe.stage;
+    renderer.kept = renderer.render;
+    renderer.render = (scene) => scene.updateMatrixWorld();
+  });
+  await act();
+  await page.evaluate(() => {
+    const { stage } = window.lithe;
+    stage.renderer.render = stage.renderer.kept;
+    stage.draw();
+  });
+}
 
 /** The drawn pixels of the window: {at(x, y) -> [r, g, b], width, height}. Decoded by the browser itself. */
 export async function pixels(page) {

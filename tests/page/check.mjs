@@ -1,8 +1,14 @@
 // Checks pages in a real browser: node check.mjs PAGE.html... live:PROGRAM. Exits with 1 and the list of what is wrong.
 import { readFileSync, statSync } from 'node:fs';
 import { basename, resolve } from 'node:path';
-import { openBrowser, openPage, pixels, project, settle } from './browser.mjs';
+import { openBrowser, openPage, pixels, project, settle, undrawn } from './browser.mjs';
+import { checkArrowPixels, checkArrows } from './arrows.mjs';
+import { checkFollow, checkTurning, checkZoom } from './camera.mjs';
+import { checkDeformation, checkDisplay, checkLegend } from './display.mjs';
+import { checkKeyboard } from './keyboard.mjs';
 import { checkLive } from './live.mjs';
+import { checkPhone } from './phone.mjs';
+import { checkSearch } from './search.mjs';
 
 const kMostBytes = 3e6;
 const kPixels = 2; // how far a projected tip may be from where it was recorded
@@ -230,6 +236,20 @@ async function checkModes(page) {
   await page.locator('.modes > button').click();
 }
 
+const kInDepth = ['known_motion', 'bracket', 'squeezer', 'pile', 'beams', 'contact'];
+
+/** What costs time is looked at on pages that have it all between them. */
+async function checkInDepth(page, name) {
+  if (!kInDepth.includes(name.replace('.html', ''))) return;
+  const known = name === 'known_motion.html';
+  await undrawn(page, async () => {
+    for (const step of [checkArrows, checkLegend, checkDeformation, checkFollow, checkZoom, checkSearch, checkKeyboard]) await step(page, check, known);
+    if (known) await checkTurning(page, check);
+  });
+  await checkDisplay(page, check);
+  if (known) await checkArrowPixels(page, check);
+}
+
 async function checkPage(browser, path) {
   console.log(`${basename(path)}: ${(statSync(path).size / 1e6).toFixed(2)} MB`);
   check(`it is below ${kMostBytes / 1e6} MB`, statSync(path).size < kMostBytes);
@@ -240,6 +260,7 @@ async function checkPage(browser, path) {
   if (!failed) {
     const steps = [checkScene, checkTips, checkCharts, checkVariants, checkSelection, checkKeys, checkModes, checkFields, checkFindings, checkTipPixel, checkThemes];
     for (const step of steps) await step(page, basename(path) === 'known_motion.html');
+    await checkInDepth(page, basename(path));
   }
   check('no error in the console, nothing asked of a network', trouble.length === 0, trouble.join('; '));
   await close();
@@ -292,7 +313,10 @@ try {
       console.log(`${basename(path)}, followed`);
       await checkLive(browser, resolve(path.slice(5)), check);
     } else if (path.startsWith('broken:')) await checkBroken(browser, resolve(path.slice(7)));
-    else await checkPage(browser, resolve(path));
+    else {
+      await checkPage(browser, resolve(path));
+      if (basename(path) === 'known_motion.html') await checkPhone(browser, resolve(path), check);
+    }
   }
 } finally {
   await browser.close();

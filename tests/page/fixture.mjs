@@ -4,7 +4,7 @@ import { readFileSync, writeFileSync } from 'node:fs';
 import { deflateSync } from 'node:zlib';
 
 /** One buffer of arrays, each at a multiple of 8 bytes. */
-class Arrays {
+export class Arrays {
   #chunks = [];
   #size = 0;
 
@@ -105,6 +105,23 @@ function flexibleMesh(arrays, times) {
   };
 }
 
+/** None, one, two points in touch, and again; forces turn and grow. */
+function contacts(arrays, times) {
+  const first = [0];
+  const [points, forces] = [[], []];
+  times.forEach((t, i) => {
+    for (let c = 0; c < i % 3; ++c) {
+      points.push(0.3 + 0.3 * c, 0, -0.5);
+      forces.push((c + 1) * 3, 2 * Math.sin(3 * t), (c + 1) * (6 + 3 * Math.cos(2 * t)));
+    }
+    first.push(points.length / 3);
+  });
+  return {
+    first: arrays.add(Uint32Array.from(first)), points: arrays.add(Float32Array.from(points)), forces: arrays.add(Float32Array.from(forces)),
+    pair: arrays.add(new Uint16Array(points.length / 3).fill(1)),
+  };
+}
+
 function makeRun(arrays, name, flexible) {
   const times = Array.from({ length: kFrames }, (_, i) => (kEnd * i) / (kFrames - 1));
   const angles = times.map((t) => angle(t, flexible));
@@ -119,6 +136,7 @@ function makeRun(arrays, name, flexible) {
     const [c, s] = [Math.cos(angles[i]), Math.sin(angles[i])];
     return [kLength * c + w * s, 0, -kLength * s + w * c];
   });
+  const touch = contacts(arrays, times);
   const force = times.flatMap((t) => [5 * Math.sin(3 * t), 0, 9.81 + 6 * Math.cos(6 * t)]);
   return {
     name,
@@ -127,8 +145,14 @@ function makeRun(arrays, name, flexible) {
     bodies: [
       { name: 'ground', kind: 'Ground', frame: false, shapes: [] },
       { name: 'link', kind: flexible ? 'FlexibleBody' : 'RigidBody', frame: false, ...pose,
-        shapes: flexible ? [] : [{ kind: 'box', size: [kLength, 0.05, 0.05], position: [kLength / 2, 0, 0], rotation: [1, 0, 0, 0], role: 'visual' }],
+        shapes: flexible ? [] : [
+          { kind: 'box', size: [kLength, 0.05, 0.05], position: [kLength / 2, 0, 0], rotation: [1, 0, 0, 0], role: 'visual' },
+          { kind: 'box', size: [0.1, 0.1, 0.1], position: [kLength, 0, 0], rotation: [1, 0, 0, 0], role: 'contact' },
+        ],
         mesh: flexible_part?.mesh ?? null },
+      // A ball behind the tip: what moves by its frame.
+      { name: 'ball', kind: 'RigidBody', frame: false, mesh: null, position: arrays.add(Float32Array.from(tip.flatMap(([x, y, z]) => [x, y + 0.3, z]))),
+        shapes: [{ kind: 'sphere', size: [0.04], position: [0, 0, 0], rotation: [1, 0, 0, 0], role: 'visual' }] },
     ],
     markers: [
       { name: 'ground', body: 0, position: [0, 0, 0], rotation: kHinge, node: null },
@@ -142,8 +166,8 @@ function makeRun(arrays, name, flexible) {
         force: arrays.add(Float32Array.from(force)),
         moment: arrays.add(Float32Array.from(times.flatMap((t) => [0, 0, Math.sin(t)]))),
       },
-    }],
-    contacts: null,
+    }, { name: 'touch', kind: 'Contact', role: 'contact', bodies: [0, 1], markers: [0, 1], where: 'fixture.mjs:2' }],
+    contacts: touch,
     traces: [{ name: 'tip', points: arrays.add(Float32Array.from(tip.flat())) }],
     channels: ['x', 'y', 'z'].map((axis, c) => ({
       name: `tip_${axis}`, unit: 'm', group: 'recorded', body: 1, connector: null, values: arrays.add(Float64Array.from(tip.map((p) => p[c]))),
@@ -155,7 +179,14 @@ function makeRun(arrays, name, flexible) {
   };
 }
 
-/** The page as text, from the viewer as text. `broken` spoils the numbers. */
+/** A page as text, from the viewer as text; `keep` cuts its numbers. */
+export function pageOf(viewer, title, arrays, runs, { keep = Infinity, findings = [] } = {}) {
+  const scene = JSON.stringify({ format: 'lithe-page', version: 1, title, made_by: 'fixture', findings, runs }).replaceAll('<', '\\u003c');
+  return viewer.replace('<!--LITHE-DATA-->', () =>
+    `<script type="application/json" id="lithe-scene">${scene}</script>\n<script type="text/plain" id="lithe-data">${arrays.packed().slice(0, keep)}</script>`);
+}
+
+/** The pendulums' page. `broken` spoils the numbers. */
 export function fixturePage(viewer, broken = false) {
   const arrays = new Arrays();
   const runs = [makeRun(arrays, 'rigid', false), makeRun(arrays, 'flexible', true)];
@@ -163,10 +194,7 @@ export function fixturePage(viewer, broken = false) {
     { kind: 'open joint', text: "'pin' is open by 2 mm between 'link' and 'no such body' <b>", fix: "move the marker of 'link'", alarm: true },
     { kind: 'redundant rows', text: 'one row repeats another', fix: '', alarm: false },
   ];
-  const scene = JSON.stringify({ format: 'lithe-page', version: 1, title: 'Pendulum of known motion', made_by: 'fixture', findings, runs }).replaceAll('<', '\\u003c');
-  const data = broken ? arrays.packed().slice(0, 400) : arrays.packed();
-  return viewer.replace('<!--LITHE-DATA-->', () =>
-    `<script type="application/json" id="lithe-scene">${scene}</script>\n<script type="text/plain" id="lithe-data">${data}</script>`);
+  return pageOf(viewer, 'Pendulum of known motion', arrays, runs, { keep: broken ? 400 : Infinity, findings });
 }
 
 if (process.argv[1] === new URL(import.meta.url).pathname) {

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Tests the run's page in headless Chromium: tests/page/run.sh [PAGE.html... live:PROGRAM]; a page of known motion is always among
 # them, and the committed bundle must be what its sources give. Exits with 77 where Chromium or npm's packages are not
-# to be had. Pictures for the documentation: tests/page/run.sh --pictures DIR PAGE.html...
+# to be had. Pictures for the documentation: tests/page/run.sh --pictures DIR PAGE.html...; how fast 10,000 bodies and a
+# million triangles are drawn: tests/page/run.sh --size
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 viewer=$here/../../tools/viewer
@@ -32,6 +33,11 @@ if ! cmp -s "$work/viewer.html" "$viewer/dist/viewer.html"; then
   echo "FAIL: tools/viewer/dist/viewer.html is not what tools/viewer/src gives." >&2
   echo "  fix:  run tools/viewer/build.sh and commit the result." >&2
   exit 1
+fi
+if [[ ${1:-} == --size ]]; then
+  node "$here/size_fixture.mjs" "$viewer/dist/viewer.html" "$work"
+  node "$here/size.mjs" "$work"/{bodies,triangles,deforming}.html
+  exit
 fi
 node "$here/fixture.mjs" "$viewer/dist/viewer.html" "$work/known_motion.html"
 node "$here/fixture.mjs" "$viewer/dist/viewer.html" "$work/spoilt.html" broken

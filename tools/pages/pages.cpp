@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <string>
 
+#include "bodies/flexible/surface_mesh.h"
 #include "examples/studies/andrews_squeezer.cpp"
 #include "integrators/moreau_jean.h"
 #include "joints/contact/contact.h"
@@ -92,6 +93,63 @@ void write_pile(const std::string& folder) {
   write_page(run, folder + "/pile.html", {.title = "Balls and cubes in a box"});
 }
 
+/// A strip of spring steel as an exact beam and a rigid rod, let go level: example 24.
+void write_beams(const std::string& folder) {
+  const double length = 1;
+  const BeamSection strip = BeamSection::rectangle(0.02, 0.0005, {2.1e11, 0.3, 7850});
+  SystemGraph graph;
+  auto& beam = graph.add<Beam>(
+      "strip", {.axis = BeamAxis::straight({0, 0, 0}, {length, 0, 0}, {0, 1, 0}), .sections = {{0, strip}}});
+  const MassProperties m = box({length, 0.02, 0.0005}, 7850);
+  auto& rod = graph.add<RigidBody>("rod", {.mass = m.mass, .inertia = m.inertia, .position = {length / 2, 0, 0}});
+  const Matrix3 hinge = rotation_about({1, 0, 0}, M_PI / 2);  // its z along -y
+  graph.add<RevoluteJoint>("hinge of the strip", {graph.ground().marker({}, hinge), beam.marker(0, {}, hinge)});
+  graph.add<RevoluteJoint>("hinge of the rod",
+                           {graph.ground().marker({}, hinge), rod.marker({-length / 2, 0, 0}, hinge)});
+  const System system = assemble(graph);
+  Run run{system,
+          {position(beam.marker(length), "strip"), position(rod.marker({length / 2, 0, 0}), "rod")},
+          {.name = "beams"}};
+  State state = system.initial_state();
+  Radau radau{{.tolerance = {.relative = 1e-5, .absolute = 1e-6}}};
+  Simulation simulation{system, radau};
+  simulation.observe(run, every(1e-2));
+  simulation.run(state, 1.0);
+  write_page(run, folder + "/beams.html", {.title = "A strip of spring steel and a rigid rod, let go level"});
+}
+
+/// A flexible rod dropped on a table by one end, and a box that slides to rest, with compliant surfaces: example 20.
+void write_contact(const std::string& folder) {
+  const Vector3 size(0.4, 0.02, 0.02);
+  const double tilt = 0.1;
+  SystemGraph graph;
+  const FiniteElementModel model =
+      brick_mesh({.size = size, .divisions = {8, 1, 1}, .type = "C3D8I", .material = {2e9, 0.3, 1200}});
+  auto& rod = graph.add<FlexibleBody>("rod", {.basis = make_basis(model, MeanAxisFrame{}, 6),
+                                              .damping = {.modal_ratios = {0.01}},
+                                              .position = {0, 0, 0.02 + size[0] * std::sin(tilt)},
+                                              .orientation = rotation_about({0, 1, 0}, tilt)});
+  auto& block = graph.add<RigidBody>(
+      "block", {.mass = 0.5, .inertia = {2e-4, 2e-4, 2e-4}, .position = {0, -0.2, 0.03}, .velocity = {0.6, 0, 0}});
+  const SurfaceMesh skin = surface(rod);
+  const Collider table{graph.ground().marker(), shape::half_space()};
+  const Contact::Parameters law{.law = Compliance{.stiffness = 1e7, .restitution = 0.5},
+                                .friction = {.coefficient = 0.3, .creep_speed = 1e-3}};
+  graph.add<Contact>("rod on table",
+                     {table, {skin.frame, shape::surface(skin.nodes, skin.points, skin.triangles, skin.reach)}}, law);
+  graph.add<Contact>("block on table", {table, {block.marker(), shape::box({0.06, 0.06, 0.06})}}, law);
+  const System system = assemble(graph);
+  Run run{system,
+          {position(rod.node(model.node_set("x_max").front()), "tip"), position(block.marker(), "block")},
+          {.name = "contact"}};
+  State state = system.initial_state();
+  Radau radau{{.tolerance = {.relative = 1e-5, .absolute = 1e-7}}};
+  Simulation simulation{system, radau};
+  simulation.observe(run, every(1e-3));
+  simulation.run(state, 0.4);
+  write_page(run, folder + "/contact.html", {.title = "A flexible rod and a block on a table"});
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -100,6 +158,8 @@ int main(int argc, char** argv) {
     write_bracket(folder);
     write_squeezer(folder);
     write_pile(folder);
+    write_beams(folder);
+    write_contact(folder);
   } catch (const Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;

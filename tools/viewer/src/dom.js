@@ -41,6 +41,7 @@ const kIcons = {
   theme: 'M8 2a6 6 0 1 0 0 12zM8 2a6 6 0 0 1 0 12',
   plus: 'M7.2 3h1.6v4.2H13v1.6H8.8V13H7.2V8.8H3V7.2h4.2z',
   close: 'M4.1 3 8 6.9 11.9 3 13 4.1 9.1 8l3.9 3.9-1.1 1.1L8 9.1 4.1 13 3 11.9 6.9 8 3 4.1z',
+  chart: 'M2 2h1.5v10.5H14V14H2zM5 11V7h2v4zm3.5 0V4h2v7zM12 11V6h2v5z',
   panel: 'M2 3h12v10H2zm1.4 1.4v7.2H9V4.4zm7 0v7.2h2.2V4.4z',
 };
 

@@ -2,7 +2,7 @@
 import { locate, markerPose, restPoint, bodyPose, worldPoint } from './motion.js';
 import { savedPage } from './save.js';
 
-export function hooks({ model, view, clock, stage, live }) {
+export function hooks({ model, view, clock, stage, charts, live }) {
   /** A point in world axes at the present time: of a marker, a mesh node (index, of body), or a body's frame. */
   const point = (run_index, kind, index, body_index) => {
     const run = model.runs[run_index];
@@ -16,6 +16,8 @@ export function hooks({ model, view, clock, stage, live }) {
     model,
     runs: model.runs,
     view,
+    stage,
+    charts: charts.charts,
     savedPage: () => live && savedPage(live.page, live.run),
     setTime: (t) => {
       view.set({ playing: false });

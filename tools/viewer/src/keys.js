@@ -1,5 +1,9 @@
 // The keyboard. Fields that take text keep their keys.
 
+const kZoom = 1.25;
+const kTurn = Math.PI / 18;
+const kSlide = 0.1; // of the picture's height
+
 export function listenToKeys(view, model, act) {
   const flip = (key) => view.set({ show: { ...view.show, [key]: !view.show[key] } });
   const keys = {
@@ -18,6 +22,16 @@ export function listenToKeys(view, model, act) {
     1: () => act.along(0),
     2: () => act.along(1),
     3: () => act.along(2),
+    z: () => act.zoom(kZoom),
+    Z: () => act.zoom(1 / kZoom),
+    x: () => act.turn(kTurn, 0),
+    X: () => act.turn(-kTurn, 0),
+    y: () => act.turn(0, kTurn),
+    Y: () => act.turn(0, -kTurn),
+    v: () => act.slide(kSlide, 0),
+    V: () => act.slide(-kSlide, 0),
+    b: () => act.slide(0, kSlide),
+    B: () => act.slide(0, -kSlide),
     o: act.parallel,
     w: act.follow,
     '[': () => act.next(-1),
@@ -31,6 +45,7 @@ export function listenToKeys(view, model, act) {
     r: () => flip('reactions'),
     k: () => flip('contacts'),
     n: () => flip('labels'),
+    '/': act.find,
     a: act.addChannel,
     c: act.toggleCharts,
     g: act.toggleSide,

@@ -23,6 +23,14 @@ import { transport } from './panels/transport.js';
 import { Stage } from './scene/stage.js';
 import { initialView } from './view.js';
 
+const small = matchMedia('(max-width: 700px), (max-height: 480px)');
+
+/** Charts and side panel on or off; on a small screen one of them at a time. */
+function toggle(app, name) {
+  const hidden = app.classList.toggle(name);
+  if (small.matches && !hidden) app.classList.add(name === 'no-side' ? 'no-charts' : 'no-side');
+}
+
 function showTrouble(app, error) {
   const fix = error instanceof PageError ? error.fix : 'open the browser\'s console for the place, and report it.';
   clear(app).append(h('div.trouble', { role: 'alert' }, h('h1', {}, 'This run cannot be shown'), h('p', {}, error.message), h('p.faint', {}, `fix: ${fix}`)));
@@ -45,6 +53,11 @@ function makeStage(place, model, view) {
 
 function eyeActions(model, view, stage) {
   let last_axis = null;
+  const move = (how) => {
+    if (!stage) return;
+    how(stage.eye);
+    stage.touch();
+  };
   return {
     fit: () => stage?.fitMotion(),
     fitSelected: () => (view.selection?.kind === 'body' ? stage?.fitBody(view.selection.index) : stage?.fitMotion()),
@@ -58,11 +71,10 @@ function eyeActions(model, view, stage) {
       direction[axis] = sign;
       stage?.fitMotion(direction);
     },
-    parallel: () => {
-      if (!stage) return;
-      stage.eye.setParallel(stage.eye.camera !== stage.eye.parallel);
-      stage.touch();
-    },
+    parallel: () => move((eye) => eye.setParallel(eye.camera !== eye.parallel)),
+    zoom: (factor) => move((eye) => eye.zoom(factor)),
+    turn: (side, up) => move((eye) => eye.turn(side, up)),
+    slide: (right, up) => move((eye) => eye.slide(right, up)),
     follow: () => view.set({ follow: view.follow === null && view.selection?.kind === 'body' ? view.selection.index : null }),
   };
 }
@@ -96,9 +108,12 @@ async function open(app) {
   const scene = h('section.scene', { 'aria-label': 'Scene' });
   const help = helpSheet();
   const picker = channelPicker(model);
-  const toggle = (name) => app.classList.toggle(name);
-  const toggleSide = () => toggle('no-side');
-  clear(app).append(header(model, view, { help: () => help.showModal(), toggleSide, live: live && liveBar(live, view) }), scene, transport(model, view, clock));
+  const toggleSide = () => toggle(app, 'no-side');
+  const toggleCharts = () => toggle(app, 'no-charts');
+  const share = () => app.classList.toggle('no-charts', small.matches);
+  small.addEventListener('change', share);
+  share();
+  clear(app).append(header(model, view, { help: () => help.showModal(), toggleSide, toggleCharts, live: live && liveBar(live, view) }), scene, transport(model, view, clock));
   const stage = makeStage(scene, model, view);
   const eye = eyeActions(model, view, stage);
   if (stage) {
@@ -106,15 +121,15 @@ async function open(app) {
     listenToScene(stage, view);
   }
   const charts = chartDock(model, view, clock, picker);
-  const side = h('aside.side', {},
-    tabs([
-      ...(live ? [['Inputs', () => inputsView(live, view)]] : []),
-      ['Graph', () => graphView(model, view)],
-      ['List', () => listView(model, view)],
-      ['Modes', () => modesView(model, view, (index) => stage?.fitBody(index))],
-      ['Display', () => displayView(model, view, stage)],
-      ...(model.findings.length ? [['Findings', () => findingsView(model, view)]] : []),
-    ]),
+  const system = tabs([
+    ...(live ? [['Inputs', () => inputsView(live, view)]] : []),
+    ['Graph', () => graphView(model, view)],
+    ['List', () => listView(model, view)],
+    ['Modes', () => modesView(model, view, (index) => stage?.fitBody(index))],
+    ['Display', () => displayView(model, view, stage)],
+    ...(model.findings.length ? [['Findings', () => findingsView(model, view)]] : []),
+  ]);
+  const side = h('aside.side', { 'aria-label': 'System and selected' }, system,
     inspector(model, view, { chart: charts.show, fit: (index) => stage?.fitBody(index), follow: eye.follow }));
   app.append(charts.element, side, help, picker);
   if (model.notices.length) app.append(h('div.notices', { role: 'alert' }, model.notices.map((notice) => h('p', {}, notice)),
@@ -134,7 +149,11 @@ async function open(app) {
     },
     nothing: () => view.set({ selection: null }),
     addChannel: charts.pick,
-    toggleCharts: () => toggle('no-charts'),
+    find: () => {
+      if (app.classList.contains('no-side')) toggleSide();
+      system.open('List').querySelector('input').focus();
+    },
+    toggleCharts,
     toggleSide,
     help: () => help.showModal(),
   });

@@ -24,6 +24,13 @@ function merged(runs, list) {
   return [...entries.values()];
 }
 
+/** The entries by their index in a run. */
+function byIndex(entries, run) {
+  const found = [];
+  for (const entry of entries) if (entry.of[run] >= 0) found[entry.of[run]] = entry;
+  return found;
+}
+
 export class Model {
   constructor(page) {
     this.title = page.title;
@@ -40,9 +47,9 @@ export class Model {
         Object.assign(entry, { item: this.runs[run][list][entry.of[run]], run });
       }
     }
+    this.entries = Object.fromEntries(['bodies', 'connectors'].map((list) => [list, this.runs.map((_, r) => byIndex(this[list], r))]));
     this.connectors.forEach((entry) => {
-      const named = (run, i) => this.bodies.findIndex((body) => body.of[run] === i);
-      const ends = entry.item.bodies.map((i) => named(entry.run, i));
+      const ends = entry.item.bodies.map((i) => this.bodyEntry(entry.run, i)?.index ?? -1);
       if (ends.includes(-1)) throw new PageError(`connector '${entry.name}' ties a body that is not in the run.`, 'write the page again.');
       entry.bodies = [...new Set(ends)];
     });
@@ -68,11 +75,11 @@ export class Model {
   }
 
   bodyEntry(run, index) {
-    return this.bodies.find((entry) => entry.of[run] === index);
+    return this.entries.bodies[run][index];
   }
 
   connectorEntry(run, index) {
-    return this.connectors.find((entry) => entry.of[run] === index);
+    return this.entries.connectors[run][index];
   }
 
   /** The first channel that bears one of the names. */

@@ -10,7 +10,7 @@ export class Chart {
   constructor(model, view, dock, channels, differs = false) {
     Object.assign(this, { model, view, dock, channels: [...channels], differs });
     this.legend = h('div.chart-legend', {});
-    this.frame = h('div.plot', {});
+    this.frame = h('div.plot', { tabindex: 0, role: 'img', onkeydown: (event) => this.#key(event) });
     this.element = h('article.chart', { 'aria-label': 'Chart' }, this.legend, this.frame);
     this.now = h('div.now', { 'aria-hidden': 'true' });
     new ResizeObserver(() => this.resize()).observe(this.frame);
@@ -121,6 +121,20 @@ export class Chart {
     this.dock.zoomed(this, zoom);
   }
 
+  /** z and shift+Z zoom about the present time, 0 shows all. */
+  #key(event) {
+    const factor = { z: 0.5, Z: 2, 0: Infinity }[event.key];
+    if (!factor || !this.plot || event.ctrlKey || event.metaKey || event.altKey) return;
+    event.stopPropagation();
+    const { min, max } = this.plot.scales.x;
+    const [x] = this.plot.data;
+    const half = 0.5 * factor * (max - min);
+    const range = [Math.max(x[0], this.view.time - half), Math.min(x[x.length - 1], this.view.time + half)];
+    const all = range[0] <= x[0] && range[1] >= x[x.length - 1];
+    if (!all) this.show(range);
+    this.dock.zoomed(this, all ? null : range);
+  }
+
   /** Shows a stretch of time, or all of it. */
   show(range) {
     if (!this.plot) return;
@@ -134,6 +148,7 @@ export class Chart {
 
   #buildLegend() {
     const { model, channels, dock } = this;
+    const focused = this.legend.contains(document.activeElement) && document.activeElement.getAttribute('aria-label');
     const button = (name, label, onclick) => h('button.mini', { type: 'button', title: label, 'aria-label': label, onclick }, icon(name));
     clear(this.legend);
     this.values = [];
@@ -157,7 +172,10 @@ export class Chart {
     }
     tools.append(button('plus', 'Add a channel to this chart', () => dock.add(this)), button('close', 'Remove this chart', () => dock.remove(this)));
     this.legend.append(tools);
-    this.element.setAttribute('aria-label', `Chart of ${this.curves.map((curve) => curve.label).join(', ') || 'nothing'}`);
+    if (focused) [...tools.children].find((one) => one.getAttribute('aria-label') === focused)?.focus();
+    const told = `Chart of ${this.curves.map((curve) => curve.label).join(', ') || 'nothing'}`;
+    this.element.setAttribute('aria-label', told);
+    this.frame.setAttribute('aria-label', `${told}; z, shift Z and 0 zoom its time`);
   }
 
   /** Moves the line of the present time and tells the values there. */

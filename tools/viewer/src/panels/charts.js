@@ -24,11 +24,15 @@ export function chartDock(model, view, clock, picker) {
     goTo: (t) => { view.set({ playing: false }); clock.goTo(t); },
     zoomed: (from, range) => charts.forEach((chart) => { if (chart !== from || range === null) chart.show(range); }),
     remove: (chart) => {
-      charts.splice(charts.indexOf(chart), 1);
-      chart.plot?.destroy();
-      chart.element.remove();
+      drop(chart);
+      add.focus({ preventScroll: true }); // the pressed button has gone
     },
     add: (chart) => picker.open_for((channel) => show(channel, chart)),
+  };
+  const drop = (chart) => {
+    charts.splice(charts.indexOf(chart), 1);
+    chart.plot?.destroy();
+    chart.element.remove();
   };
   /** Into the given chart, or one of the same unit, or a new one. */
   const show = (channel, chart = null) => {
@@ -42,7 +46,7 @@ export function chartDock(model, view, clock, picker) {
     }
   };
   const append = (channel, differs) => {
-    if (charts.length >= kMostCharts) dock.remove(charts[0]);
+    if (charts.length >= kMostCharts) drop(charts[0]);
     const chart = new Chart(model, view, dock, [channel], differs);
     charts.push(chart);
     row.append(chart.element);

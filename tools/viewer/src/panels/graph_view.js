@@ -54,6 +54,7 @@ export function graphView(model, view) {
   };
   view.watch(['selection', 'runs'], tell);
   tell();
+  walkable(nodes, drawn);
   movable(picture, world, nodes);
   return h('div.graph-frame', {}, picture, h('div.graph-key.faint', { 'aria-hidden': 'true' }, 'wheel: zoom · drag: move · double click: fit'));
 }
@@ -62,9 +63,9 @@ function drawNode({ kind, entry, x, y, width, height, root }, view) {
   const { item, name, index } = entry;
   const select = () => view.set({ selection: { kind, index } });
   const node = s(`g.node.${kind}`, {
-    transform: `translate(${x.toFixed(1)} ${y.toFixed(1)})`, tabindex: 0, role: 'button', 'data-kind': kind,
+    transform: `translate(${x.toFixed(1)} ${y.toFixed(1)})`, tabindex: -1, role: 'button', 'data-kind': kind,
     'data-name': name, 'aria-label': `${name}, ${item.kind}`, onclick: select,
-    onkeydown: (event) => { if (event.key === 'Enter') select(); },
+    onkeydown: (event) => { if (event.key === 'Enter' || event.key === ' ') select(); },
   }, s('title', {}, `${name} · ${item.kind}${item.where ? ` · ${item.where}` : ''}`));
   if (kind === 'body') {
     node.append(s('rect', { x: -width / 2, y: -height / 2, width, height, rx: item.mesh ? 0 : 5 }));
@@ -76,6 +77,30 @@ function drawNode({ kind, entry, x, y, width, height, root }, view) {
   }
   node.append(s('text', { 'text-anchor': 'middle', dy: '0.34em' }, kind === 'body' ? short(name) : letters(item.kind)));
   return node;
+}
+
+/** One stop of the tab key; arrows go to the nearest node that way. */
+function walkable(nodes, drawn) {
+  const ways = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+  drawn[0].setAttribute('tabindex', 0);
+  drawn.forEach((element, i) => {
+    element.addEventListener('focus', () => drawn.forEach((one) => one.setAttribute('tabindex', one === element ? 0 : -1)));
+    element.addEventListener('keydown', (event) => {
+      const way = ways[event.key];
+      if (!way) return;
+      event.preventDefault();
+      event.stopPropagation();
+      let best = Infinity;
+      let next = element;
+      nodes.forEach(({ x, y }, j) => {
+        const [dx, dy] = [x - nodes[i].x, y - nodes[i].y];
+        const along = dx * way[0] + dy * way[1];
+        const cost = along + 2 * Math.abs(dx * way[1] + dy * way[0]);
+        if (along > 1 && cost < best) [best, next] = [cost, drawn[j]];
+      });
+      next.focus();
+    });
+  });
 }
 
 /** The draughtsman's sign for what stands still. */
@@ -98,14 +123,23 @@ function movable(picture, world, nodes) {
     place = { scale, x: width / 2 - (scale * (low[0] + high[0])) / 2, y: (height - 8) / 2 - (scale * (low[1] + high[1])) / 2 };
     apply();
   };
-  picture.addEventListener('wheel', (event) => {
-    event.preventDefault();
-    const factor = Math.exp(-0.0015 * event.deltaY);
-    const box = picture.getBoundingClientRect();
-    const [x, y] = [event.clientX - box.left, event.clientY - box.top];
+  const zoom = (factor, [x, y]) => {
     place = { scale: place.scale * factor, x: x - factor * (x - place.x), y: y - factor * (y - place.y) };
     apply();
+  };
+  picture.addEventListener('wheel', (event) => {
+    event.preventDefault();
+    const box = picture.getBoundingClientRect();
+    zoom(Math.exp(-0.0015 * event.deltaY), [event.clientX - box.left, event.clientY - box.top]);
   }, { passive: false });
+  picture.addEventListener('keydown', (event) => {
+    const factor = { z: 1.25, Z: 0.8 }[event.key];
+    if (!factor && event.key !== '0') return;
+    event.stopPropagation();
+    const [box, node] = [picture.getBoundingClientRect(), event.target.getBoundingClientRect()];
+    if (factor) zoom(factor, [node.left + node.width / 2 - box.left, node.top + node.height / 2 - box.top]);
+    else fit();
+  });
   let from = null;
   picture.addEventListener('pointerdown', (event) => { from = { x: event.clientX - place.x, y: event.clientY - place.y }; });
   picture.addEventListener('pointermove', (event) => {

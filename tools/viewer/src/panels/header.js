@@ -16,7 +16,7 @@ function variant(model, view, r) {
     }, solid ? 'solid' : 'translucent'));
 }
 
-export function header(model, view, { help, toggleSide, live }) {
+export function header(model, view, { help, toggleSide, toggleCharts, live }) {
   const variants = h('div.variants', {});
   const tell = () => {
     const focus = document.activeElement?.dataset?.focus;
@@ -29,6 +29,6 @@ export function header(model, view, { help, toggleSide, live }) {
   const theme = iconButton('theme', 'Light or dark', 't', () => view.set({ theme: view.theme === 'dark' ? 'light' : 'dark' }));
   return h('header.bar', {}, h('h1', { title: model.title }, model.title), variants, live, h('span.gap', {}),
     h('span.faint.made', {}, model.made_by),
-    iconButton('panel', 'Side panel', 'g', toggleSide), theme,
+    iconButton('chart', 'Charts', 'c', toggleCharts), iconButton('panel', 'Side panel', 'g', toggleSide), theme,
     h('button.icon', { type: 'button', title: 'Keys and help (?)', 'aria-label': 'Keys and help (?)', onclick: help }, '?'));
 }

@@ -68,7 +68,7 @@ function recordedRows(model, kind, entry, told) {
 }
 
 export function inspector(model, view, { chart, fit, follow }) {
-  const panel = h('section.inspector', { 'aria-label': 'Selected', id: 'inspector' });
+  const panel = h('section.inspector', { 'aria-label': 'Selected', id: 'inspector', tabindex: -1 });
   let cells = [];
   let last = 0;
 
@@ -85,6 +85,7 @@ export function inspector(model, view, { chart, fit, follow }) {
   const build = () => {
     const entry = model.entry(view.selection);
     cells = [];
+    if (panel.contains(document.activeElement)) panel.focus(); // what had the focus goes
     clear(panel);
     if (!entry) {
       panel.append(h('p.hint', {}, 'Click a body or joint, in the scene, the graph or the list, to see its coordinates, reactions and residual.'));

@@ -109,7 +109,9 @@ export function overlay(model, view, stage, eye) {
   const text = (label, tip, onclick) => h('button.icon', { type: 'button', title: tip, 'aria-label': tip, onclick }, label);
   const follow = iconButton('follow', 'Follow the selected body', 'w', eye.follow);
   const parallel = text('∥', 'Parallel projection (o)', eye.parallel);
-  view.watch(['follow'], () => follow.setAttribute('aria-pressed', view.follow !== null));
+  const tellFollow = () => follow.setAttribute('aria-pressed', view.follow !== null);
+  view.watch(['follow'], tellFollow);
+  tellFollow();
   stage.after.push(() => {
     cross.update(stage.eye.camera);
     bar.update(stage);

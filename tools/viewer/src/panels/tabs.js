@@ -22,5 +22,12 @@ export function tabs(pages) {
     buttons[next].focus();
   });
   show(0);
-  return h('section.system', { 'aria-label': 'System' }, bar, panels);
+  const element = h('section.system', { 'aria-label': 'System' }, bar, panels);
+  /** Shows the page of that name, and returns it. */
+  element.open = (name) => {
+    const i = pages.findIndex(([one]) => one === name);
+    show(i);
+    return panels[i];
+  };
+  return element;
 }

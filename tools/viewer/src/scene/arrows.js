@@ -19,7 +19,10 @@ export class Arrows {
     this.shafts = new InstancedMesh(kShaft, this.material, capacity);
     this.heads = new InstancedMesh(two_heads ? kTwoHeads : kHead, this.material, capacity);
     this.meshes = [this.shafts, this.heads];
-    for (const mesh of this.meshes) mesh.frustumCulled = false;
+    for (const mesh of this.meshes) {
+      mesh.frustumCulled = false;
+      mesh.raycast = () => {}; // not picked
+    }
     this.begin();
   }
 
@@ -40,10 +43,10 @@ export class Arrows {
   /** An arrow of `length` from `point` along `vector`, `width` thick; what is shorter than its width is left out. */
   add(point, vector, length, width) {
     if (!(length > width) || this.count >= this.shafts.instanceMatrix.count) return;
-    direction.set(...vector).normalize();
+    direction.fromArray(vector).normalize();
     turn.setFromUnitVectors(kUp, direction);
     const head = Math.min(4.5 * width, 0.6 * length);
-    matrix.compose(place.set(...point), turn, size.set(0.5 * width, length - 0.9 * head, 0.5 * width));
+    matrix.compose(place.fromArray(point), turn, size.set(0.5 * width, length - 0.9 * head, 0.5 * width));
     this.shafts.setMatrixAt(this.count, matrix);
     place.addScaledVector(direction, length);
     matrix.compose(place, turn, size.set(0.36 * head, head, 0.36 * head));

@@ -1,5 +1,5 @@
 // The eye: orbit, views along the axes, fit, following a body; in perspective or parallel.
-import { OrthographicCamera, PerspectiveCamera, Vector3 } from 'three';
+import { OrthographicCamera, PerspectiveCamera, Quaternion, Spherical, Vector3 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 
 const kFieldOfView = 32; // degrees, from top to bottom
@@ -92,6 +92,42 @@ export class Eye {
       camera.updateProjectionMatrix();
     }
     this.#frameParallel();
+    this.controls.update();
+  }
+
+  /** Around the target by radians, to the side about the vertical and upwards. */
+  turn(side, up) {
+    const upright = new Quaternion().setFromUnitVectors(this.up, new Vector3(0, 1, 0));
+    const around = new Spherical().setFromVector3(this.camera.position.clone().sub(this.target).applyQuaternion(upright));
+    around.theta += side;
+    around.phi -= up;
+    this.camera.position.setFromSpherical(around.makeSafe()).applyQuaternion(upright.invert()).add(this.target);
+    this.#moved();
+  }
+
+  /** Things get `factor` times as large, about the target. */
+  zoom(factor) {
+    if (this.camera === this.parallel) {
+      this.parallel.zoom *= factor;
+      this.parallel.updateProjectionMatrix();
+    } else {
+      this.camera.position.sub(this.target).divideScalar(factor).add(this.target);
+    }
+    this.#moved();
+  }
+
+  /** To the right and up by parts of what the picture shows from top to bottom. */
+  slide(right, up) {
+    const height = this.camera === this.parallel ? (this.parallel.top - this.parallel.bottom) / this.parallel.zoom
+      : 2 * Math.tan((kFieldOfView * Math.PI) / 360) * this.camera.position.distanceTo(this.target);
+    const step = new Vector3(right * height, up * height, 0).applyQuaternion(this.camera.quaternion);
+    this.target.add(step);
+    this.camera.position.add(step);
+    this.#moved();
+  }
+
+  #moved() {
+    this.by_hand = true;
     this.controls.update();
   }
 

@@ -77,6 +77,9 @@ export class ConnectorViews {
       this.group.add(group);
       return { connector, entry, group, glyph, links, rope, material, ghost };
     });
+    // Bodies whose poses the glyphs and arrows need: a pile's one contact has markers on all bodies, and no glyph.
+    const marked = [...this.views.flatMap(({ connector }) => connector.markers), ...run.connectors.filter(({ reaction }) => reaction).map(({ markers }) => markers[0])];
+    this.tied = new Set(marked.filter((i) => run.markers[i]).map((i) => run.markers[i].body));
     const n = Math.max(1, run.connectors.length);
     this.forces = new Arrows(n, false, dim);
     this.moments = new Arrows(n, true, dim);
@@ -97,7 +100,8 @@ export class ConnectorViews {
 
   update(view, sizes) {
     const at = locate(this.run.times, view.time);
-    const poses = this.run.bodies.map((body) => bodyPose(body, at));
+    const poses = [];
+    for (const i of this.tied) poses[i] = bodyPose(this.run.bodies[i], at);
     const glyph_size = sizes.glyph * view.glyph_scale;
     for (const one of this.views) this.#place(one, at, poses, view, glyph_size);
     this.#arrows(at, poses, view, sizes);
@@ -150,8 +154,8 @@ export class ConnectorViews {
       // Contacts come and go: those of the frame nearest in time.
       const frame = at.w < 0.5 ? at.i : at.j;
       for (let c = run.contacts.first[frame]; c < run.contacts.first[frame + 1]; ++c) {
-        const force = Array.from(run.contacts.forces.subarray(3 * c, 3 * c + 3));
-        contacts.add(Array.from(run.contacts.points.subarray(3 * c, 3 * c + 3)), force, size3(force) * sizes.force, width);
+        const force = run.contacts.forces.subarray(3 * c, 3 * c + 3);
+        contacts.add(run.contacts.points.subarray(3 * c, 3 * c + 3), force, size3(force) * sizes.force, width);
       }
     }
     for (const arrows of [forces, moments, contacts]) arrows.end();

@@ -18,6 +18,7 @@ export class Traces {
       const pair = this.materials.map((material) => new Line2(new LineGeometry(), material));
       for (const line of pair) {
         line.frustumCulled = false;
+        line.raycast = () => {}; // not picked
         this.group.add(line);
       }
       this.lines.push({ trace, pair });
@@ -71,6 +72,7 @@ export class MarkerAxes {
     this.lines = new LineSegments(geometry, new LineBasicMaterial({ vertexColors: true, depthTest: false, transparent: true }));
     this.lines.frustumCulled = false;
     this.lines.renderOrder = 3;
+    this.lines.raycast = () => {}; // not picked
   }
 
   update(view, length) {

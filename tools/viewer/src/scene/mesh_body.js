@@ -5,6 +5,7 @@ import {
 } from 'three';
 import { displacements } from '../motion.js';
 import { viridis } from '../palette.js';
+import { creaseEdges } from './creases.js';
 import { FieldOnMesh } from './field.js';
 
 export const kBands = 10;
@@ -22,35 +23,7 @@ export function mapTexture(bands) {
 }
 
 const textures = {};
-
-const kCrease = Math.cos((35 * Math.PI) / 180);
-
-/** Edges where the undeformed surface turns by more than 35 degrees or ends: pairs of points. */
-function creaseEdges({ points, triangles }) {
-  const p = (i, c) => points[3 * i + c];
-  const met = new Map(); // edge -> normal of its first triangle, or null once its second has been seen
-  const sharp = [];
-  for (let t = 0; t < triangles.length; t += 3) {
-    const [a, b, c] = triangles.subarray(t, t + 3);
-    const u = [0, 1, 2].map((k) => p(b, k) - p(a, k));
-    const v = [0, 1, 2].map((k) => p(c, k) - p(a, k));
-    const normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-    const length = Math.hypot(...normal) || 1;
-    for (const [i, j] of [[a, b], [b, c], [c, a]]) {
-      const key = i < j ? i * 4294967296 + j : j * 4294967296 + i;
-      const other = met.get(key);
-      if (other === undefined) {
-        met.set(key, normal.map((value) => value / length));
-      } else if (other) {
-        const cosine = (other[0] * normal[0] + other[1] * normal[1] + other[2] * normal[2]) / length;
-        if (cosine < kCrease) sharp.push(i, j);
-        met.set(key, null);
-      }
-    }
-  }
-  for (const [key, open] of met) if (open) sharp.push(Math.floor(key / 4294967296), key % 4294967296);
-  return sharp;
-}
+const kCrease = 35; // degrees
 
 export class MeshBody {
   constructor(mesh, colour) {
@@ -74,11 +47,27 @@ export class MeshBody {
       line_geometry.setIndex(new BufferAttribute(Uint32Array.from(index), 1));
       const drawn = new LineSegments(line_geometry, new LineBasicMaterial({ transparent: true, opacity }));
       drawn.frustumCulled = false;
+      drawn.raycast = () => {}; // the surface is picked
       this.parts.push(drawn);
       return drawn;
     };
     this.elements = mesh.edges ? lines(mesh.edges, 0.14) : null;
-    this.creases = lines(creaseEdges(mesh), 0.75);
+    this.creases = lines(creaseEdges(mesh.points, mesh.triangles, kCrease), 0.75);
+  }
+
+  /** Colours of surface and lines; a field keeps its true colours. */
+  dress({ colour, edge, selected, accent, field, show }) {
+    const painted = this.field.has(field);
+    this.colour = colour;
+    if (!painted) this.material.color.set(colour);
+    this.material.emissive.set(selected && !painted ? accent : '#000');
+    this.material.emissiveIntensity = 0.35;
+    this.creases.material.color.set(selected ? accent : edge);
+    this.creases.material.opacity = selected ? 1 : 0.75;
+    this.creases.visible = show.edges || selected;
+    if (!this.elements) return;
+    this.elements.material.color.set(edge);
+    this.elements.visible = show.elements;
   }
 
   /** Moves the points to x + magnification · u(η). */

@@ -1,134 +1,131 @@
-// The bodies of one run in 3D.
-import { DoubleSide, Group, LineBasicMaterial, LineSegments, Mesh, MeshLambertMaterial } from 'three';
-import { bodyPose, locate, modalCoordinates, rotate } from '../motion.js';
-import { boundsCorners, shapeCorners, shapeGeometry } from './shapes.js';
+// The bodies of one run in 3D: shapes that are alike together, finite-element bodies one by one.
+import { DoubleSide, Group, LineBasicMaterial, LineSegments, MeshLambertMaterial } from 'three';
+import { locate, modalCoordinates, rotationAt, vectorAt } from '../motion.js';
+import { Instances } from './instances.js';
 import { MeshBody } from './mesh_body.js';
+import { detailOf, shapeGeometry } from './shapes.js';
 
 export const setRotation = (object, [w, x, y, z]) => object.quaternion.set(x, y, z, w);
 
-/** A point in the frame of a pose, in that pose's outer frame. */
-const moved = ({ position, rotation }, point) => rotate(rotation, point).map((value, c) => value + position[c]);
+const kBehindLines = { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 };
+const at_rest = { position: [0, 0, 0], rotation: [1, 0, 0, 0] };
 
-/** Corners of the boxes of all that a body wears, in its own axes. */
-function bodyCorners(body) {
-  const corners = body.mesh ? boundsCorners(body.mesh.points) : [];
-  for (const shape of body.shapes) corners.push(...shapeCorners(shape).map((corner) => moved(shape, corner)));
-  return corners;
-}
-
-/** Which of a body's shapes are drawn: the contact shapes only where nothing better is there, or when asked for. */
-function shapeRole(body, shape) {
-  const better = body.mesh || body.shapes.some((one) => one.role !== 'contact');
-  return shape.role === 'contact' && better ? 'contact' : 'solid';
-}
-
-export class BodyView {
-  constructor(entry, body, extent) {
-    this.entry = entry;
-    this.body = body;
-    this.corners = bodyCorners(body);
-    this.group = new Group();
-    this.group.userData = { kind: 'body', index: entry.index };
-    this.material = new MeshLambertMaterial({ polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 });
-    this.flat_material = null;
-    this.edge_material = new LineBasicMaterial({ transparent: true, opacity: 0.5 });
-    this.contact_parts = [];
-    this.edge_parts = [];
-    for (const shape of body.shapes) this.#addShape(shape, extent);
-    this.mesh_body = body.mesh ? new MeshBody(body.mesh, '#888') : null;
-    if (this.mesh_body) this.group.add(...this.mesh_body.parts);
-  }
-
-  #addShape(shape, extent) {
-    const geometry = shapeGeometry(shape, extent);
-    if (!geometry) return;
-    let material = this.material;
-    if (geometry.flat) {
-      this.flat_material ??= new MeshLambertMaterial({ flatShading: true, side: DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 });
-      material = this.flat_material;
-    }
-    const contact = shapeRole(this.body, shape) === 'contact';
-    const surface = new Mesh(geometry.surface, material);
-    const edges = new LineSegments(geometry.edges, this.edge_material);
-    for (const part of contact ? [edges] : [surface, edges]) {
-      part.position.set(...shape.position);
-      setRotation(part, shape.rotation);
-      this.group.add(part);
-    }
-    if (shape.kind === 'half_space') {
-      this.plane_material ??= new MeshLambertMaterial({ transparent: true, opacity: 0.16, side: DoubleSide, depthWrite: false });
-      surface.material = this.plane_material;
-    }
-    (contact ? this.contact_parts : this.edge_parts).push(edges);
-  }
-
-  materials() {
-    return [this.material, this.flat_material, this.mesh_body?.material].filter(Boolean);
-  }
-
-  /** Colours, and whether one sees through. */
-  dress({ colour, edge, opacity, selected, accent, field }) {
-    for (const material of this.materials()) {
-      const painted = material === this.mesh_body?.material && this.mesh_body.field.has(field);
-      if (!painted) material.color.set(colour);
-      const see_through = opacity < 1;
-      if (material.transparent !== see_through) material.needsUpdate = true;
-      material.transparent = see_through;
-      material.opacity = opacity;
-      material.polygonOffsetFactor = see_through ? 4 : 1; // where variants coincide the solid one is in front
-      material.emissive.set(selected && !painted ? accent : '#000'); // a field keeps its true colours
-      material.emissiveIntensity = 0.35;
-    }
-    this.plane_material?.color.set(colour);
-    this.edge_material.color.set(selected ? accent : edge);
-    this.edge_material.opacity = selected ? 1 : 0.55;
-    if (!this.mesh_body) return;
-    this.mesh_body.colour = colour;
-    const { creases, elements } = this.mesh_body;
-    creases.material.color.set(selected ? accent : edge);
-    creases.material.opacity = selected ? 1 : 0.75;
-    elements?.material.color.set(edge);
-  }
-
-  showEdges(edges, elements, selected) {
-    for (const part of this.edge_parts) part.visible = edges || selected;
-    if (!this.mesh_body) return;
-    this.mesh_body.creases.visible = edges || selected;
-    if (this.mesh_body.elements) this.mesh_body.elements.visible = elements;
-  }
-
-  update(at, view, mode) {
-    const { position, rotation } = bodyPose(this.body, at);
-    this.group.position.set(...position);
-    setRotation(this.group, rotation);
-    this.mesh_body?.deform(mode ?? modalCoordinates(this.body.mesh, at), mode ? 1 : view.magnification);
-  }
+/** A contact shape is drawn, as lines, where something better is there only when asked for. */
+function isSpare(body, shape) {
+  return shape.role === 'contact' && (body.mesh !== null || body.shapes.some((one) => one.role !== 'contact'));
 }
 
 export class RunScene {
   constructor(model, run, extent) {
     this.run = run;
     this.group = new Group();
-    this.bodies = run.bodies.map((body) => new BodyView(model.bodyEntry(run.index, body.index), body, extent));
-    for (const body of this.bodies) this.group.add(body.group);
+    this.owners = run.bodies.map((body) => model.bodyEntry(run.index, body.index).index);
+    this.poses = new Float64Array(7 * run.bodies.length);
+    this.materials = {
+      solid: new MeshLambertMaterial(kBehindLines),
+      flat: new MeshLambertMaterial({ ...kBehindLines, flatShading: true, side: DoubleSide }),
+      plane: new MeshLambertMaterial({ transparent: true, opacity: 0.16, side: DoubleSide, depthWrite: false }),
+      edges: new LineBasicMaterial({ transparent: true, opacity: 0.55 }),
+      selected: new LineBasicMaterial(),
+    };
+    this.#addShapes(run, extent);
+    this.meshes = run.bodies.filter((body) => body.mesh).map((body) => this.#addMesh(body));
+    this.chosen = { body: -1, group: new Group() };
+    this.group.add(this.chosen.group);
+  }
+
+  #addShapes(run, extent) {
+    const detail = detailOf(run);
+    const alike = new Map(); // geometry -> members, apart for those that are lines alone
+    this.shapes = run.bodies.map(() => []); // {geometry, shape} of a body, for the edges of the selected one
+    for (const body of run.bodies) {
+      for (const shape of body.shapes) {
+        const geometry = shapeGeometry(shape, extent, detail);
+        if (!geometry) continue;
+        if (!alike.has(geometry)) alike.set(geometry, { kind: shape.kind, solid: [], spare: [] });
+        const spare = isSpare(body, shape);
+        alike.get(geometry)[spare ? 'spare' : 'solid'].push({ body: body.index, index: this.owners[body.index], position: shape.position, rotation: shape.rotation });
+        if (geometry.edges && !spare) this.shapes[body.index].push({ geometry, shape });
+      }
+    }
+    this.instances = [];
+    this.spares = [];
+    const { solid, flat, plane, edges } = this.materials;
+    for (const [geometry, members] of alike) {
+      const surface = members.kind === 'half_space' ? plane : geometry.flat ? flat : solid;
+      if (members.solid.length) this.instances.push(new Instances(geometry, members.solid, surface, edges));
+      if (members.spare.length && geometry.edges) this.spares.push(new Instances(geometry, members.spare, null, edges));
+    }
+    for (const { parts } of [...this.instances, ...this.spares]) this.group.add(...parts);
+  }
+
+  #addMesh(body) {
+    const group = new Group();
+    group.userData = { kind: 'body', index: this.owners[body.index] };
+    const mesh_body = new MeshBody(body.mesh, '#888');
+    group.add(...mesh_body.parts);
+    this.group.add(group);
+    return { body, index: this.owners[body.index], group, mesh_body };
+  }
+
+  /** Colours, `of(body of the run)` a body's, and whether one sees through. */
+  dress({ of, edge, opacity, selected, accent, field, show }) {
+    const see_through = opacity < 1;
+    for (const material of [this.materials.solid, this.materials.flat, ...this.meshes.map((one) => one.mesh_body.material)]) {
+      if (material.transparent !== see_through) material.needsUpdate = true;
+      material.transparent = see_through;
+      material.opacity = opacity;
+      material.polygonOffsetFactor = see_through ? 4 : 1; // where variants coincide the solid one is in front
+    }
+    this.materials.edges.color.set(edge);
+    this.materials.selected.color.set(accent);
+    for (const one of this.instances) {
+      one.dress((i) => (this.owners[i] === selected ? of(i).add(accent.clone().multiplyScalar(0.35)) : of(i)));
+      if (one.edges) one.edges.visible = show.edges;
+    }
+    for (const one of this.spares) one.edges.visible = show.contact_shapes;
+    for (const one of this.meshes) one.mesh_body.dress({ colour: of(one.body.index), edge, selected: one.index === selected, accent, field, show });
+    this.#choose(this.owners.indexOf(selected));
+  }
+
+  /** The selected body's edges are drawn beside those of all. */
+  #choose(body) {
+    if (this.chosen.body === body) return;
+    this.chosen.body = body;
+    this.chosen.group.clear();
+    for (const { geometry, shape } of this.shapes[body] ?? []) {
+      const edges = new LineSegments(geometry.edges, this.materials.selected);
+      edges.position.set(...shape.position);
+      setRotation(edges, shape.rotation);
+      edges.raycast = () => {};
+      this.chosen.group.add(edges);
+    }
   }
 
   /** `mode`: {body: index in the run, eta} of a mode shape to show instead of the motion, or null. */
   update(view, mode) {
-    const at = locate(this.run.times, view.time);
-    for (const body of this.bodies) body.update(at, view, mode?.body === body.body.index ? mode.eta : null);
-    this.group.updateMatrixWorld(true);
+    const { run, poses } = this;
+    const at = locate(run.times, view.time);
+    for (const { index, position, rotation } of run.bodies) {
+      const p = position ? vectorAt(position, at, scratch.position) : at_rest.position;
+      const q = rotation ? rotationAt(rotation, at, scratch.rotation) : at_rest.rotation;
+      for (let c = 0; c < 3; ++c) poses[7 * index + c] = p[c];
+      for (let c = 0; c < 4; ++c) poses[7 * index + 3 + c] = q[c];
+    }
+    for (const one of this.instances) one.update(poses);
+    if (view.show.contact_shapes) for (const one of this.spares) one.update(poses);
+    for (const { body, group, mesh_body } of this.meshes) {
+      this.#place(group, body.index);
+      const shape = mode?.body === body.index ? mode.eta : null;
+      mesh_body.deform(shape ?? modalCoordinates(body.mesh, at), shape ? 1 : view.magnification);
+    }
+    if (this.chosen.body >= 0) this.#place(this.chosen.group, this.chosen.body);
   }
 
-  /** Corners of all boxes at frame i, world axes, for all bodies or one. */
-  cornersAt(frame, only = null) {
-    const out = [];
-    const at = { i: frame, j: frame, w: 0 };
-    for (const { body, corners } of this.bodies) {
-      if (only !== null && body.index !== only) continue;
-      const pose = bodyPose(body, at);
-      for (const point of corners) out.push(moved(pose, point));
-    }
-    return out;
+  #place(group, body) {
+    group.position.fromArray(this.poses, 7 * body);
+    setRotation(group, this.poses.subarray(7 * body + 3, 7 * body + 7));
   }
 }
+
+const scratch = { position: [0, 0, 0], rotation: [1, 0, 0, 0] };

@@ -3,37 +3,58 @@ import {
   BoxGeometry, BufferAttribute, BufferGeometry, CapsuleGeometry, ConeGeometry, CylinderGeometry, EdgesGeometry,
   PlaneGeometry, SphereGeometry,
 } from 'three';
+import { creaseEdges, welded } from './creases.js';
 
 const cache = new Map();
+const kCrease = 35; // degrees
+const kMeshCrease = 20;
 
-function build(shape, extent) {
+// Sides of round shapes by how many there are: many are small on the screen.
+const kDetails = [
+  { most: 256, sphere: [32, 20], round: 40, capsule: [8, 28] },
+  { most: 2048, sphere: [16, 10], round: 20, capsule: [5, 16] },
+  { most: Infinity, sphere: [10, 6], round: 12, capsule: [3, 12] },
+];
+
+/** How finely the round shapes of a run are drawn. */
+export function detailOf(run) {
+  const count = run.bodies.reduce((sum, { shapes }) => sum + shapes.length, 0);
+  return kDetails.find(({ most }) => count <= most);
+}
+
+function build(shape, extent, { sphere, round, capsule }) {
   const [a, b, c] = shape.size;
   switch (shape.kind) {
-    case 'sphere': return new SphereGeometry(a, 32, 20).rotateX(Math.PI / 2);
+    case 'sphere': return new SphereGeometry(a, ...sphere).rotateX(Math.PI / 2);
     case 'box': return new BoxGeometry(a, b, c);
-    case 'cylinder': return new CylinderGeometry(a, a, b, 40).rotateX(Math.PI / 2);
-    case 'capsule': return new CapsuleGeometry(a, b, 8, 28).rotateX(Math.PI / 2);
-    case 'cone': return new ConeGeometry(a, b, 40).rotateX(Math.PI / 2);
+    case 'cylinder': return new CylinderGeometry(a, a, b, round).rotateX(Math.PI / 2);
+    case 'capsule': return new CapsuleGeometry(a, b, ...capsule).rotateX(Math.PI / 2);
+    case 'cone': return new ConeGeometry(a, b, round).rotateX(Math.PI / 2);
     case 'half_space': return new PlaneGeometry(2.4 * extent, 2.4 * extent);
     default: return null;
   }
 }
 
-/** {surface, edges} of a shape, shared between equal ones; null for a kind that has no picture. */
-export function shapeGeometry(shape, extent) {
-  if (shape.points && shape.triangles) {
-    const surface = new BufferGeometry();
-    surface.setAttribute('position', new BufferAttribute(Float32Array.from(shape.points), 3));
-    surface.setIndex(new BufferAttribute(Uint32Array.from(shape.triangles), 1));
-    surface.computeVertexNormals();
-    return { surface, edges: new EdgesGeometry(surface, 20), flat: true };
-  }
-  const key = `${shape.kind} ${shape.size.join(' ')} ${extent}`;
-  if (!cache.has(key)) {
-    const surface = build(shape, extent);
-    cache.set(key, surface && { surface, edges: new EdgesGeometry(surface, 35), flat: false });
-  }
+/** {surface, edges or null, flat} of a shape, one object for equal ones; null for a kind that has no picture. */
+export function shapeGeometry(shape, extent, detail) {
+  const key = shape.points && shape.triangles ? shape.points : `${shape.kind} ${shape.size.join(' ')} ${extent} ${detail.round}`;
+  if (!cache.has(key)) cache.set(key, shape.points && shape.triangles ? meshGeometry(shape) : solidGeometry(shape, extent, detail));
   return cache.get(key);
+}
+
+function solidGeometry(shape, extent, detail) {
+  const surface = build(shape, extent, detail);
+  const smooth = shape.kind === 'sphere' || shape.kind === 'capsule';
+  return surface && { surface, edges: smooth ? null : new EdgesGeometry(surface, kCrease), flat: false };
+}
+
+/** Of triangles; its edges take its points. */
+function meshGeometry({ points, triangles }) {
+  const position = new BufferAttribute(Float32Array.from(points), 3);
+  const surface = new BufferGeometry().setAttribute('position', position).setIndex(new BufferAttribute(Uint32Array.from(triangles), 1));
+  const sharp = Uint32Array.from(creaseEdges(points, triangles, kMeshCrease, welded(points)));
+  const edges = new BufferGeometry().setAttribute('position', position).setIndex(new BufferAttribute(sharp, 1));
+  return { surface, edges: sharp.length ? edges : null, flat: true };
 }
 
 /** Corners of the shape's box in its own frame; none for what has no end. */

@@ -3,13 +3,13 @@ import { AmbientLight, Color, DirectionalLight, HemisphereLight, Raycaster, Scen
 import { throttled } from '../dom.js';
 import { bodyPose, locate } from '../motion.js';
 import { runDash, seriesColour } from '../palette.js';
+import { Bounds, box } from './bounds.js';
 import { ConnectorViews } from './connector_view.js';
 import { Eye } from './camera.js';
 import { extend } from './field.js';
 import { makeGrid, MarkerAxes, Traces } from './lines.js';
 import { RunScene } from './run_scene.js';
 
-const kSampledFrames = 40; // of the motion, for its bounds
 const kMeanwhile = 400; // ms between looks at all of a run that goes on
 
 /** Index of the axis that gravity points along most, and its sign; z where there is none. */
@@ -20,15 +20,7 @@ function upAxis(runs) {
   return { axis, sign: -Math.sign(gravity[axis]) };
 }
 
-/** Corners of the bodies over the motion. */
-function sampledCorners(scenes) {
-  return scenes.flatMap((scene) => {
-    const step = Math.max(1, Math.floor(scene.run.frames / kSampledFrames));
-    const points = [];
-    for (let frame = 0; frame < scene.run.frames; frame += step) points.push(...scene.cornersAt(frame));
-    return points;
-  }).filter((point) => point.every(Number.isFinite));
-}
+const size = ([low, high]) => Math.hypot(...high.map((value, c) => value - low[c]));
 
 export class Stage {
   constructor(canvas, model, view) {
@@ -58,18 +50,15 @@ export class Stage {
   #build() {
     const { model } = this;
     // Planes without end take their size from the rest, so the bodies are measured before they are built.
-    const rough = model.runs.map((run) => new RunScene(model, run, 1));
-    this.motion_points = sampledCorners(rough);
-    const start = rough.flatMap((scene) => scene.cornersAt(0)).filter((point) => point.every(Number.isFinite));
+    this.bounds = model.runs.map((run) => new Bounds(run));
+    this.#measure();
     const points = this.motion_points.length ? this.motion_points : [[-1, -1, -1], [1, 1, 1]];
-    this.low = [0, 1, 2].map((c) => points.reduce((low, point) => Math.min(low, point[c]), Infinity));
-    this.high = [0, 1, 2].map((c) => points.reduce((high, point) => Math.max(high, point[c]), -Infinity));
-    this.extent = Math.hypot(...this.high.map((value, c) => value - this.low[c])) || 1;
-    const size = start.length ? Math.hypot(...[0, 1, 2].map((c) => Math.max(...start.map((p) => p[c])) - Math.min(...start.map((p) => p[c])))) : this.extent;
-    this.size = Math.min(this.extent, size || this.extent);
-    const has_plane = model.runs.some((run) => run.bodies.some((body) => body.shapes.some((shape) => shape.kind === 'half_space')));
+    [this.low, this.high] = box(points);
+    this.extent = size([this.low, this.high]) || 1;
+    const start = this.bounds.flatMap((bounds) => bounds.at(0));
+    this.size = Math.min(this.extent, (start.length && size(box(start))) || this.extent);
     this.runs = model.runs.map((run) => {
-      const bodies = has_plane ? new RunScene(model, run, this.extent) : rough[run.index];
+      const bodies = new RunScene(model, run, this.extent);
       const connectors = new ConnectorViews(model, run, false);
       const traces = new Traces(run, runDash(run.index));
       const markers = new MarkerAxes(run);
@@ -85,6 +74,10 @@ export class Stage {
     this.grid_spacing = spacing;
     this.scene.add(lines);
     this.eye.extent = this.extent;
+  }
+
+  #measure() {
+    this.motion_points = this.bounds.flatMap((bounds) => bounds.sampled());
   }
 
   #light(up) {
@@ -115,11 +108,11 @@ export class Stage {
       connectors.grow();
       traces.grow();
     }
-    this.motion_points = sampledCorners(this.runs.map(({ bodies }) => bodies));
-    const size = Math.hypot(...[0, 1, 2].map((c) => this.motion_points.reduce((most, p) => Math.max(most, p[c]), this.high[c]) -
-      this.motion_points.reduce((least, p) => Math.min(least, p[c]), this.low[c])));
-    const grown = size > 1.02 * this.eye.extent;
-    this.eye.extent = Math.max(this.eye.extent, size);
+    this.#measure();
+    const [low, high] = box([...this.motion_points, this.low, this.high]);
+    const extent = size([low, high]);
+    const grown = extent > 1.02 * this.eye.extent;
+    this.eye.extent = Math.max(this.eye.extent, extent);
     if (grown && !this.eye.by_hand) this.fitMotion();
     this.touch();
   }
@@ -149,20 +142,18 @@ export class Stage {
     const roles = { accent };
     for (const role of ['joint', 'force', 'drive', 'contact', 'reaction', 'moment', 'rope']) roles[role] = colour(`--${role}`);
     const many = model.runs.length > 1;
+    const pale = new Color(colour('--body-mix'));
+    const ground_colour = new Color(colour('--ground'));
+    const first = model.bodies[0].item.kind === 'Ground' ? -1 : 0;
+    const selected = view.selection?.kind === 'body' ? view.selection.index : -1;
     this.runs.forEach(({ run, bodies, connectors, traces, markers }, r) => {
       const own = view.runs[r];
       bodies.group.visible = own.shown;
       const opacity = own.solid ? 1 : 0.32;
       const run_colour = seriesColour(r, view.theme);
-      for (const one of bodies.bodies) {
-        const ground = one.body.kind === 'Ground';
-        const body_colour = new Color(ground ? colour('--ground') : many ? run_colour : seriesColour(one.entry.index + (model.bodies[0].item.kind === 'Ground' ? -1 : 0) + 70, view.theme));
-        body_colour.lerp(new Color(colour('--body-mix')), ground ? 0 : 0.38);
-        const selected = view.selection?.kind === 'body' && view.selection.index === one.entry.index;
-        one.dress({ colour: body_colour, edge: many ? run_colour : colour('--edge'), opacity, selected, accent, field: view.colouring });
-        one.showEdges(view.show.edges, view.show.elements, selected);
-        for (const part of one.contact_parts) part.visible = view.show.contact_shapes;
-      }
+      const of = (i) => (run.bodies[i].kind === 'Ground' ? ground_colour.clone()
+        : new Color(many ? run_colour : seriesColour(bodies.owners[i] + first + 70, view.theme)).lerp(pale, 0.38));
+      bodies.dress({ of, edge: many ? run_colour : colour('--edge'), opacity, selected, accent: new Color(accent), field: view.colouring, show: view.show });
       connectors.dress(roles, view.selection, own.solid ? 1 : 0.5);
       traces.dress(many ? run_colour : colour('--trace'), this.extent);
       markers.dress([colour('--axis-x'), colour('--axis-y'), colour('--axis-z')]);
@@ -207,7 +198,7 @@ export class Stage {
   /** Fields on the meshes, all on one range. */
   #paint() {
     const { view } = this;
-    const shown = this.runs.filter(({ run }) => view.runs[run.index].shown).flatMap(({ bodies }) => bodies.bodies).filter((one) => one.mesh_body);
+    const shown = this.runs.filter(({ run }) => view.runs[run.index].shown).flatMap(({ bodies }) => bodies.meshes);
     const values = shown.map((one) => one.mesh_body.values(view.colouring));
     const now = [Infinity, -Infinity];
     for (const one of values) if (one) extend(now, one);
@@ -221,8 +212,8 @@ export class Stage {
     if (!this.ranges.has(name)) {
       const range = [Infinity, -Infinity];
       for (const { bodies } of this.runs) {
-        for (const { mesh_body } of bodies.bodies) {
-          if (mesh_body?.field.has(name)) extend(range, mesh_body.field.range(name));
+        for (const { mesh_body } of bodies.meshes) {
+          if (mesh_body.field.has(name)) extend(range, mesh_body.field.range(name));
         }
       }
       this.ranges.set(name, range);
@@ -249,10 +240,10 @@ export class Stage {
   /** The body as it is now, in any of the shown runs. */
   fitBody(index) {
     const points = [];
-    for (const { run, bodies } of this.runs) {
+    for (const { run } of this.runs) {
       const i = this.model.bodies[index].of[run.index];
       const at = locate(run.times, this.view.time);
-      if (i >= 0 && this.view.runs[run.index].shown) points.push(...bodies.cornersAt(at.w < 0.5 ? at.i : at.j, i));
+      if (i >= 0 && this.view.runs[run.index].shown) points.push(...this.bounds[run.index].at(at.w < 0.5 ? at.i : at.j, i));
     }
     if (points.length) this.eye.fit(points);
     this.touch();
@@ -272,18 +263,20 @@ export class Stage {
     ray.setFromCamera(new Vector2(((x - box.left) / box.width) * 2 - 1, 1 - ((y - box.top) / box.height) * 2), this.eye.camera);
     ray.params.Line.threshold = 0;
     const groups = this.runs.filter(({ bodies }) => bodies.group.visible).map(({ bodies }) => bodies.group);
-    const hits = ray.intersectObjects(groups, true).filter(({ object }) => object.isMesh && !object.isInstancedMesh && !object.isLineSegments2 && this.#owner(object));
+    const hits = ray.intersectObjects(groups, true).filter((hit) => this.#owner(hit));
     // A glyph lies on or in a body: it wins when it is about as near.
-    const glyph = hits.find(({ object }) => this.#owner(object).kind === 'connector');
+    const glyph = hits.find((one) => this.#owner(one).kind === 'connector');
     const hit = glyph && glyph.distance - hits[0].distance < 0.06 * this.size ? glyph : hits[0];
-    return hit ? { ...this.#owner(hit.object) } : null;
+    return hit ? { ...this.#owner(hit) } : null;
   }
 
-  #owner(object) {
+  /** {kind, index} of what a ray hit; null for what is not shown or belongs to nothing. */
+  #owner({ object, instanceId }) {
+    let owner = object.userData.owners?.[instanceId] ?? null;
     for (let one = object; one; one = one.parent) {
       if (!one.visible) return null;
-      if (one.userData.kind) return one.userData;
+      if (one.userData.kind) owner ??= one.userData;
     }
-    return null;
+    return owner;
   }
 }
