@@ -35,7 +35,7 @@ TEST(DifferentialFindings, MoreauJeanRubsByTheReactionOfEachStep) {
     MoreauJean method({.step = h});
     scene.run(method, kEnd);
     const double error = (scene.position(0) - exact.position(0)).norm();
-    expect_below("error over h², m/s²", error / (h * h), 10);
+    expect_below("error over h², m/s²", error / (h * h), 3);
     if (last > 0) {
       EXPECT_NEAR(last / error, 4, 0.8) << h;  // order 2
     }

@@ -12,6 +12,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "engine/base/interrupt.h"
 #include "engine/base/log.h"
 #include "tools/differential/judgement.h"
 
@@ -127,7 +128,12 @@ int run_campaign(const CampaignOptions& options) {
   std::vector<Child> running;
   int findings = 0;
   const std::uint32_t end = options.first + static_cast<std::uint32_t>(options.scenes);
+  const InterruptGuard guard;
   for (std::uint32_t seed = options.first; seed < end || !running.empty();) {
+    if (InterruptGuard::asked() != 0) {  // what is judged so far counts
+      for (const Child& child : running) kill(child.pid, SIGKILL);
+      break;
+    }
     if (seed < end && static_cast<int>(running.size()) < options.jobs) {
       running.push_back(start(seed++, {}, options.seconds_each));
       continue;
@@ -149,7 +155,7 @@ int run_campaign(const CampaignOptions& options) {
     ++findings;
     print_finding(options, judged, report);
   }
-  std::printf("scenes %u to %u:\n", options.first, end - 1);
+  std::printf("scenes from %u on:\n", options.first);
   for (const auto& [outcome, count] : counts) std::printf("%8d %s\n", count, outcome.c_str());
   return findings;
 }

@@ -120,7 +120,6 @@ Track run(const DrawnScene& scene, const Way& way) {
     if (way.resume) {
       Archive archive;
       machine->save(archive);
-      archive.rewind();
       machine = std::make_unique<Machine>(scene, way);
       machine->resume(archive);
     }
