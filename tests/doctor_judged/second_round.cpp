@@ -131,8 +131,8 @@ std::vector<SeededError> errors_of_second_round() {
          }},
         "generalized-alpha index 3, fixed step",
         0.02},
-       {Cause::lost_turns},
-       {{"shaft"}, {"clock spring"}}},
+       {Cause::lost_turns, Cause::step_too_large},
+       {{"step"}}},
       {{{.name = "a planet is pinned to the ground instead of the carrier",
          .gravity = {0, 0, 0},
          .draw = [](SystemGraph& graph) -> std::vector<Sensor> {
