@@ -23,7 +23,7 @@ sources=("$@")
 result=0
 # A source that is in no target of this machine has no command.
 printf '%s\n' "${sources[@]}" | while read -r source; do
-  grep -q "\"file\": \".*/$source\"" "$out/compile_commands.json" && echo "$source"
+  if grep -q "\"file\": \".*/$source\"" "$out/compile_commands.json"; then echo "$source"; fi
 done | xargs -r -P "$jobs" -n 1 clang-tidy-16 -p "$out" --quiet >"$out/tidy.log" 2>"$out/tidy.err" || result=1
 findings=$(grep -cE '(warning|error): ' "$out/tidy.log" || true)
 echo "clang-tidy: ${#sources[@]} sources, $findings findings"

@@ -77,12 +77,8 @@ void EventFinder::history(Archive& archive) {
   if (names != now || values.size() != now.size() || trends.size() != now.size())
     throw SceneError("the checkpoint was written with other events, switches or located contacts", archive.source(),
                      "give the same ones, in the same order, before resume()");
-  for (std::size_t i = 0; i < watched_.size(); ++i) {
-    if (std::isnan(values[i]) || (trends[i] != 0) != (values[i] == 0))
-      throw FileError("the checkpoint's value of the event '" + names[i] + "' is not one that a step ends with",
-                      archive.source(), "resume from an older one");
+  for (std::size_t i = 0; i < watched_.size(); ++i)
     watched_[i].start = values[i], watched_[i].by_trend = trends[i] != 0;
-  }
 }
 
 void EventFinder::look(const Step& step, double s) {
