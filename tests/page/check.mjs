@@ -94,17 +94,23 @@ async function checkTipPixel(page, must) {
   await page.evaluate(() => document.activeElement?.blur());
   await page.keyboard.press('0');
   let told = null;
+  const before = await page.evaluate(() => ({ runs: window.lithe.view.runs, show: window.lithe.view.show }));
   for (const tip of (await tips(page)).filter(({ marker }) => marker >= 0)) {
     told = await findTip(page, tip);
     if (told.radius !== Infinity) break;
   }
   // A trace may run inside of a body, or in a hole of it: then there is no pixel to look at.
-  if (!told || (told.radius === Infinity && !must)) return console.log('  --   no recorded tip is on a visible surface');
+  const back = () => page.evaluate((view) => window.lithe.view.set(view), before);
+  if (!told || (told.radius === Infinity && !must)) {
+    console.log('  --   no recorded tip is on a visible surface');
+    return back();
+  }
   check(`the body '${told.name}' is drawn at its tip`, told.radius !== Infinity);
-  if (told.radius === Infinity) return;
+  if (told.radius === Infinity) return back();
   const with_body = (await pixels(page)).at(told.x, told.y);
   await page.evaluate(() => window.lithe.view.set({ runs: window.lithe.view.runs.map(() => ({ shown: false, solid: true })) }));
   const without = (await pixels(page)).at(told.x, told.y);
+  await back();
   check(`the pixel at the tip is drawn by '${told.name}'`, differs(with_body, without, 12), `${with_body} with it, ${without} without`);
 }
 

@@ -36,6 +36,15 @@ function showTrouble(app, error) {
   clear(app).append(h('div.trouble', { role: 'alert' }, h('h1', {}, 'This run cannot be shown'), h('p', {}, error.message), h('p.faint', {}, `fix: ${fix}`)));
 }
 
+const kManyTriangles = 100000;
+
+/** Of meshes, and about a hundred a shape. */
+function triangleCount({ runs }) {
+  const bodies = runs.flatMap((run) => run.bodies);
+  const of = (item) => (item?.triangles ? item.triangles.length / 3 : 0);
+  return bodies.reduce((sum, { mesh, shapes }) => sum + of(mesh) + shapes.reduce((part, shape) => part + (of(shape) || 100), 0), 0);
+}
+
 /** The 3D view, or null and a word in its place where the browser has no WebGL: the rest of the page still serves. */
 function makeStage(place, model, view) {
   const canvas = h('canvas', { tabindex: 0, role: 'img', 'aria-label': `3D view of ${model.title}; the list has its bodies and joints` });
@@ -47,8 +56,12 @@ function makeStage(place, model, view) {
       h('p.faint', {}, 'fix: switch on hardware acceleration, or open the page in another browser.')));
     return null;
   }
+  const names = probe.getExtension('WEBGL_debug_renderer_info');
+  const drawn_by = names ? probe.getParameter(names.UNMASKED_RENDERER_WEBGL) : '';
   probe.getExtension('WEBGL_lose_context')?.loseContext();
-  return new Stage(canvas, model, view);
+  // Without a graphics processor smooth edges take more than half of the time of small triangles.
+  const slow = /swiftshader|llvmpipe|software|basic render/i.test(drawn_by) && triangleCount(model) > kManyTriangles;
+  return new Stage(canvas, model, view, { antialias: !slow });
 }
 
 function eyeActions(model, view, stage) {

@@ -23,11 +23,11 @@ function upAxis(runs) {
 const size = ([low, high]) => Math.hypot(...high.map((value, c) => value - low[c]));
 
 export class Stage {
-  constructor(canvas, model, view) {
+  constructor(canvas, model, view, { antialias }) {
     this.canvas = canvas;
     this.model = model;
     this.view = view;
-    this.renderer = new WebGLRenderer({ canvas, antialias: true });
+    this.renderer = new WebGLRenderer({ canvas, antialias });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
     this.scene = new Scene();
     this.after = []; // what follows every picture: labels, legend
