@@ -33,13 +33,18 @@ struct SundialsMemory {
   SUNContext context = make_sundials_context();
   std::string thrown, said;  // by the engine within a callback; by SUNDIALS
 
+  // 6 gives each solver what hears its messages, 7 the context.
 #if SUNDIALS_VERSION_MAJOR < 7
   SundialsMemory() = default;
+  static void message(int, const char*, const char*, char* text, void* user) { hear(text, user); }
 #else
   SundialsMemory() {
     if (!context) return;
     SUNContext_ClearErrHandlers(context);
     SUNContext_PushErrHandler(context, message, static_cast<Memory*>(this));
+  }
+  static void message(int, const char*, const char*, const char* text, SUNErrCode, void* user, SUNContext) {
+    hear(text, user);
   }
 #endif
   ~SundialsMemory() {
@@ -67,23 +72,19 @@ struct SundialsMemory {
     return -1;
   }
 
-#if SUNDIALS_VERSION_MAJOR < 7  // to be given to each solver
-  static void message(int, const char*, const char*, char* text, void* user){
-#else
-  static void message(int, const char*, const char*, const char* text, SUNErrCode, void* user, SUNContext) {
-#endif
-      guarded(user, [&](Memory& m) {
-        m.said = text;
-        return true;
-      });
-}
+  static void hear(const char* text, void* user) {
+    guarded(user, [&](Memory& m) {
+      m.said = text;
+      return true;
+    });
+  }
 
   /// Throws SimulationError.
   void require(bool done, const char* what, const char* where) const {
-  if (!done)
-    throw SimulationError(std::string("SUNDIALS cannot be set up: ") + what + (said.empty() ? "" : ", " + said), where,
-                          "is the state finite and the memory enough?");
-}
+    if (!done)
+      throw SimulationError(std::string("SUNDIALS cannot be set up: ") + what + (said.empty() ? "" : ", " + said),
+                            where, "is the state finite and the memory enough?");
+  }
 };  // namespace lithe
 
 }  // namespace lithe
