@@ -85,6 +85,6 @@ struct SundialsMemory {
       throw SimulationError(std::string("SUNDIALS cannot be set up: ") + what + (said.empty() ? "" : ", " + said),
                             where, "is the state finite and the memory enough?");
   }
-};  // namespace lithe
+};
 
 }  // namespace lithe
