@@ -32,6 +32,7 @@ struct Child {
   const auto cpu = static_cast<rlim_t>(std::ceil(seconds));
   const rlimit time{cpu, cpu + 5}, memory{kMemory, kMemory}, core{0, 0};
   setrlimit(RLIMIT_CPU, &time), setrlimit(RLIMIT_AS, &memory), setrlimit(RLIMIT_CORE, &core);
+  std::signal(SIGINT, SIG_DFL), std::signal(SIGTERM, SIG_DFL);  // the campaign's guard is not its own
   const auto say = [out](const std::string& text) {
     if (write(out, text.data(), text.size()) < 0) _exit(2);
   };
@@ -141,7 +142,7 @@ int run_campaign(const CampaignOptions& options) {
     int status = 0;
     const pid_t pid = waitpid(-1, &status, 0);
     const auto child = std::find_if(running.begin(), running.end(), [&](const Child& c) { return c.pid == pid; });
-    if (child == running.end()) continue;
+    if (child == running.end() || InterruptGuard::asked() != 0) continue;  // it may have been asked too
     const SceneReport report = report_of(*child, status);
     const std::uint32_t judged = child->seed;
     running.erase(child);
