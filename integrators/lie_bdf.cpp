@@ -54,7 +54,6 @@ void LieBdf::prepare(EquationsOfMotion& equations, State& state) {
   factor_weight_ = 0;
   convergence_rate_ = kRateOfFreshFactor;
   steps_at_order_ = 0;
-  limit_ = {.order = parameters_.max_order};
   begun_ = state.time;
   last_order_ = 0;
   started_.clear();
@@ -293,7 +292,6 @@ bool LieBdf::keep(Archive& archive, EquationsOfMotion& equations, const State& s
   archive("raising", raising_);
   archive("begun", begun_);
   archive("failed", failed_);
-  archive("limit", limit_);
   archive("factor_weight", factor_weight_);
   archive("convergence_rate", convergence_rate_);
   archive.group("past", [&] { history_.history(archive); });

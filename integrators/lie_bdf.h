@@ -30,7 +30,7 @@ struct BdfRecord final : StepRecord {
 /// with ζ along S⁻¹Gᵀ for the tangent S of the step. Newton by the structured factor of the engine, kept over steps
 /// while it converges well. Order and step by the error that the predictor shows (Brenan, Campbell & Petzold 1996,
 /// 5.2); multipliers are not tested. For stiff scenes with damping, at tolerances of 1e-4 and finer; orders above 2 are
-/// not A-stable: where stiff modes that go undamped hold the step, order 2 is tried, and kept if it takes longer steps.
+/// not A-stable: where stiff modes go undamped, 2 is the better max_order.
 /// A step is kept so short that bodies turn less than some two radians over the polynomial's points.
 class LieBdf final : public Integrator, public DifferentiableSteps {
  public:
@@ -81,7 +81,6 @@ class LieBdf final : public Integrator, public DifferentiableSteps {
   void accept(State& state, double time);
   void plan(const Layout& layout, double time, double h, double ratio);
   void shrink(double ratio, double time, double& h, int failures);
-  void limit_order(double time, double ratio);
   std::string describe(const Layout& layout, Newton newton, double h) const;
   BdfRecord::Step last_step() const;
 
@@ -89,21 +88,11 @@ class LieBdf final : public Integrator, public DifferentiableSteps {
   IntegratorStatistics statistics_;
   std::unique_ptr<LieBdf> starter_;  // of fixed steps
 
-  double h_ = 0;            // the step wished for
-  int order_ = 1;           // of the next step
-  int steps_at_order_ = 0;  // since it changed
-  bool raising_ = true;     // at the start, order and step grow from step to step
-  bool failed_ = false;     // a step, since order and length were last weighed
-  /// The largest order in use: max_order, or 2 where modes hold the step.
-  struct OrderLimit {
-    int order = 5;
-    int since = 0;              // steps since it changed
-    int held = 0;               // in a row, that modes hold
-    int pause = 0, stay = 500;  // steps before order 2 is tried (again), and before higher ones are
-    double step_before = 0;     // s, of the higher order
-    void change(int to) { order = to, since = held = 0; }
-    void keep(Archive& archive, std::string_view name);
-  } limit_;
+  double h_ = 0;              // the step wished for
+  int order_ = 1;             // of the next step
+  int steps_at_order_ = 0;    // since it changed
+  bool raising_ = true;       // at the start, order and step grow from step to step
+  bool failed_ = false;       // a step, since order and length were last weighed
   double factor_weight_ = 0;  // w_0 of the factor at hand; 0: none
   KeptFactor factor_;
   double convergence_rate_ = 0.5;  // of Newton with it

@@ -1,6 +1,5 @@
 #include <algorithm>
 
-#include "engine/archive/archive.h"
 #include "engine/motion/projection.h"
 #include "integrators/lie_bdf.h"
 
@@ -78,7 +77,7 @@ void LieBdf::plan(const Layout& layout, double time, double h, double ratio) {
   double grow = allowed(order_, growth(order_, ratio));
   int order = order_;
   if (raising_) {
-    raising_ = order_ < limit_.order && (order_ == 1 || error(time, order_ - 1) > ratio);
+    raising_ = order_ < parameters_.max_order && (order_ == 1 || error(time, order_ - 1) > ratio);
     if (raising_) {
       ++order_;
       steps_at_order_ = 0;
@@ -92,7 +91,7 @@ void LieBdf::plan(const Layout& layout, double time, double h, double ratio) {
     const double lower = allowed(order_ - 1, growth(order_ - 1, error(time, order_ - 1)));
     if (lower > grow) grow = lower, order = order_ - 1;
   }
-  if (settled && order == order_ && order_ < limit_.order && history_.size() >= order_ + 2) {
+  if (settled && order == order_ && order_ < parameters_.max_order && history_.size() >= order_ + 2) {
     const double higher = allowed(order_ + 1, growth(order_ + 1, error(time, order_ + 1)));
     if (higher > 1.1 * grow) grow = higher, order = order_ + 1;
   }
@@ -105,45 +104,6 @@ void LieBdf::plan(const Layout& layout, double time, double h, double ratio) {
     h_ = h * std::clamp(grow, 0.5, 0.9);
   else
     h_ = settled && grow > 1.2 ? grow * h : h;
-  limit_order(time, ratio);
-}
-
-/// Orders above 2 grow on fast modes that go undamped; these then hold the step to where they no longer do (CVODE
-/// lowers the order there by ratios of differences, Hindmarsh 1992). What errs is the rest of the modes, which is no
-/// smaller for higher orders, whereas the motion alone errs far more at order 2. After some such steps that order is
-/// tried, by which modes die out, and stays where steps become longer.
-void LieBdf::limit_order(double time, double ratio) {
-  constexpr int kHeld = 20, kTrial = 40, kLongest = 1 << 20;
-  constexpr double kAlike = 0.7, kLonger = 1.5;  // of steps
-  OrderLimit& limit = limit_;
-  ++limit.since;
-  if (limit.order > 2) {
-    if (order_ <= 2 || limit.since < limit.pause || history_.size() < 4) return;
-    const bool alike = growth(2, error(time, 2)) > kAlike * growth(order_, ratio);
-    limit.held = alike ? limit.held + 1 : 0;
-    if (limit.held < kHeld) return;
-    limit.step_before = h_;
-    limit.change(2);
-    order_ = 2;
-    steps_at_order_ = 0;
-  } else if (limit.order < parameters_.max_order) {
-    const bool in_vain = limit.since == kTrial && h_ < kLonger * limit.step_before;
-    if (!in_vain && limit.since < limit.stay) return;
-    int& wait = in_vain ? limit.pause : limit.stay;
-    wait = std::min(2 * std::max(wait, 100), kLongest);
-    limit.change(parameters_.max_order);
-  }
-}
-
-void LieBdf::OrderLimit::keep(Archive& archive, std::string_view name) {
-  archive.group(name, [&] {
-    archive("order", order);
-    archive("since", since);
-    archive("held", held);
-    archive("pause", pause);
-    archive("stay", stay);
-    archive("step_before", step_before);
-  });
 }
 
 /// Why no step of size h was taken, with the coordinate that is to blame.

@@ -31,7 +31,7 @@ void MoreauJean::prepare(EquationsOfMotion& equations, State& state) {
   friction_.prepare(equations);
   const int nv = equations.layout().v_count(), rows = equations.layout().row_count();
   if (!resumes()) statistics_ = {}, impulses_.forget();
-  for (VectorX* x : {&v_, &d_, &rv_, &lack_, &mean_}) x->setZero(nv);
+  for (VectorX* x : {&v_, &d_, &rv_, &lack_, &mean_, &push_, &late_, &free_, &response_, &linear_}) x->setZero(nv);
   for (VectorX* x : {&rl_, &more_, &total_}) x->setZero(rows);
   deforms_ = nodal_ = false;
   for (const auto& body : equations.layout().bodies()) {
@@ -86,6 +86,9 @@ StepResult MoreauJean::advance(EquationsOfMotion& equations, State& state, doubl
   v_ = state.v + rv_;
   d_ = h / 2 * (state.v + v_);
   if (deforms_) {
+    total_ = rl_;
+    if (equations.reacts()) total_ += h * lambda_;
+    push_.setZero(), late_.setZero();
     correct(equations, state, h);
     if (rigid) {  // back to where points are found
       mean_ = h / 2 * state.v;
@@ -102,7 +105,8 @@ StepResult MoreauJean::advance(EquationsOfMotion& equations, State& state, doubl
     const bool near = impulses_.find(equations, state, h);
     if (impulses_.cut() == 0) {
       rubs = friction_.apply(equations, state, time, near ? &impulses_ : nullptr, total_, d_, q_, v_);
-      if (near && !rubs) impulses_.act(equations, state, h, v_, d_);
+      if (near && !rubs && !nodal_) impulses_.act(equations, state, h, v_, d_);
+      if (near && !rubs && nodal_) settle(equations, state, h);
     }
     if (impulses_.cut() > 0) {
       impulses_.finish_by(time);
@@ -139,11 +143,9 @@ StepResult MoreauJean::advance(EquationsOfMotion& equations, State& state, doubl
 /// instead (average vector field, Quispel & McLaren 2008), by Simpson's rule, which is exact for the fourth order in
 /// which nodes strain a St. Venant-Kirchhoff solid.
 void MoreauJean::correct(EquationsOfMotion& equations, const State& state, double h) {
-  total_ = rl_;
-  if (equations.reacts()) total_ += h * lambda_;
   const MidpointCorrections& corrections = nodal_ ? kEnergy : kStable;
   for (int k = 0; k < corrections.most; ++k) {
-    rv_.setZero();
+    rv_ = push_;
     const auto add = [&](double part, double weight) {
       mean_ = part * d_;
       equations.layout().retract(state.q, mean_, q_);
@@ -163,9 +165,42 @@ void MoreauJean::correct(EquationsOfMotion& equations, const State& state, doubl
     if (!std::isfinite(change)) return;  // told with the end of the step
     v_ += rv_;
     total_ += more_;
-    d_ = h / 2 * (state.v + v_);
+    d_ = h / 2 * (state.v + v_) + late_;
     ++statistics_.newton_iterations;
     if (change <= corrections.tolerance * v_.norm()) return;
+  }
+}
+
+/// Contact moves bodies along the step's factor, as if they were linear. Where its law keeps the energy, Newton's
+/// iteration goes on with its impulses given; by what that changes the motion without contact is another, for which
+/// impulses are found anew. Where they go to and fro between two answers they stay as they were at first.
+void MoreauJean::settle(EquationsOfMotion& equations, const State& state, double h) {
+  constexpr int kMostRounds = 10;
+  constexpr double kNear = 1e-5;  // of the velocities
+  RigidContacts& contacts = *equations.parts().rigid_contacts;
+  free_ = v_;
+  impulses_.act(equations, state, h, v_, d_);
+  if (!std::ranges::all_of(contacts.points(), [](const RigidContacts::Point& point) {
+        return point.law.restitution == 1 && point.law.static_friction == 0;
+      }))
+    return;
+  for (int k = 1; impulses_.cut() == 0 && !impulses_.total().isZero(0); ++k) {
+    push_.setZero(), response_.setZero();
+    contacts.add_impulses(impulses_.total(), push_);
+    contacts.add_response(impulses_.total(), nullptr, response_);
+    late_ = d_ - h / 2 * (state.v + v_);
+    linear_ = v_;
+    correct(equations, state, h);
+    const double off = (v_ - linear_).norm(), size = v_.norm();
+    if (off <= kEnergy.tolerance * size || (k == kMostRounds && off <= kNear * size)) return;
+    const bool last = k == kMostRounds;
+    if (last)
+      v_ = free_;
+    else
+      v_ -= response_;
+    d_ = h / 2 * (state.v + v_);
+    impulses_.act(equations, state, h, v_, d_);
+    if (last) return;
   }
 }
 

@@ -16,7 +16,8 @@ namespace lithe {
 ///   [S Gᵀ; G 0] (v_free - v, Λ) = (h f, -ġ),   S = M + h/2 D + h²/4 K  at q ⊕ h/2 v,   d = h/2 (v + v_free),
 /// then contact (integrators/contact_impulses.h), then joints are closed along the same factor. Fixed step, no Newton
 /// iteration but for bodies with linear coordinates, one to four, since stiff elements that turn are not linear in a
-/// step. A step ends early where few rigid bodies meet, so that their impact is at its end. Order 2 between impacts,
+/// step; up to eight, with the mean of the forces along the step, for those in nodal coordinates, whose energy that
+/// keeps. A step ends early where few rigid bodies meet, so that their impact is at its end. Order 2 between impacts,
 /// for bodies that turn while they are held too, and over impacts, but for those of many that share bodies within one
 /// step. Stable for stiff springs and modes at any step; it does not damp.
 class MoreauJean final : public Integrator, public DifferentiableSteps {
@@ -48,6 +49,7 @@ class MoreauJean final : public Integrator, public DifferentiableSteps {
  private:
   friend class RepeatedMoreauJean;
   void correct(EquationsOfMotion& equations, const State& state, double h);
+  void settle(EquationsOfMotion& equations, const State& state, double h);
   void close_joints(EquationsOfMotion& equations, double time);
 
   Parameters parameters_;
@@ -58,6 +60,8 @@ class MoreauJean final : public Integrator, public DifferentiableSteps {
   VectorX q_, v_, d_, rv_, rl_;
   VectorX lambda_;                        // of the last state that had any; where joints rub by it, of this one
   VectorX mean_, more_, total_, lack_;    // of correct()
+  VectorX push_, late_;                   // impulses of contact, and what they have moved beside the mean velocity
+  VectorX free_, response_, linear_;      // of settle()
   bool deforms_ = false, nodal_ = false;  // some body; without a frame
 };
 

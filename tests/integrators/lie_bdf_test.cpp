@@ -127,29 +127,6 @@ TEST(LieBdf, TakesStiffDampersInStepsOfTheSlowMotion) {
   expect_below("steps", static_cast<double>(method->statistics().steps), 250);
 }
 
-TEST(LieBdf, TakesUndampedModesInStepsOfTheSlowMotion) {
-  // 1 rad/s beside 1,000 rad/s, both undamped, the fast one at rest but for what errors feed: order 5 alone stays at
-  // steps of a millisecond, at any tolerance.
-  const auto run = [](int max_order) {
-    Scene scene({0, 0, 0}, [](SystemGraph& graph) {
-      for (const auto& [name, y, rate, x] : {std::tuple{"slow", 0.0, 1.0, 0.3}, {"fast", 1.0, 1e3, 0.0}}) {
-        auto& mass = graph.add<RigidBody>(name, {.mass = 1, .inertia = {1, 1, 1}, .position = {1 + x, y, 0}});
-        graph.add<SpringDamper>(std::string(name) + " spring", {graph.ground().marker({0, y, 0}), mass.marker()},
-                                {.stiffness = rate * rate, .natural_length = 1});
-      }
-    });
-    LieBdf method({.tolerance = {.relative = 1e-5, .absolute = 1e-5}, .max_order = max_order});
-    scene.run(method, 20);
-    const std::string name = "max_order " + std::to_string(max_order) + ", ";
-    expect_below(name + "slow (m)", std::abs(scene.position(0).x() - 1 - 0.3 * std::cos(20.0)), 3e-3);
-    expect_below(name + "fast (m)", std::abs(scene.position(1).x() - 1), 1e-4);
-    return static_cast<double>(method.statistics().steps);
-  };
-  const double by_two = run(2), by_five = run(5);
-  expect_below("steps of order 2", by_two, 2000);
-  expect_below("steps of order 5, limited where it pays, over those of 2", by_five / by_two, 2);
-}
-
 TEST(LieBdf, TellsFastTurnsApart) {
   // A chart of the past holds less than half a turn: steady spin would let steps outgrow it.
   const double spin = 200;

@@ -126,13 +126,13 @@ Course run(Kind kind, bool alpha, double step, double restitution, double fricti
 }
 
 /// What steps with contact may add. The modes and elements have frequencies up to 40 times what these steps resolve.
-/// Moreau-Jean's own rule keeps the energy of linear bodies. The nodal one is not linear: its energy rises and falls in
-/// flight too, in proportion to its strain, so that it falls slowly here. Generalized-alpha restarts at every impact.
+/// Moreau-Jean's own rules keep the energy of linear bodies and of solids in nodal coordinates; the impulses of the
+/// latter are found as for linear ones where their law takes energy anyway. Generalized-alpha restarts at every impact.
 double may_gain(Kind kind, bool alpha) {
   if (kind == Kind::rigid) return 1e-7;
   if (kind == Kind::modal) return 5e-4;
   if (alpha) return 2.5e-2;
-  return kind == Kind::nodal ? 3e-3 : 3e-4;
+  return kind == Kind::nodal ? 1.5e-4 : 3e-4;
 }
 
 TEST(ImpactEnergy, is_kept_by_elastic_impacts_and_never_added_to_by_others) {
@@ -149,26 +149,30 @@ TEST(ImpactEnergy, is_kept_by_elastic_impacts_and_never_added_to_by_others) {
               std::printf("%-60s contact %9.2e, gained %.2e; flight %.2e; deepest %.1e\n", name.c_str(), found.contact,
                           found.gained, found.flight, found.deepest);
             EXPECT_LT(found.gained, may_gain(kind, alpha)) << name;
+            if (kind == Kind::nodal && !alpha) {
+              EXPECT_LT(found.flight, 1e-8) << name;
+            }
             if (e < 1 || friction > 0) {
               EXPECT_LT(found.contact, 0) << name;
             } else if (!alpha) {
-              EXPECT_LT(std::abs(found.contact), may_gain(kind, alpha)) << name;
+              EXPECT_LT(std::abs(found.contact), kind == Kind::nodal ? 3e-3 : may_gain(kind, alpha)) << name;
             }
           }
 }
 
 /// A solid in nodal coordinates that falls ten times as fast and bounces some ten times, with elements a hundred times
-/// as fast as the step. The implicit midpoint rule, which MoreauJean iterates to, keeps the energy of what is linear;
-/// that of elements which turn and strain rises and falls about it, 3e-2 at the longer step, 4e-3 at half of it, and
-/// does not grow: three times that. Its first iterate alone gained 24 % by half of this time, then burst.
-/// Generalized-alpha damps.
+/// as fast as the step. MoreauJean's forces are the mean along the step, which keeps its energy, also over elastic
+/// impacts. The midpoint rule alone rose by 3e-2 at the longer step and 4e-3 at the other; its first iterate gained 24
+/// % by half of this time, then burst. Generalized-alpha damps.
 TEST(ImpactEnergy, of_a_solid_that_no_step_resolves_does_not_grow) {
   for (const bool alpha : {false, true})
     for (const double step : {1e-4, 5e-5}) {
       const Course found = run(Kind::nodal, alpha, step, 1, 0, 1, 0.2);
       const std::string name = (alpha ? "alpha, step " : "Moreau-Jean, step ") + std::to_string(step);
-      if (std::getenv("LITHE_PRINT")) std::printf("%-60s highest %.2e\n", name.c_str(), found.highest);
-      EXPECT_LT(found.highest, alpha ? 3e-4 : step > 5e-5 ? 1e-1 : 1.3e-2) << name;
+      if (std::getenv("LITHE_PRINT"))
+        std::printf("%-60s contact %9.2e, gained %.2e; flight %.2e; highest %.2e\n", name.c_str(), found.contact,
+                    found.gained, found.flight, found.highest);
+      EXPECT_LT(found.highest, alpha ? 3e-4 : 6e-6) << name;
       EXPECT_LT(found.deepest, 1e-4) << name;
     }
 }
