@@ -26,7 +26,9 @@ export async function checkDisplay(page, check) {
     lithe.view.set({ show: { ...show, reactions: true, moments: true, contacts: true, contact_shapes: true } });
     const arrows = (kind) => lithe.stage.update() || lithe.stage.runs.some(({ connectors }) => connectors[kind].count > 0);
     const found = {
-      Edges: some(({ bodies }) => bodies.some(({ shapes, mesh }) => mesh || shapes.some(({ kind, role }) => role !== 'contact' && /box|cylinder|cone/.test(kind)))),
+      // Contact shapes are drawn as bodies where these have nothing else.
+      Edges: some(({ bodies }) => bodies.some(({ shapes, mesh }) => mesh || shapes.some(({ kind, role }) => /box|cylinder|cone|half_space/.test(kind) &&
+        (role !== 'contact' || shapes.every((one) => one.role === 'contact'))))),
       Elements: some(({ bodies }) => bodies.some(({ mesh }) => mesh?.edges)),
       'Joints and forces': some(({ connectors }) => connectors.some(({ role, markers }) => role !== 'contact' && markers.length)),
       Markers: some(({ markers }) => markers.length),
