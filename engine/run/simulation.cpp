@@ -338,7 +338,7 @@ void Simulation::save(State& state, const std::string& path) {
 }
 
 State Simulation::resume(Archive& archive) {
-  archive.rewind();  // it may be the one that was saved into
+  if (!archive.loads()) archive.rewind();  // the one that was just saved into
   if (one_) return one_->resume(archive);
   State state = system_.initial_state();
   begun_ = false;  // unless all goes well
