@@ -8,7 +8,7 @@
 #include "engine/base/checks.h"
 #include "engine/base/error.h"
 #include "engine/base/math.h"
-#include "engine/base/sundials_context.h"
+#include "engine/base/sundials_context_internal.h"
 
 namespace lithe {
 

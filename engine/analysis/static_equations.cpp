@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "engine/base/error.h"
-#include "engine/base/sundials_context.h"
+#include "engine/base/sundials_context_internal.h"
 
 namespace lithe {
 namespace {

@@ -13,7 +13,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "engine/base/sundials_context.h"
+#include "engine/base/sundials_context_internal.h"
 
 namespace {
 

@@ -15,7 +15,7 @@
 #include <Eigen/Cholesky>
 
 #include "engine/base/math.h"
-#include "engine/base/sundials_context.h"
+#include "engine/base/sundials_context_internal.h"
 #include "integrators/runge_kutta_tableau.h"
 #include "tools/bench/measure.h"
 #include "tools/bench/peers/mechanisms.h"

@@ -10,7 +10,7 @@ file(GLOB_RECURSE public_headers CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR
 # What no scene names, and would pay for with each compile: factors, kernels, the insides of assembly, contact and runs,
 # what the readers and reductions are made of.
 foreach(internal
-    assembly/.* "cones/(cone_|contact_|dense_|friction_|joint_).*" contact/.* factor/.* fmu/.* forward/.* base/dense.* base/four_vectors base/sundials_context base/temporary_folder
+    assembly/.* "cones/(cone_|contact_|dense_|friction_|joint_).*" contact/.* factor/.* fmu/.* forward/.* base/dense.* base/four_vectors base/temporary_folder
     analysis/perturbation analysis/static_equations
     gradient/contact_numbers gradient/differences gradient/event_derivative gradient/event_landing gradient/moved_drawing
     gradient/parameter_derivative gradient/parameter_terms gradient/recorded_run gradient/repeated_steps
