@@ -42,7 +42,7 @@ struct Package {
 const std::vector<Package>& packages() {
   const std::string ida = R"(integrators/(.*/)?ida\w*\.cpp)";
   const std::string cvode = R"(integrators/(.*/)?adams\w*\.cpp)";
-  const std::string shared = R"(integrators/sundials_internal\.h)";
+  const std::string shared = R"((integrators/sundials|engine/base/sundials_context)_internal\.h)";
   const std::string statics = R"(engine/analysis/static_equations\.cpp)";
   static const std::vector<Package> all = {
       {"Boost.Math", std::regex(R"(boost/math/.*)"), std::regex(R"(engine/(run/event_finder|gradient/fit)\.cpp)"),
@@ -54,7 +54,8 @@ const std::vector<Package>& packages() {
       {"CVODE", std::regex(R"(cvodes?/.*)"), std::regex(cvode), "integrators/adams*.cpp"},
       {"SUNDIALS", std::regex(R"((kinsol|sundials|nvector|sunmatrix|sunlinsol|sunnonlinsol|arkode)/.*)"),
        std::regex(ida + "|" + cvode + "|" + shared + "|" + statics),
-       "integrators/ida*.cpp, adams*.cpp, sundials_internal.h, engine/analysis/static_equations.cpp"},
+       "integrators/ida*.cpp, adams*.cpp, sundials_internal.h, engine/analysis/static_equations.cpp, "
+       "engine/base/sundials_context_internal.h"},
       {"Bullet", std::regex(R"(bt[A-Z]\w*\.h|(BulletCollision|BulletDynamics|BulletSoftBody|LinearMath|bullet)/.*)"),
        std::regex(R"(bodies/shapes\.cpp|joints/contact/.*)"), "bodies/shapes.cpp, joints/contact/"},
       {"Spectra", std::regex(R"(Spectra/.*)"), std::regex(R"(bodies/flexible/.*\.cpp)"), "bodies/flexible/*.cpp"},
