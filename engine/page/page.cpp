@@ -278,12 +278,9 @@ std::string page_text(const std::vector<const RunRecord*>& runs, const PageOptio
                       PageKind kind) {
   using namespace page_parts;
   Arrays arrays;
-  Json page = {{"format", "lithe-page"},
-               {"version", 1},
-               {"title", options.title},
-               {"made_by", "lithe " + std::string(kVersion)},
-               {"findings", Json::array()},
-               {"runs", Json::array()}};
+  Json page = {{"format", "lithe-page"},    {"version", 1},
+               {"title", options.title},    {"made_by", "lithe " + std::string(kVersion)},
+               {"findings", Json::array()}, {"runs", Json::array()}};
   for (const PageFinding& found : options.findings)
     page["findings"].push_back(
         {{"kind", found.kind}, {"text", found.text}, {"fix", found.fix}, {"alarm", found.alarm}});

@@ -80,8 +80,8 @@ TEST_P(KinkGradients, OfAStop) {
   EXPECT_LT(off_closed_form(KinkedSpring::stop, kink_runge_kutta(1e-3), GetParam()), 1e-8);
   EXPECT_LT(off_closed_form(KinkedSpring::stop, kink_radau(5e-4), GetParam()), 1e-8);
   // Error control may make steps short before it has seen the kink; drawings with the stop moved by δ, a thousandth of
-  // the clearance, pass it in those shorter than δ/v, with at most k δ/(v m) of the time that is left: 8e-4. Which steps
-  // there are hangs on rounding; seen were 4e-6 and 6e-5.
+  // the clearance, pass it in those shorter than δ/v, with at most k δ/(v m) of the time that is left: 8e-4. Which
+  // steps there are hangs on rounding; seen were 4e-6 and 6e-5.
   EXPECT_LT(off_closed_form(KinkedSpring::stop, kink_runge_kutta(0), GetParam()), 1e-3);
   EXPECT_LT(off_closed_form(KinkedSpring::stop, kink_radau(0), GetParam()), 1e-3);
   const double coarse = off_closed_form(KinkedSpring::stop, exact_alpha(4e-4), GetParam()),
