@@ -68,7 +68,7 @@ RepeatedSteps::RepeatedSteps(const DifferentiableSteps& method, const Drawing& n
 
 void RepeatedSteps::refuse(const char* why) const {
   throw SimulationError(
-      "the step to t = " + std::to_string(step_->to.time) + " s " + why, "the derivative of a run",
+      "the step to t = " + std::to_string(end_) + " s " + why, "the derivative of a run",
       "look for what is not smooth there: a singular pose, contacts that just begin to touch, to part "
       "or to slide; give another step or other parameters, or smaller steps of these");
 }
@@ -159,6 +159,7 @@ void RepeatedSteps::land(Equations& equations, const PassedKink& kink, MatrixX& 
 /// The step itself, once more.
 void RepeatedSteps::begin(const TakenStep& step) {
   step_ = &step;
+  end_ = step.to.time;
   history_ = nominal_.step->history(
       step.from, step.kinks && !step.kinks->empty() ? step.kinks->front().record.get() : step.record);
   end_history_.setZero(history_.rows(), history_.cols());

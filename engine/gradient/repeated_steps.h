@@ -58,7 +58,8 @@ class RepeatedSteps {
   Equations nominal_;
   std::vector<std::vector<Equations>> moved_;  // of each parameter
   // Of the present step.
-  const TakenStep* step_ = nullptr;
+  const TakenStep* step_ = nullptr;  // until the next one begins, or the run is left
+  double end_ = 0;                   // s, of the last step
   MatrixX history_, end_history_;
   VectorX memory_, unmoved_;
   UnreachedDirections unreached_;  // backwards: at the step's end

@@ -127,6 +127,14 @@ struct Problem {
     solver = SUNLinSol_Dense(y, matrix, context);
     tolerances.assign(kParameters, 1e-13);
   }
+  Problem(const Problem&) = delete;
+  ~Problem() {
+    SUNLinSolFree(solver);
+    SUNMatDestroy(matrix);
+    N_VDestroyVectorArray(s, kParameters);
+    N_VDestroy(y);
+    SUNContext_Free(&context);
+  }
   SUNContext context = lithe::make_sundials_context();
   N_Vector y = nullptr;
   N_Vector* s = nullptr;
@@ -150,6 +158,7 @@ void by_cvodes() {
           "CVODES");
   require(CVode(memory, kEnd, problem.y, &t, CV_NORMAL) >= 0 && CVodeGetSens(memory, &t, problem.s) == 0, "CVODES");
   print("CVODES", problem.y, problem.s, 1);
+  CVodeFree(&memory);
 }
 
 void by_idas() {
@@ -175,6 +184,9 @@ void by_idas() {
   require(IDASolve(memory, kEnd, &t, problem.y, y_dot, IDA_NORMAL) >= 0 && IDAGetSens(memory, &t, problem.s) == 0,
           "IDAS");
   print("IDAS", problem.y, problem.s, 3);
+  IDAFree(&memory);
+  N_VDestroyVectorArray(s_dot, kParameters);
+  for (N_Vector x : {y_dot, differential}) N_VDestroy(x);
 }
 
 }  // namespace
