@@ -154,7 +154,7 @@ CutLoad::CutLoad(const FlexibleBody& body, const BodyCut& cut) : body_(&body), b
           Vector6 turned = Vector6::Zero();
           add(
               element, forces[static_cast<std::size_t>(loaded)],
-              [&, moved = moved](int node) -> Vector3 { return arms[static_cast<std::size_t>(moved)].col(node); },
+              [&arms, bent = moved](int node) -> Vector3 { return arms[static_cast<std::size_t>(bent)].col(node); },
               turned);
           column.tail<3>() += turned.tail<3>();
         }

@@ -23,7 +23,8 @@ thead th { vertical-align: bottom; padding: 0 0 .3rem }
 thead th span { writing-mode: vertical-rl; transform: rotate(180deg) }
 td { padding: 1px; white-space: nowrap }
 td.others { padding-left: 1rem }
-button { width: 1.05rem; height: 1.05rem; padding: 0; border: 1px solid var(--paper); border-radius: 2px; cursor: pointer }
+button { width: 1.05rem; height: 1.05rem; padding: 0; border: 1px solid var(--paper); border-radius: 2px; cursor: pointer;
+  vertical-align: middle; line-height: 1 }
 button:hover, button:focus-visible, button.chosen { outline: 2px solid var(--ink) }
 .converged { background: #009e73 } .inaccurate { background: #e69f00 }
 .unstable { background: #d55e00 } .refused { background: #8a8a8a }

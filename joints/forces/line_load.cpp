@@ -66,7 +66,7 @@ std::vector<LineLoadPiece*> add_line_load(SystemGraph& graph, const Located& nam
   for (const auto& [arcs, half] : stretches) {
     LineLoadPiece::Parameters piece{.wrenches = {}, .law = {}, .axes = load.axes, .amplitude = load.amplitude};
     if (load.law)
-      piece.law = [law = load.law, arcs = arcs, half = half](int m, double time) {
+      piece.law = [law = load.law, arcs, half](int m, double time) {
         return half * law(arcs[static_cast<std::size_t>(m)], time);
       };
     else

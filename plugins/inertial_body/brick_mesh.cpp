@@ -62,7 +62,7 @@ BrickMesh brick_block(const Vector3& size, const std::array<int, 3>& divisions, 
   mesh.type = type;
   mesh.material = material;
   mesh.nodes.resize(3, (nx + 1) * (ny + 1) * (nz + 1));
-  const auto index = [nx = nx, ny = ny](int i, int j, int k) { return i + (nx + 1) * (j + (ny + 1) * k); };
+  const auto index = [nx, ny](int i, int j, int k) { return i + (nx + 1) * (j + (ny + 1) * k); };
   for (int k = 0; k <= nz; ++k)
     for (int j = 0; j <= ny; ++j)
       for (int i = 0; i <= nx; ++i) {

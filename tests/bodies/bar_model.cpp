@@ -41,7 +41,7 @@ MatrixX brick_stiffness(const Vector3& edge, double young, double poisson) {
 FiniteElementModel bar_model(const Bar& bar) {
   const auto [nx, ny, nz] = bar.bricks;
   const Vector3 edge(bar.size.x() / nx, bar.size.y() / ny, bar.size.z() / nz);
-  const auto node_at = [ny = ny, nz = nz](int x, int y, int z) { return (x * (nz + 1) + z) * (ny + 1) + y; };
+  const auto node_at = [ny, nz](int x, int y, int z) { return (x * (nz + 1) + z) * (ny + 1) + y; };
   FiniteElementModel model;
   model.name = "bar of " + std::to_string(nx * ny * nz) + " bricks";
   const int nodes = (nx + 1) * (ny + 1) * (nz + 1);

@@ -232,10 +232,10 @@ TEST(ControlDiagram, LooksUpTables) {
   const auto of = [](auto draw) { return Alone(draw).value(); };
   const std::vector<double> x = {-1, 0, 2}, y = {5, 1, 4};
   for (const auto& [u, expected] : {std::pair(-3.0, 5.0), {-0.25, 2.0}, {1.0, 2.5}, {9.0, 4.0}})
-    EXPECT_DOUBLE_EQ(of([&, u = u](ControlDiagram& d) { return d.table(d.number(u), x, y); }), expected);
+    EXPECT_DOUBLE_EQ(of([&, u](ControlDiagram& d) { return d.table(d.number(u), x, y); }), expected);
   const CubicSpline curve(x, y, "");
   for (const auto& [u, at] : {std::pair(-3.0, -1.0), {1.2, 1.2}, {9.0, 2.0}})
-    EXPECT_DOUBLE_EQ(of([&, u = u](ControlDiagram& d) { return d.spline(d.number(u), x, y); }), curve(at).value);
+    EXPECT_DOUBLE_EQ(of([&, u](ControlDiagram& d) { return d.spline(d.number(u), x, y); }), curve(at).value);
   MatrixX f(3, 2);
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 2; ++j) f(i, j) = (1 + 2 * x[i]) * (3 - j);  // bilinear
@@ -244,7 +244,7 @@ TEST(ControlDiagram, LooksUpTables) {
                    }),
                    (1 + 1.4) * (3 - 0.3));
   for (const auto& [u, expected] : {std::pair(-0.5, -0.3), {0.1, 0.0}, {0.7, 0.5}})
-    EXPECT_NEAR(of([u = u](ControlDiagram& d) { return d.dead_band(d.number(u), 0.2); }), expected, 1e-15);
+    EXPECT_NEAR(of([u](ControlDiagram& d) { return d.dead_band(d.number(u), 0.2); }), expected, 1e-15);
   EXPECT_EQ(of([](ControlDiagram& d) { return d.saturated(d.number(7) * d.number(2), -1, 3); }), 3);
   EXPECT_DOUBLE_EQ(of([](ControlDiagram& d) { return d.function(d.number(2), [](double u) { return std::exp(u); }); }),
                    std::exp(2.0));

@@ -202,7 +202,7 @@ TEST(JointBristles, HoldAPendulumBesideItsLowestPlace) {
     for (auto& [name, method] : methods(1e-8, 5e-3)) {
       SCOPED_TRACE(name + " from " + std::to_string(start));
       RevoluteJoint* pin = nullptr;
-      Scene scene({0, -kGravity, 0}, [&, start = start](SystemGraph& graph) {
+      Scene scene({0, -kGravity, 0}, [&, start](SystemGraph& graph) {
         const Matrix3 A = rotation_about({0, 0, 1}, start);
         auto& rod = graph.add<RigidBody>(
             "rod", {.mass = 2, .inertia = {0.1, 0.1, 0.1}, .position = A * Vector3(0, -kLength, 0), .orientation = A});

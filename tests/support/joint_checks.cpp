@@ -85,9 +85,7 @@ void check_joint(SystemGraph& graph, const Constraint& joint, const JointExpecta
   const double h = expected.difference;
   const auto [name, first, count] = p.system.rows(joint);
   EXPECT_EQ(count, joint.row_count());
-  const auto rows = [first = first, count = count](const MatrixX& all) -> MatrixX {
-    return all.middleRows(first, count);
-  };
+  const auto rows = [first, count](const MatrixX& all) -> MatrixX { return all.middleRows(first, count); };
 
   std::vector<int> rolling;  // rows on velocities alone
   for (int row : p.system.velocity_rows())

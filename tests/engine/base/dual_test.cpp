@@ -36,8 +36,8 @@ TEST(Dual, FirstDerivativesAreThose) {
     Dual<2> a(x), b(y);
     a.d[0] = 1, b.d[1] = 1;
     const Dual<2> f = all_of(a, b);
-    const double dx = difference([&, x = x, y = y](double h) { return plain(x + h, y); }, 1e-3),
-                 dy = difference([&, x = x, y = y](double h) { return plain(x, y + h); }, 1e-3);
+    const double dx = difference([&, x, y](double h) { return plain(x + h, y); }, 1e-3),
+                 dy = difference([&, x, y](double h) { return plain(x, y + h); }, 1e-3);
     expect_below("by x", std::abs(f.d[0] - dx), 1e-9 * (1 + std::abs(dx)));
     expect_below("by y", std::abs(f.d[1] - dy), 1e-9 * (1 + std::abs(dy)));
   }
