@@ -10,26 +10,11 @@
 #include "joints/gear_pair.h"
 #include "joints/prismatic_joint.h"
 #include "joints/revolute_joint.h"
+#include "tests/doctor_judged/machines.h"
 #include "tests/doctor_judged/seeded_errors.h"
 
 namespace lithe::test {
 namespace {
-
-const Vector3 kO{0, 0, 0}, kA{0, 0, 0.2}, kB{0.5, 0, 0.4}, kD{0.6, 0, 0};
-
-/// Crank, coupler and rocker in the plane y = 0; the coupler's pin on the rocker is at `rocker_end` of the rocker and
-/// has its axis along `axis`.
-std::vector<Sensor> draw_four_bar(SystemGraph& graph, const Vector3& axis, const Vector3& rocker_end) {
-  auto& crank = add_rod(graph, "crank", kO, kA);
-  auto& coupler = add_rod(graph, "coupler", kA, kB);
-  auto& rocker = add_rod(graph, "rocker", kD, kB);
-  tie<RevoluteJoint>(graph, "pin O", graph.ground(), crank, kO);
-  tie<RevoluteJoint>(graph, "pin A", crank, coupler, kA);
-  graph.add<RevoluteJoint>(
-      "pin B", {coupler.marker_at_world(kB, axes_of(axis)), rocker.marker_at_world(rocker_end, axes_of(axis))});
-  tie<RevoluteJoint>(graph, "pin D", graph.ground(), rocker, kD);
-  return {position(coupler.marker(), "coupler")};
-}
 
 std::shared_ptr<const ModalBasis> beam_basis(const BodyFrame& frame, int modes) {
   SystemGraph drawing;
@@ -80,16 +65,9 @@ std::vector<SeededError> errors_of_geometry() {
        {{"payload"}}},
       {{{.name = "both cranks of a parallelogram are driven, one at another speed",
          .draw = [](SystemGraph& graph) -> std::vector<Sensor> {
-           const Vector3 D{0.4, 0, 0}, A{0, 0, 0.2}, B{0.4, 0, 0.2};
-           auto& left = add_rod(graph, "left crank", kO, A);
-           auto& right = add_rod(graph, "right crank", D, B);
-           auto& bar = add_rod(graph, "bar", A, B);
-           auto& first = tie<RevoluteJoint>(graph, "left foot", graph.ground(), left, kO);
-           auto& second = tie<RevoluteJoint>(graph, "right foot", graph.ground(), right, D);
-           tie<RevoluteJoint>(graph, "left pin", left, bar, A);
-           tie<RevoluteJoint>(graph, "right pin", right, bar, B);
-           graph.add<CoordinateDrive>("left motor", {first.angle()}, {.motion = smooth_step(0, 1, 0, 1)});
-           graph.add<CoordinateDrive>("right motor", {second.angle()}, {.motion = smooth_step(0, 1.2, 0, 1)});
+           const auto [left, right, bar] = add_parallelogram(graph, {0.4, 0, 0}, {0, 0, 0.2});
+           graph.add<CoordinateDrive>("left motor", {left.angle()}, {.motion = smooth_step(0, 1, 0, 1)});
+           graph.add<CoordinateDrive>("right motor", {right.angle()}, {.motion = smooth_step(0, 1.2, 0, 1)});
            return {position(bar.marker(), "bar")};
          }}},
        {Cause::incompatible_drive},
@@ -135,12 +113,7 @@ std::vector<SeededError> errors_of_geometry() {
       {{{.name = "gears turn against each other, and the belt beside them does not",
          .gravity = {0, 0, 0},
          .draw = [](SystemGraph& graph) -> std::vector<Sensor> {
-           const Vector3 centre{0.1, 0, 0};
-           auto& first = graph.add<RigidBody>("input", {.inertia = {1e-3, 1e-3, 2e-3}});
-           auto& second = graph.add<RigidBody>("output", {.inertia = {1e-3, 1e-3, 2e-3}, .position = centre});
-           auto& one = tie<RevoluteJoint>(graph, "input shaft", graph.ground(), first, kO, kUp);
-           auto& two = tie<RevoluteJoint>(graph, "output shaft", graph.ground(), second, centre, kUp);
-           graph.add<GearPair>("mesh", {first.marker(), second.marker()}, {.radius_A = 0.05, .radius_B = 0.05});
+           const auto [one, two] = add_meshed_shafts(graph);
            graph.add<CoordinateCoupling>("belt", {one.angle(), two.angle()}, {.factors = {1, -1}});
            graph.add<CoordinateMotor>("motor", {one.angle()}, {[](double, double, double w) { return 1 - w; }});
            return {coordinate(one.angle(), "input")};
@@ -149,38 +122,20 @@ std::vector<SeededError> errors_of_geometry() {
        {{"mesh", "belt"}}},
       {{{.name = "a parallelogram is drawn flat, where it can fold",
          .draw = [](SystemGraph& graph) -> std::vector<Sensor> {
-           const Vector3 D{1, 0, 0}, A{0.3, 0, 0}, B{1.3, 0, 0};
-           auto& left = add_rod(graph, "left crank", kO, A);
-           auto& right = add_rod(graph, "right crank", D, B);
-           auto& bar = add_rod(graph, "bar", A, B);
-           tie<RevoluteJoint>(graph, "left foot", graph.ground(), left, kO);
-           tie<RevoluteJoint>(graph, "right foot", graph.ground(), right, D);
-           tie<RevoluteJoint>(graph, "left pin", left, bar, A);
-           tie<RevoluteJoint>(graph, "right pin", right, bar, B);
-           return {position(bar.marker(), "bar")};
+           return {position(add_parallelogram(graph, {1, 0, 0}, {0.3, 0, 0}).bar.marker(), "bar")};
          }}},
        {Cause::singular_position},
        {{"foot", "pin", "crank", "bar"}}},
       {{{.name = "the hand is turned by its Euler angles in the wrong order",
          .draw = [](SystemGraph& graph) -> std::vector<Sensor> {
            const Matrix3 yaw = rotation_about(kUp, 0.5), pitch = rotation_about(kAcross, 0.7);
-           auto& arm = graph.add<RigidBody>("arm", {.inertia = {1e-2, 1e-2, 1e-2}, .orientation = yaw});
-           auto& hand = graph.add<RigidBody>("hand", {.mass = 0.3,
-                                                      .inertia = {1e-3, 1e-3, 1e-3},
-                                                      .position = yaw * Vector3(0.2, 0, 0),
-                                                      .orientation = pitch * yaw});
-           graph.add<RevoluteJoint>("shoulder", {graph.ground().marker(kO, yaw), arm.marker()});
-           graph.add<RevoluteJoint>("wrist", {arm.marker({0.2, 0, 0}, pitch), hand.marker()});
-           return {position(hand.marker(), "hand")};
+           return {position(add_hand(graph, yaw, pitch, pitch * yaw).marker(), "hand")};
          }}},
        {Cause::open_joint},
        {{"wrist"}}},
       {{{.name = "the reaction of one of a door's two hinges is read off",
          .draw = [](SystemGraph& graph) -> std::vector<Sensor> {
-           auto& door = graph.add<RigidBody>("door", {.mass = 25, .inertia = {8, 9, 1.4}, .position = {0.4, 0, 1}});
-           tie<RevoluteJoint>(graph, "lower hinge", graph.ground(), door, {0, 0, 0.3}, kUp);
-           auto& upper = tie<RevoluteJoint>(graph, "upper hinge", graph.ground(), door, {0, 0, 1.7}, kUp);
-           return {reaction(upper, 1, kWorldAxes, "load of the screws")};
+           return {reaction(add_door(graph).upper, 1, kWorldAxes, "load of the screws")};
          }}},
        {Cause::redundant_rows},
        {{"lower hinge", "upper hinge"}}},

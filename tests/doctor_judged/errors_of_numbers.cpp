@@ -14,7 +14,7 @@
 namespace lithe::test {
 namespace {
 
-const Vector3 kO{0, 0, 0}, kElbow{0.3, 0, 0}, kTip{0.6, 0, 0};
+const Vector3 kElbow{0.3, 0, 0}, kTip{0.6, 0, 0};
 
 /// Two arms that hang from a shoulder, let go level; the first one as given.
 std::vector<Sensor> draw_arms(SystemGraph& graph, RigidBody& upper) {

@@ -25,7 +25,7 @@ struct SeededError {
   std::vector<std::vector<std::string>> words;
 };
 
-inline const Vector3 kUp{0, 0, 1}, kAlong{1, 0, 0}, kAcross{0, 1, 0};
+inline const Vector3 kO{0, 0, 0}, kUp{0, 0, 1}, kAlong{1, 0, 0}, kAcross{0, 1, 0};
 
 /// Axes whose z is along `z`.
 inline Matrix3 axes_of(const Vector3& z) {

@@ -10,13 +10,12 @@
 #include "joints/prismatic_joint.h"
 #include "joints/revolute_joint.h"
 #include "joints/spherical_joint.h"
+#include "tests/doctor_judged/machines.h"
 #include "tests/doctor_judged/seeded_errors.h"
 
 /// Written when the rules had been mended for the first round, and not looked at by the doctor before.
 namespace lithe::test {
 namespace {
-
-const Vector3 kO{0, 0, 0};
 
 RigidBody& add_rotor(SystemGraph& graph, double speed) {
   return graph.add<RigidBody>("rotor", {.mass = 4, .inertia = {0.02, 0.02, 0.03}, .angular_velocity = {0, 0, speed}});
@@ -28,14 +27,7 @@ std::vector<SeededError> errors_of_second_round() {
   return {
       {{{.name = "a connecting rod is too short for its crank to go round",
          .draw = [](SystemGraph& graph) -> std::vector<Sensor> {
-           const Vector3 end{0.07, 0, 0.07}, slide{0.12, 0, 0};
-           auto& crank = add_rod(graph, "crank", kO, end);
-           auto& rod = add_rod(graph, "rod", end, slide);
-           auto& piston = graph.add<RigidBody>("piston", {.inertia = {1e-3, 1e-3, 1e-3}, .position = slide});
-           auto& main = tie<RevoluteJoint>(graph, "main bearing", graph.ground(), crank, kO);
-           tie<RevoluteJoint>(graph, "big end", crank, rod, end);
-           tie<RevoluteJoint>(graph, "small end", rod, piston, slide);
-           tie<PrismaticJoint>(graph, "bore", graph.ground(), piston, slide, kAlong);
+           const auto [main, piston] = add_slider_crank(graph, {0.07, 0, 0.07}, {0.12, 0, 0});
            graph.add<CoordinateDrive>("motor", {main.angle()}, {.motion = smooth_step(0, -3, 0, 1)});
            return {position(piston.marker(), "piston")};
          }}},

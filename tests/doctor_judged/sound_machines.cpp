@@ -10,50 +10,26 @@
 #include "joints/prismatic_joint.h"
 #include "joints/revolute_joint.h"
 #include "joints/universal_joint.h"
+#include "tests/doctor_judged/machines.h"
 #include "tests/doctor_judged/seeded_errors.h"
 
 namespace lithe::test {
-namespace {
-
-const Vector3 kO{0, 0, 0};
-
-}  // namespace
-
 std::vector<JudgedScene> sound_machines() {
   return {
       {{.name = "a four-bar of hinges, whose rows repeat each other as in every planar mechanism",
         .duration = 2,
-        .draw = [](SystemGraph& graph) -> std::vector<Sensor> {
-          const Vector3 A{0, 0, 0.2}, B{0.5, 0, 0.4}, D{0.6, 0, 0};
-          auto& crank = add_rod(graph, "crank", kO, A);
-          auto& coupler = add_rod(graph, "coupler", A, B);
-          auto& rocker = add_rod(graph, "rocker", D, B);
-          tie<RevoluteJoint>(graph, "pin O", graph.ground(), crank, kO);
-          tie<RevoluteJoint>(graph, "pin A", crank, coupler, A);
-          tie<RevoluteJoint>(graph, "pin B", coupler, rocker, B);
-          tie<RevoluteJoint>(graph, "pin D", graph.ground(), rocker, D);
-          return {position(coupler.marker(), "coupler")};
-        }}},
+        .draw = [](SystemGraph& graph) { return draw_four_bar(graph); }}},
       {{.name = "a door on two hinges",
         .duration = 2,
         .draw = [](SystemGraph& graph) -> std::vector<Sensor> {
-          auto& door = graph.add<RigidBody>("door", {.mass = 25, .inertia = {8, 9, 1.4}, .position = {0.4, 0, 1}});
-          auto& lower = tie<RevoluteJoint>(graph, "lower hinge", graph.ground(), door, {0, 0, 0.3}, kUp);
-          tie<RevoluteJoint>(graph, "upper hinge", graph.ground(), door, {0, 0, 1.7}, kUp);
+          const auto [lower, upper] = add_door(graph);
           graph.add<CoordinateSpring>("closer", {lower.angle()}, {.stiffness = 12, .damping = 9, .free_value = 1.2});
           return {coordinate(lower.angle(), "angle")};
         }}},
       {{.name = "a slider-crank, driven from rest",
         .duration = 2,
         .draw = [](SystemGraph& graph) -> std::vector<Sensor> {
-          const Vector3 end{0, 0, 0.1}, slide{0.3, 0, 0};
-          auto& crank = add_rod(graph, "crank", kO, end);
-          auto& rod = add_rod(graph, "rod", end, slide);
-          auto& piston = graph.add<RigidBody>("piston", {.inertia = {1e-3, 1e-3, 1e-3}, .position = slide});
-          auto& main = tie<RevoluteJoint>(graph, "main bearing", graph.ground(), crank, kO);
-          tie<RevoluteJoint>(graph, "big end", crank, rod, end);
-          tie<RevoluteJoint>(graph, "small end", rod, piston, slide);
-          tie<PrismaticJoint>(graph, "bore", graph.ground(), piston, slide, kAlong);
+          const auto [main, piston] = add_slider_crank(graph, {0, 0, 0.1}, {0.3, 0, 0});
           graph.add<CoordinateDrive>("motor", {main.angle()}, {.motion = smooth_step(0, 15, 0, 2)});
           return {position(piston.marker(), "piston")};
         }}},
@@ -153,24 +129,12 @@ std::vector<JudgedScene> sound_machines() {
       {{.name = "a turned hand on an arm, whose marker is turned alike",
         .draw = [](SystemGraph& graph) -> std::vector<Sensor> {
           const Matrix3 yaw = rotation_about(kUp, 0.5), pitch = rotation_about(kAcross, 0.7);
-          auto& arm = graph.add<RigidBody>("arm", {.inertia = {1e-2, 1e-2, 1e-2}, .orientation = yaw});
-          auto& hand = graph.add<RigidBody>("hand", {.mass = 0.3,
-                                                     .inertia = {1e-3, 1e-3, 1e-3},
-                                                     .position = yaw * Vector3(0.2, 0, 0),
-                                                     .orientation = yaw * pitch});
-          graph.add<RevoluteJoint>("shoulder", {graph.ground().marker(kO, yaw), arm.marker()});
-          graph.add<RevoluteJoint>("wrist", {arm.marker({0.2, 0, 0}, pitch), hand.marker()});
-          return {position(hand.marker({0, 0.1, 0}), "finger")};
+          return {position(add_hand(graph, yaw, pitch, yaw * pitch).marker({0, 0.1, 0}), "finger")};
         }}},
       {{.name = "gears and a belt that agree: one of them is spare",
         .gravity = {0, 0, 0},
         .draw = [](SystemGraph& graph) -> std::vector<Sensor> {
-          const Vector3 centre{0.1, 0, 0};
-          auto& first = graph.add<RigidBody>("input", {.inertia = {1e-3, 1e-3, 2e-3}});
-          auto& second = graph.add<RigidBody>("output", {.inertia = {1e-3, 1e-3, 2e-3}, .position = centre});
-          auto& one = tie<RevoluteJoint>(graph, "input shaft", graph.ground(), first, kO, kUp);
-          auto& two = tie<RevoluteJoint>(graph, "output shaft", graph.ground(), second, centre, kUp);
-          graph.add<GearPair>("mesh", {first.marker(), second.marker()}, {.radius_A = 0.05, .radius_B = 0.05});
+          const auto [one, two] = add_meshed_shafts(graph);
           graph.add<CoordinateCoupling>("crossed belt", {one.angle(), two.angle()}, {.factors = {1, 1}});
           graph.add<CoordinateMotor>("motor", {one.angle()}, {[](double, double, double w) { return 1 - w; }});
           return {coordinate(one.angle(), "input")};

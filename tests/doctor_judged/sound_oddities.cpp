@@ -16,12 +16,6 @@
 #include "tests/doctor_judged/seeded_errors.h"
 
 namespace lithe::test {
-namespace {
-
-const Vector3 kO{0, 0, 0};
-
-}  // namespace
-
 std::vector<JudgedScene> sound_oddities() {
   return {
       {{.name = "a resonator of 100 µm and 1 µg at 16 kHz",

@@ -10,6 +10,16 @@
 
 namespace {
 
+/// To `end` (s), a state every `interval` (s); the page bears the run's name.
+void move_and_write(Run& run, const System& system, Integrator& integrator, double interval, double end,
+                    const std::string& folder, const std::string& title) {
+  State state = system.initial_state();
+  Simulation simulation{system, integrator};
+  simulation.observe(run, every(interval));
+  simulation.run(state, end);
+  write_page(run, folder + "/" + run.name() + ".html", {.title = title});
+}
+
 /// Craig-Bampton bracket under a weight that is put on suddenly: example 19.
 void write_bracket(const std::string& folder) {
   const FlexibleBodyFile file =
@@ -35,12 +45,8 @@ void write_bracket(const std::string& folder) {
   const System system = assemble(graph);
   Run run{system, {position(held, "eye")}, {.name = "bracket"}};
   run.draw(instrument, visual::box({0.03, 0.03, 0.02}));
-  State state = system.initial_state();
   GeneralizedAlpha integrator{{.step = 5e-5, .spectral_radius = 0.8}};
-  Simulation simulation{system, integrator};
-  simulation.observe(run, every(2e-4));
-  simulation.run(state, 0.04);
-  write_page(run, folder + "/bracket.html", {.title = "A wall bracket, 2 kg put on suddenly"});
+  move_and_write(run, system, integrator, 2e-4, 0.04, folder, "A wall bracket, 2 kg put on suddenly");
 }
 
 void write_squeezer(const std::string& folder) {
@@ -49,12 +55,8 @@ void write_squeezer(const std::string& folder) {
   std::vector<Sensor> sensors = study.draw(graph);
   const System system = assemble(graph);
   Run run{system, std::move(sensors), {.name = "squeezer"}};
-  State state = system.initial_state();
   ExplicitRungeKutta integrator{{.tolerance = {.relative = 1e-8, .absolute = 1e-10}}};
-  Simulation simulation{system, integrator};
-  simulation.observe(run, every(1e-4));
-  simulation.run(state, study.duration);
-  write_page(run, folder + "/squeezer.html", {.title = "Andrews' squeezing mechanism"});
+  move_and_write(run, system, integrator, 1e-4, study.duration, folder, "Andrews' squeezing mechanism");
 }
 
 /// Balls and cubes thrown into a box of four walls.
@@ -85,12 +87,8 @@ void write_pile(const std::string& folder) {
   graph.add<Contact>("pile", std::move(colliders), {.friction = {.coefficient = 0.4}});
   const System system = assemble(graph);
   Run run{system, {total_energy("energy")}, {.name = "pile", .detailed = 10}};
-  State state = system.initial_state();
   MoreauJean stepping{{.step = 2e-3, .contact = {.tolerance = 1e-5}}};
-  Simulation simulation{system, stepping};
-  simulation.observe(run, every(0.01));
-  simulation.run(state, 1.5);
-  write_page(run, folder + "/pile.html", {.title = "Balls and cubes in a box"});
+  move_and_write(run, system, stepping, 0.01, 1.5, folder, "Balls and cubes in a box");
 }
 
 /// A strip of spring steel as an exact beam and a rigid rod, let go level: example 24.
@@ -110,12 +108,8 @@ void write_beams(const std::string& folder) {
   Run run{system,
           {position(beam.marker(length), "strip"), position(rod.marker({length / 2, 0, 0}), "rod")},
           {.name = "beams"}};
-  State state = system.initial_state();
   Radau radau{{.tolerance = {.relative = 1e-5, .absolute = 1e-6}}};
-  Simulation simulation{system, radau};
-  simulation.observe(run, every(1e-2));
-  simulation.run(state, 1.0);
-  write_page(run, folder + "/beams.html", {.title = "A strip of spring steel and a rigid rod, let go level"});
+  move_and_write(run, system, radau, 1e-2, 1.0, folder, "A strip of spring steel and a rigid rod, let go level");
 }
 
 /// A flexible rod dropped on a table by one end, and a box that slides to rest, with compliant surfaces: example 20.
@@ -142,12 +136,8 @@ void write_contact(const std::string& folder) {
   Run run{system,
           {position(rod.node(model.node_set("x_max").front()), "tip"), position(block.marker(), "block")},
           {.name = "contact"}};
-  State state = system.initial_state();
   Radau radau{{.tolerance = {.relative = 1e-5, .absolute = 1e-7}}};
-  Simulation simulation{system, radau};
-  simulation.observe(run, every(1e-3));
-  simulation.run(state, 0.4);
-  write_page(run, folder + "/contact.html", {.title = "A flexible rod and a block on a table"});
+  move_and_write(run, system, radau, 1e-3, 0.4, folder, "A flexible rod and a block on a table");
 }
 
 }  // namespace
