@@ -23,10 +23,18 @@ MotionLaw harmonic(double amplitude, double angular_frequency, double phase, dou
   };
 }
 
-MotionLaw smooth_step(double from, double to, double begin, double end) {
+namespace {
+
+void check_end(const char* law, double begin, double end) {
   if (!(end > begin))
-    throw SceneError("smooth_step begins at " + std::to_string(begin) + " and ends at " + std::to_string(end),
-                     "smooth_step", "give an end after the begin, s");
+    throw SceneError(std::string(law) + " begins at " + std::to_string(begin) + " and ends at " + std::to_string(end),
+                     law, "give an end after the begin, s");
+}
+
+}  // namespace
+
+MotionLaw smooth_step(double from, double to, double begin, double end) {
+  check_end("smooth_step", begin, end);
   return [=](double t) { return smooth_step_at(from, to, begin, end, t); };
 }
 
@@ -34,6 +42,16 @@ Motion smooth_step_at(double from, double to, double begin, double end, double t
   const double T = end - begin, s = std::clamp((time - begin) / T, 0.0, 1.0), rise = to - from;
   return {from + rise * s * s * s * (10 + s * (6 * s - 15)), rise * 30 * s * s * (1 - s) * (1 - s) / T,
           rise * 60 * s * (1 - s) * (1 - 2 * s) / (T * T)};
+}
+
+MotionLaw run_up(double rate, double begin, double end) {
+  check_end("run_up", begin, end);
+  return [=](double t) {
+    const Motion speed = smooth_step_at(0, rate, begin, end, t);
+    const double T = end - begin, s = std::clamp((t - begin) / T, 0.0, 1.0);
+    const double turn = rate * T * s * s * s * s * (2.5 + s * (s - 3)) + rate * std::max(0.0, t - end);
+    return Motion{turn, speed.value, speed.rate};
+  };
 }
 
 MotionLaw tabulated(std::vector<double> times, std::vector<double> values) {

@@ -22,6 +22,9 @@ MotionLaw harmonic(double amplitude, double angular_frequency, double phase = 0,
 MotionLaw smooth_step(double from, double to, double begin, double end);
 /// The same at one time, unchecked.
 Motion smooth_step_at(double from, double to, double begin, double end, double time);
+/// A turn whose rate goes from zero to `rate` as smooth_step does, then stays: a drive that runs up. It starts from 0, and
+/// is rate (end - begin) / 2 at its end. Throws like smooth_step.
+MotionLaw run_up(double rate, double begin, double end);
 /// Natural cubic spline through a table; beyond it a straight line. Throws SceneError for fewer than two points, lists
 /// of different lengths, times that do not grow, and a value that is not finite.
 MotionLaw tabulated(std::vector<double> times, std::vector<double> values);

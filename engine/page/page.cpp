@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <set>
+#include <string_view>
+#include <unordered_map>
 
 #include "engine/base/version.h"
 #include "engine/output/partial_file.h"
@@ -18,21 +20,26 @@ namespace page_parts {
 using Json = nlohmann::json;
 using Rows = Eigen::Map<const MatrixX>;
 
-/// The arrays of a page: one buffer, little-endian, each array at a multiple of 8.
+/// The arrays of a page: one buffer, little-endian, each array at a multiple of 8. Equal ones, as bodies of one mesh
+/// have them, are stored once.
 class Arrays {
  public:
   Json add(ConstMatrixRef values, const std::string& type) {
-    if (type == "f64") return write<double>(values, type, 1);
-    if (type == "f32") return write<float>(values, type, 1);
-    if (type == "u32") return write<std::uint32_t>(values, type, 1);
-    if (type == "u16") return write<std::uint16_t>(values, type, 1);
+    if (type == "f64") return write<double>(values, type);
+    if (type == "f32") return write<float>(values, type);
+    if (type == "u32") return write<std::uint32_t>(values, type);
+    if (type == "u16") return write<std::uint16_t>(values, type);
     throw SceneError("an array of type '" + type + "'", "write_page", "f64, f32, u32 and u16 are known");
   }
-  /// As 16-bit integers times a scale where that leaves no number by more than `error`, else as floats.
-  Json add_shapes(ConstMatrixRef values, double error) {
-    const double largest = values.size() > 0 ? values.lpNorm<Eigen::Infinity>() : 0, scale = largest / 32767;
-    if (!(scale > 0) || scale / 2 > error) return write<float>(values, "f32", 1);
-    Json reference = write<std::int16_t>(values, "i16", scale);
+  /// As 16-bit integers times a scale of each column where that leaves no sum of columns times coordinates, of at most
+  /// `largest`, off by more than `error`; else as floats.
+  Json add_shapes(ConstMatrixRef values, const VectorX& largest, double error) {
+    if (values.size() == 0) return write<float>(values, "f32");
+    VectorX scale = values.cwiseAbs().colwise().maxCoeff().transpose() / 32767;
+    if (!(0.5 * scale.dot(largest) <= error)) return write<float>(values, "f32");
+    for (double& s : scale)
+      if (s == 0) s = 1;
+    Json reference = write<std::int16_t>(values * scale.cwiseInverse().asDiagonal(), "i16");
     reference["scale"] = scale;
     return reference;
   }
@@ -40,7 +47,7 @@ class Arrays {
 
  private:
   template <class Stored>
-  Json write(ConstMatrixRef values, const std::string& type, double scale) {
+  Json write(ConstMatrixRef values, const std::string& type) {
     bytes_.resize((bytes_.size() + 7) / 8 * 8, '\0');
     const std::size_t at = bytes_.size();
     bytes_.resize(at + static_cast<std::size_t>(values.size()) * sizeof(Stored));
@@ -49,7 +56,7 @@ class Arrays {
       for (Eigen::Index r = 0; r < values.rows(); ++r, to += sizeof(Stored)) {
         Stored stored{};
         if constexpr (std::is_integral_v<Stored>)
-          stored = static_cast<Stored>(std::lround(values(r, c) / scale));
+          stored = static_cast<Stored>(std::lround(values(r, c)));
         else
           stored = static_cast<Stored>(values(r, c));
         if (!std::isfinite(static_cast<double>(stored)) || !std::isfinite(values(r, c)))
@@ -57,10 +64,23 @@ class Arrays {
                            "see which shape or mode of the scene is not finite, or too large for a float");
         std::memcpy(to, &stored, sizeof stored);
       }
-    return {{"at", at}, {"n", values.size()}, {"type", type}};
+    return {{"at", placed(at)}, {"n", values.size()}, {"type", type}};
+  }
+  /// Where the bytes from `at` on have been before, and are taken away from the end; or `at`.
+  std::size_t placed(std::size_t at) {
+    const std::string_view written = std::string_view(bytes_).substr(at);
+    auto& alike = by_hash_[std::hash<std::string_view>()(written)];
+    for (const auto& [first, size] : alike)
+      if (std::string_view(bytes_).substr(first, size) == written) {
+        bytes_.resize(at);
+        return first;
+      }
+    alike.emplace_back(at, written.size());
+    return at;
   }
 
   std::string bytes_;
+  std::unordered_map<std::size_t, std::vector<std::pair<std::size_t, std::size_t>>> by_hash_;  // at, bytes
 };
 
 double size_of(const MatrixX& points) {
@@ -112,8 +132,8 @@ class PageRun {
   void add_natural(Json& mesh) {
     const MatrixX eta = part(mesh["coordinates"]), shapes = set(mesh["shapes"]);
     const VectorX largest = live_ ? VectorX::Constant(eta.rows(), kAnyMotion) : largest_of(eta);
-    const double size = size_of(set(mesh["points"])), used = std::max(largest.sum(), 1e-300);
-    mesh["shapes"] = arrays_.add_shapes(shapes, 5e-7 * size / used);
+    const double size = size_of(set(mesh["points"]));
+    mesh["shapes"] = arrays_.add_shapes(shapes, largest, 5e-7 * size);
     if (mesh["pairs"].is_object()) add_pairs(mesh, set(mesh["pairs"]), largest, size);
     if (!mesh["stress"].is_object()) return;
     Json& place = mesh["stress"]["shapes"];
@@ -121,7 +141,7 @@ class PageRun {
     double peak = 0;
     for (Eigen::Index i = 0; i < eta.cols(); i += std::max<Eigen::Index>(1, eta.cols() / 50))
       peak = std::max(peak, (stress * eta.col(i)).lpNorm<Eigen::Infinity>());
-    place = arrays_.add_shapes(stress, 5e-4 * peak / used);
+    place = arrays_.add_shapes(stress, largest, 5e-4 * peak);
   }
 
   /// Those that move a point by more than nothing: the sum of what is left out stays below 1e-7 of the size.
@@ -136,21 +156,22 @@ class PageRun {
              pairs.col(static_cast<Eigen::Index>(p)).lpNorm<Eigen::Infinity>();
     };
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return reach(a) < reach(b); });
-    double left_out = 0, used = 0;
+    double left_out = 0;
     std::size_t first = 0;
     while (first < order.size() && left_out + reach(order[first]) < 1e-7 * size) left_out += reach(order[first++]);
     order.erase(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(first));
     std::sort(order.begin(), order.end());
     MatrixX ij(2, static_cast<Eigen::Index>(order.size())), shapes(pairs.rows(), ij.cols());
+    VectorX products(ij.cols());
     for (Eigen::Index i = 0; i < ij.cols(); ++i) {
       const auto& pair = all[order[static_cast<std::size_t>(i)]];
       ij(0, i) = pair[0], ij(1, i) = pair[1];
       shapes.col(i) = pairs.col(static_cast<Eigen::Index>(order[static_cast<std::size_t>(i)]));
-      used += largest[pair[0]] * largest[pair[1]];
+      products[i] = largest[pair[0]] * largest[pair[1]];
     }
     mesh["pairs"] = nullptr;
     if (order.empty()) return;
-    mesh["pairs"] = {{"ij", arrays_.add(ij, "u16")}, {"shapes", arrays_.add_shapes(shapes, 3e-7 * size / used)}};
+    mesh["pairs"] = {{"ij", arrays_.add(ij, "u16")}, {"shapes", arrays_.add_shapes(shapes, products, 3e-7 * size)}};
   }
 
   /// Points as they were recorded: shapes fitted to them, and where the body has no frame, its pose too.
@@ -176,9 +197,8 @@ class PageRun {
     }
     const double size = size_of(drawn);
     const FittedShapes fitted = fit_shapes(displacements, 1e-4 * size);
-    const double used = std::max(largest_of(fitted.coordinates).sum(), 1e-300);
     mesh["coordinates"] = arrays_.add(fitted.coordinates, "f32");
-    mesh["shapes"] = arrays_.add_shapes(fitted.shapes, 1e-5 * size / used);
+    mesh["shapes"] = arrays_.add_shapes(fitted.shapes, largest_of(fitted.coordinates), 1e-5 * size);
     for (Eigen::Index k = 0; k < fitted.shapes.cols(); ++k)
       mesh["modes"].push_back({{"name", "fitted shape " + std::to_string(k + 1)}, {"frequency", nullptr}});
     mesh.erase("nodal");

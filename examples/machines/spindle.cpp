@@ -1,4 +1,5 @@
-// spindle: a milling spindle on four angular-contact ball bearings at 12,000 rpm; a cutter starts to push at its nose.
+// spindle: a milling spindle on four angular-contact ball bearings runs up to 12,000 rpm; a cutter starts to push at
+// its nose.
 //
 // Dimensions are typical of a motor spindle with bearings 7014 C (bore 70 mm, 15 degrees, two in front, two behind,
 // back to back). The shaft is a beam; each ball is loaded by itself, so the nose also shakes at the ball-pass
@@ -16,16 +17,18 @@ using namespace lithe;
 
 namespace {
 
-constexpr double kSpeed = 12000 * 2 * M_PI / 60, kCut = 400, kFirst = 0.004;  // rad/s; N, s: the cutter's push
+constexpr double kSpeed = 12000 * 2 * M_PI / 60, kRunUp = 0.05;  // rad/s, s
+constexpr double kCut = 400, kFirst = kRunUp + 0.004;            // N, s: the cutter's push
 
 struct Spindle {
   SystemGraph graph{{.gravity = {0, 0, 0}}};
   Marker nose;
   std::vector<const BallBearing*> bearings;
 
-  Spindle(double speed, double push) {
+  /// At `speed` without a cut; or from rest, run up to it, with a cut.
+  Spindle(double speed, bool from_rest) {
     // 1. A hollow shaft along z with the motor's rotor in its middle and a cutter of 100 mm at its nose.
-    const Vector3 spin(0, 0, speed);
+    const Vector3 spin(0, 0, from_rest ? 0 : speed);
     const BeamAxis axis = BeamAxis::straight({0, 0, 0}, {0, 0, 0.56}, {1, 0, 0});
     const Matrix3 upright = axis.pose(0).axes.transpose();  // markers like the world
     auto& shaft =
@@ -60,9 +63,10 @@ struct Spindle {
                                    .losses = {.damping_time = 1e-5, .load_factor = 3e-4, .speed_factor = 1}}));
     }
 
-    // 3. The motor holds the speed; the cutter pushes from `kFirst` on.
-    graph.add<CoordinateDrive>("motor", {angle_between(graph.ground().marker(), nose)}, {.motion = ramp(0, speed)});
-    graph.add<UserForce>("cut", {nose}, {.law = [push](double t, const MarkerView&) {
+    // 3. The motor; the cutter pushes from `kFirst` on.
+    graph.add<CoordinateDrive>("motor", {angle_between(graph.ground().marker(), nose)},
+                               {.motion = from_rest ? run_up(speed, 0, kRunUp) : ramp(0, speed)});
+    graph.add<UserForce>("cut", {nose}, {.law = [push = from_rest ? kCut : 0](double t, const MarkerView&) {
                            const double s = std::clamp((t - kFirst) / 2e-4, 0.0, 1.0);
                            return force({push * s * s * (3 - 2 * s), 0, 0});
                          }});
@@ -96,7 +100,7 @@ int main() {
   const Campbell diagram =
       campbell(speeds,
                [](double speed) {
-                 Spindle spindle(speed, 0);
+                 Spindle spindle(speed, false);
                  const System system = assemble(spindle.graph);
                  return linearize(system, system.initial_state(), {.axes = PerturbationAxes::world, .step = 1e-6});
                },
@@ -108,13 +112,13 @@ int main() {
     std::printf("%7.1f Hz at rest, %7.1f Hz at 12,000 rpm, damped by %.1f %%\n", branch.frequency.front(),
                 branch.frequency.back(), 100 * branch.damping_ratio.back());
 
-  // 5. The run.
-  Spindle spindle(kSpeed, kCut);
+  // 5. The run, from rest.
+  Spindle spindle(kSpeed, true);
   const machine::Outcome out =
       machine::run(spindle.graph,
                    {.name = "spindle",
                     .title = "A milling spindle on ball bearings",
-                    .duration = 0.03,
+                    .duration = kRunUp + 0.03,
                     .interval = 1e-4,
                     .tolerance = {1e-6, 1e-9},
                     .sensors = {position(spindle.nose, "nose"), rolling_element_loads(*spindle.bearings[0], "ball")}});

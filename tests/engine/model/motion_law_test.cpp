@@ -16,6 +16,7 @@ TEST(MotionLaws, HaveTheDerivativesOfTheirValues) {
       {"ramp", ramp(2, -4)},
       {"harmonic", harmonic(2, 3, 0.4, 1)},
       {"smooth step", smooth_step(1, -2, 0.5, 2)},
+      {"run-up", run_up(3, 0.3, 1.7)},
       {"tabulated", tabulated({0, 0.6, 1.1, 2.2}, {1, -1, 0.5, 2})},
       {"sum", ramp(1, 2) + harmonic(0.5, 7)},
   };
@@ -49,7 +50,19 @@ TEST(SmoothStep, LeavesAndArrivesWithoutAJerk) {
   EXPECT_NEAR(step(2 + 1e-9).acceleration, 0, 1e-6);
 }
 
+/// The area below the rate, a smooth step; full turns from then on.
+TEST(RunUp, TurnsByTheMeanOfItsRatesAndThenByItsRate) {
+  const MotionLaw run = run_up(6, 1, 3);
+  for (double t : {-1.0, 1.0}) EXPECT_EQ(run(t).value, 0) << t;
+  EXPECT_NEAR(run(2).rate, 3, 1e-14);
+  EXPECT_NEAR(run(3).value, 6, 1e-14);
+  EXPECT_NEAR(run(4.5).value, 6 + 1.5 * 6, 1e-14);
+  EXPECT_EQ(run(4.5).rate, 6);
+  EXPECT_EQ(run(4.5).acceleration, 0);
+}
+
 TEST(MotionLaws, RefuseTimesThatDoNotRun) {
+  EXPECT_THROW(run_up(1, 2, 2), SceneError);
   EXPECT_THROW(smooth_step(0, 1, 2, 2), SceneError);
   EXPECT_THROW(smooth_step(0, 1, 2, std::nan("")), SceneError);
   EXPECT_THROW(tabulated({0, 0}, {1, 2}), SceneError);

@@ -63,7 +63,12 @@ struct Page {
     std::memcpy(stored.data(), bytes.data() + at, n * sizeof(Stored));
     VectorX values(static_cast<Eigen::Index>(n));
     for (std::size_t i = 0; i < n; ++i) values[static_cast<Eigen::Index>(i)] = static_cast<double>(stored[i]);
-    return values * reference.value("scale", 1.0);
+    if (reference.contains("scale")) {  // one for each column
+      const auto scale = reference.at("scale").get<std::vector<double>>();
+      const auto rows = values.size() / static_cast<Eigen::Index>(scale.size());
+      for (Eigen::Index i = 0; i < values.size(); ++i) values[i] *= scale[static_cast<std::size_t>(i / rows)];
+    }
+    return values;
   }
   /// `rows` numbers of frame after frame, point after point.
   MatrixX array(const Json& reference, Eigen::Index rows) const {

@@ -368,6 +368,35 @@ TEST(Page, OfALargeFlexibleBodyStaysBelowThreeMegabytes) {
   EXPECT_LT((points.col(marker["node"].get<Eigen::Index>()) - corner.col(500)).norm(), 1.5e-6);
 }
 
+TEST(Page, StoresTheArraysOfAMeshOnce) {
+  const ScratchFolder folder;
+  const auto basis = make_basis(
+      brick_mesh({.size = {1, 0.1, 0.1}, .divisions = {20, 4, 4}, .type = "C3D8", .material = {2e11, 0.3, 7800}}),
+      MeanAxisFrame{}, 3);
+  const auto page_of = [&](int bodies) {
+    SystemGraph graph;
+    for (int k = 0; k < bodies; ++k)
+      graph.add<FlexibleBody>("bar " + std::to_string(k), {.basis = basis, .position = {0, 0.5 * k, 0}});
+    const System system = assemble(graph);
+    State state = system.initial_state();
+    lithe::Run run{system, {}};
+    Snapshot now(system, state);
+    run.observe(now);
+    if (bodies > 1) state.q[static_cast<int>(state.q.size()) - 3] = 1e-3;  // the last one bends
+    state.time = 0.1;
+    now.evaluate(state);
+    run.observe(now);
+    const std::string path = folder.path(std::to_string(bodies) + ".html");
+    write_page(run, path);
+    return path;
+  };
+  const Page page(page_of(4));
+  for (const char* array : {"points", "triangles", "shapes"})
+    EXPECT_EQ(page.body("bar 3")["mesh"][array]["at"], page.body("bar 0")["mesh"][array]["at"]) << array;
+  EXPECT_GT((page.mesh_points(page.body("bar 3"), 1) - page.mesh_points(page.body("bar 3"), 0)).norm(), 1e-4);
+  EXPECT_EQ((page.mesh_points(page.body("bar 0"), 1) - page.mesh_points(page.body("bar 0"), 0)).norm(), 0);
+}
+
 TEST(Page, RefusesWhatCannotBeShown) {
   const ScratchFolder folder;
   SystemGraph graph, other;

@@ -40,7 +40,8 @@ class Arrays {
     const stored = new Type(this.bytes.buffer, this.bytes.byteOffset + ref.at, ref.n);
     this.refs.set(stored, ref);
     if (ref.scale === undefined || ref.scale === null) return stored;
-    return Float32Array.from(stored, (value) => value * ref.scale);
+    const rows = ref.n / ref.scale.length;
+    return Float32Array.from(stored, (value, i) => value * ref.scale[Math.floor(i / rows)]);
   }
 
   /** As read(), or null where the run has none. */
