@@ -1,4 +1,6 @@
 // A program for check_ranks.cmake to start under mpirun: sweeps, and ranks that go astray.
+#include <unistd.h>
+
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -56,6 +58,10 @@ int main(int count, char** arguments) {
       [&](const SweepPoint& point) {
         if (what == "dies" && astray) std::raise(SIGKILL);
         if (what == "dies_late" && astray) std::this_thread::sleep_for(std::chrono::seconds(3)), std::raise(SIGKILL);
+        if (what == "node_dies" && astray) {  // and the daemon that started it
+          std::this_thread::sleep_for(std::chrono::seconds(3));
+          kill(getppid(), SIGKILL), std::raise(SIGKILL);
+        }
         if (what == "first_dies") {
           if (first.rank > 0) std::this_thread::sleep_for(std::chrono::milliseconds(500));
           static std::atomic<int> own = 0;

@@ -6,7 +6,6 @@
 #include "engine/base/error.h"
 #include "engine/observe/observer_schedules.h"
 #include "engine/observe/recorder.h"
-#include "engine/observe/stop_run.h"
 #include "engine/run/simulation.h"
 #include "integrators/explicit_runge_kutta.h"
 #include "integrators/generalized_alpha.h"
@@ -19,17 +18,6 @@
 
 namespace lithe::fuzz {
 namespace {
-
-/// Ends a run after so many steps: forged values of events can make them as short as nanoseconds (docs/hardening.md).
-class StepLimit final : public Observer {
- public:
-  void observe(Snapshot&) override {
-    if (++steps_ == 300) throw StopRun{"enough steps"};
-  }
-
- private:
-  int steps_ = 0;
-};
 
 /// A pendulum, a ball on the floor, an event and a recorder: each part of a checkpoint has something to hold.
 class CheckpointScene {
@@ -80,7 +68,6 @@ class CheckpointScene {
   }
   template <class Source>
   void resume(Source&& source) {
-    simulation_->observe(limit_, every_step());
     State state = simulation_->resume(source);
     // A state far away in time moves on by what time can resolve.
     const double end = state.time + std::max(5e-3, 100 * time_round_off(state.time));
@@ -97,7 +84,6 @@ class CheckpointScene {
   std::unique_ptr<System> system_;
   std::unique_ptr<Integrator> integrator_;
   std::optional<Recorder> recorder_;
-  StepLimit limit_;
   std::optional<Simulation> simulation_;
 };
 
