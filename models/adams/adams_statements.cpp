@@ -352,7 +352,7 @@ DataSet::DataSet(const std::filesystem::path& file) : path(file.string()) {
       title = trimmed(text);
       continue;
     }
-    text = text.substr(0, text.find('!'));
+    text.erase(std::min(text.find('!'), text.size()));
     std::string line = trimmed(text);
     if (line.empty()) continue;
     const bool continues = line[0] == ',' || (!lines.empty() && lines.back().text.back() == '&');
