@@ -236,6 +236,7 @@ SweepResult sweep(const SweepScene& scene, const Table& parameters, const SweepO
   check(scene, parameters, options);
   const int count = parameters.row_count();
   std::vector<SweepOutcome> outcomes;
+  outcomes.reserve(static_cast<std::size_t>(count));
   for (int row = 0; row < count; ++row)
     outcomes.push_back({.row = row,
                         .failure = SweepFailure{row, SweepPoint(parameters, row).text(), "it was not computed", "sweep",

@@ -434,6 +434,7 @@ std::vector<double> Arguments::numbers(const std::string& name, int least, int m
   const Argument* argument = find(name);
   if (!argument) fail("has no " + name + ".", "give " + name + " = " + (least == 1 ? "number." : "numbers."));
   std::vector<double> all;
+  all.reserve(argument->values.size());
   for (const std::string& value : argument->values) all.push_back(to_number(value));
   const int count = static_cast<int>(all.size());
   if (count < least || count > most)

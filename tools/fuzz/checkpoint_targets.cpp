@@ -124,16 +124,20 @@ void checkpoint(std::string_view input, const std::filesystem::path&) {
       case 6:  // a vector that has grown or shrunk, and what it lists with it
         if (int* x = entry(content.shapes, 3 * (index % (content.shapes.size() / 3)) + 1)) {
           const int grown = script.integer(1);
-          if (grown < 0 || grown > 65) break;
+          if (grown < 0 || grown > 65 || *x < 0) break;
           std::size_t first = 0;
           const int kind = x[-1];
           for (const int* s = content.shapes.data(); s + 1 < x; s += 3)
             if (s[0] == kind) first += static_cast<std::size_t>(s[1]) * static_cast<std::size_t>(s[2]);
-          if (kind == 0 && x[1] == 1 && first + static_cast<std::size_t>(x[0]) <= content.numbers.size()) {
+          // Shapes may have been forged before.
+          const auto lies_within = [&](std::size_t count) {
+            return first <= count && static_cast<std::size_t>(*x) <= count - first;
+          };
+          if (kind == 0 && x[1] == 1 && lies_within(content.numbers.size())) {
             const auto at = content.numbers.begin() + static_cast<std::ptrdiff_t>(first);
             content.numbers.insert(content.numbers.erase(at, at + *x), static_cast<std::size_t>(grown), 0.5);
             *x = grown;
-          } else if (kind == 1 && 2 * (first + static_cast<std::size_t>(x[0])) <= content.integers.size()) {
+          } else if (kind == 1 && lies_within(content.integers.size() / 2)) {
             const auto at = content.integers.begin() + static_cast<std::ptrdiff_t>(2 * first);
             content.integers.insert(content.integers.erase(at, at + 2 * *x), 2 * static_cast<std::size_t>(grown), 0);
             *x = grown;
