@@ -1,4 +1,5 @@
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <set>
 
@@ -40,10 +41,10 @@ class SdfReader {
     } else {
       note_others(holder, {"model"});
     }
-    int models = 0;
-    for (const pugi::xml_node& node : holder.children("model")) ++models, (void)node;
+    const auto found = holder.children("model");
+    const auto models = std::distance(found.begin(), found.end());
     if (models == 0) file_.fail(holder, "the file has no model.", "give at least one <model>.");
-    for (const pugi::xml_node& node : holder.children("model")) {
+    for (const pugi::xml_node& node : found) {
       const std::string name = file_.text(node, "name");
       if (model_.name.empty()) model_.name = models == 1 ? name : holder.attribute("name").as_string("world");
       add_model(node, models == 1 ? "" : name + "::");

@@ -144,6 +144,7 @@ CutLoad::CutLoad(const FlexibleBody& body, const BodyCut& cut) : body_(&body), b
       return (K * u).reshaped(3, K.rows() / 3);
     };
     std::vector<Matrix3X> forces;
+    forces.reserve(static_cast<std::size_t>(modes));
     for (int k = 0; k < modes; ++k) forces.push_back(first_order(k));
     Eigen::Index pair = 0;
     for (int l = 0; l < modes; ++l)

@@ -14,8 +14,9 @@
 namespace lithe {
 namespace {
 
-constexpr double kSoon = 1e-4;  // of a step: where a trend is read
-constexpr double kNear = 0.3;   // of the smallest sample: an extremum of the parabola below is looked for
+constexpr double kSoon = 1e-4;     // of a step: where a trend is read
+constexpr double kNear = 0.3;      // of the smallest sample: an extremum of the parabola below is looked for
+constexpr double kAtLevel = 1e-2;  // of the change over half a step: how far round-off and projection leave a level
 constexpr int kMaxBrentIterations = 60;
 
 /// Round-off of the step's own time, in parts of the step.
@@ -81,6 +82,23 @@ void EventFinder::history(Archive& archive) {
     watched_[i].start = values[i], watched_[i].by_trend = trends[i] != 0;
 }
 
+void EventFinder::resume(const Integrator& integrator, const State& state) {
+  evaluate(integrator, state);
+  for (Watched& w : watched_) {
+    const double now = value(w);
+    if (w.start * now > 0 && std::isfinite(w.start)) continue;
+    w.start = now;
+    w.by_trend = true;
+  }
+}
+
+/// Whether the sign at the start is that of the trend. Not where a change of the state has moved the function away from
+/// its level: towards the level its trend has the other sign.
+bool EventFinder::by_trend(const Watched& w) const {
+  const bool away = w.start * w.soon > 0 && std::abs(w.start) > kAtLevel * std::abs(w.middle - w.start);
+  return w.by_trend && !away;
+}
+
 void EventFinder::look(const Step& step, double s) {
   const double time = step.from.time + s * (step.to.time - step.from.time);
   step.integrator.interpolate(snapshot_.system().layout(), step.from, step.to, time, state_);
@@ -115,7 +133,8 @@ const std::vector<EventFinder::Crossing>& EventFinder::find(const Integrator& in
 void EventFinder::find(const Step& step, int watched) {
   Watched& w = watched_[watched];
   double s_start = 0, start = w.start;
-  if (w.by_trend) {
+  const bool trend = by_trend(w);
+  if (trend) {
     // Its rate, by the parabola through the start, a moment later and the middle: a short flight after an impact may
     // end within the step. Its sign matters alone.
     const double bend =
@@ -127,7 +146,7 @@ void EventFinder::find(const Step& step, int watched) {
   const double sign = start > 0 ? 1 : -1;
   if (sign * w.middle > 0 && sign * w.end > 0) {
     // The parabola's least value, signs turned so that the samples are above zero.
-    const double a = sign * (w.by_trend ? w.soon : w.start), m = sign * w.middle, b = sign * w.end;
+    const double a = sign * (trend ? w.soon : w.start), m = sign * w.middle, b = sign * w.end;
     const double curvature = 2 * (a - 2 * m + b), slope = -3 * a + 4 * m - b;
     const double at = -slope / (2 * curvature);
     if (curvature > 0 && at > s_start && at < 1 && a + slope * at / 2 < kNear * std::min({a, m, b})) {

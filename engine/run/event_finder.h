@@ -42,6 +42,8 @@ class EventFinder {
   void accept();
   /// Throws SceneError when loading what other functions left.
   void history(Archive& archive);
+  /// After loading: where a value has another sign than the function at this state, the function's counts.
+  void resume(const Integrator& integrator, const State& state);
 
  private:
   struct Watched {
@@ -58,6 +60,7 @@ class EventFinder {
   };
   double value(Watched& w);
   void evaluate(const Integrator& integrator, const State& state);
+  bool by_trend(const Watched& w) const;
   void look(const Step& step, double s);
   double value_at(const Step& step, Watched& w, double s);
   double extremum(const Step& step, Watched& w, double sign);

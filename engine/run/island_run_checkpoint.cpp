@@ -101,6 +101,11 @@ void IslandRun::history(Archive& archive, State& state) {
     archive("approached", approach_.watched);
     archive("tries", approach_.tries);
     archive("approach_time", approach_.time);
+    if (loads && approach_.watched != -1 &&
+        !(finder_ && is_switch(approach_.watched) && approach_.watched < finder_->count() && approach_.tries > 0 &&
+          approach_.time > state.time))
+      throw FileError("the checkpoint approaches a switch that this scene does not have, or that has passed",
+                      archive.source(), "resume from an older one");
     archive("restarts", restarts_);
     archive("first_restart", first_restart_);
     archive("stopped_by", stopped_by_);
@@ -112,6 +117,7 @@ void IslandRun::history(Archive& archive, State& state) {
     steps_ = integrator_.statistics().steps;
     last_ = state, evaluated_ = false;
   }
+  if (loads && finder_) finder_->resume(integrator_, state);
   archive.group("checkpoints", [&] { checkpoints_.history(archive); });
 }
 

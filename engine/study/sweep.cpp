@@ -132,9 +132,15 @@ class KeptTable {
       : parameters_(parameters), path_(std::move(path)), outcomes_(outcomes) {
     if (!path_.empty()) gather(parameters_, outcomes_).write_csv(path_);
   }
-  /// Unless the last time was so recently that it would cost more than a twentieth of the time.
+  /// An outcome has changed. It is written soon: at once, or by an update() of later.
+  void change() {
+    changed_ = true;
+    update();
+  }
+  /// Writes what has changed, unless the last time was so recently that it would cost more than a twentieth of the
+  /// time.
   void update() {
-    if (!path_.empty() && Clock::now() >= next_) try_to_write(gather(parameters_, outcomes_));
+    if (changed_ && !path_.empty() && Clock::now() >= next_) try_to_write(gather(parameters_, outcomes_));
   }
   void finish(const SweepResult& result) {
     if (!path_.empty()) try_to_write(result);
@@ -144,6 +150,7 @@ class KeptTable {
   using Clock = std::chrono::steady_clock;
   void try_to_write(const SweepResult& result) {
     const auto begun = Clock::now();
+    changed_ = false;
     try {
       result.write_csv(path_);
     } catch (const FileError& error) {  // the points computed so far are worth more
@@ -157,7 +164,7 @@ class KeptTable {
   const std::string path_;
   const std::vector<SweepOutcome>& outcomes_;
   Clock::time_point next_{};
-  bool warned_ = false;
+  bool warned_ = false, changed_ = false;
 };
 
 thread_local bool within_point = false;
@@ -229,6 +236,7 @@ SweepResult sweep(const SweepScene& scene, const Table& parameters, const SweepO
   check(scene, parameters, options);
   const int count = parameters.row_count();
   std::vector<SweepOutcome> outcomes;
+  outcomes.reserve(static_cast<std::size_t>(count));
   for (int row = 0; row < count; ++row)
     outcomes.push_back({.row = row,
                         .failure = SweepFailure{row, SweepPoint(parameters, row).text(), "it was not computed", "sweep",
@@ -237,7 +245,7 @@ SweepResult sweep(const SweepScene& scene, const Table& parameters, const SweepO
     KeptTable table(parameters, options.file, outcomes);
     for (int row = 0; row < count; ++row) {
       outcomes[row] = compute(scene, parameters, row);
-      table.update();
+      table.change();
     }
     SweepResult result = gather(parameters, std::move(outcomes));
     table.finish(result);
@@ -255,18 +263,20 @@ SweepResult sweep(const SweepScene& scene, const Table& parameters, const SweepO
     bar.count(outcome, all_threads);
     ++finished;
     outcomes.at(outcome.row) = std::move(outcome);
-    table.update();
+    table.change();
   };
   SweepThreads team(std::min(threads, count), [&](int row) {
     within_point = true;
     return compute(scene, parameters, row);
   });
   if (ranks) {
-    ranks->share(team, count, fingerprint(parameters), keep);
+    ranks->share(team, count, fingerprint(parameters), keep, [&] { table.update(); });
   } else {
     for (int row = 0; row < count; ++row) team.add(row);
-    while (finished < count)
+    while (finished < count) {
       for (SweepOutcome& outcome : team.take(std::chrono::seconds(1))) keep(std::move(outcome), team.size());
+      table.update();
+    }
   }
   SweepResult result = gather(parameters, std::move(outcomes));
   result.rank = rank;

@@ -67,8 +67,10 @@ class SweepRanks {
   virtual int rank() const = 0;
   virtual int ranks_on_this_machine() const = 0;
   /// Computes the points 0 … count - 1 together. On every rank `listener` receives all points, on rank 0 as they are
-  /// finished. `fingerprint`: of the parameters; ranks that sweep different ones end the program.
-  virtual void share(SweepThreads& team, int count, std::uint64_t fingerprint, const SweepListener& listener) = 0;
+  /// finished. `fingerprint`: of the parameters; ranks that sweep different ones end the program. `meanwhile` is called
+  /// again and again on rank 0 while it waits.
+  virtual void share(SweepThreads& team, int count, std::uint64_t fingerprint, const SweepListener& listener,
+                     const std::function<void()>& meanwhile) = 0;
 };
 
 }  // namespace lithe

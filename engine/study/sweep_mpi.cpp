@@ -140,16 +140,18 @@ class MpiRanks final : public SweepRanks {
   int size() const { return size_; }
   int ranks_on_this_machine() const override { return on_this_machine_; }
 
-  void share(SweepThreads& team, int count, std::uint64_t fingerprint, const SweepListener& listener) override {
+  void share(SweepThreads& team, int count, std::uint64_t fingerprint, const SweepListener& listener,
+             const std::function<void()>& meanwhile) override {
     if (rank_ == 0)
-      deal(team, count, fingerprint, listener);
+      deal(team, count, fingerprint, listener, meanwhile);
     else
       serve(team, fingerprint, listener);
   }
 
  private:
   /// Hands every thread of every rank a point at a time.
-  void deal(SweepThreads& team, int count, std::uint64_t fingerprint, const SweepListener& listener) {
+  void deal(SweepThreads& team, int count, std::uint64_t fingerprint, const SweepListener& listener,
+            const std::function<void()>& meanwhile) {
     std::vector<Bytes> told(count);
     int next = 0, finished = 0, here = 1, threads = team.size();
     const auto hand_out = [&](int to) {
@@ -188,6 +190,7 @@ class MpiRanks final : public SweepRanks {
           abort(message->from, 0);
         }
       }
+      meanwhile();
     }
     for (int other = 1; other < size_; ++other) {
       for (const Bytes& bytes : told) send(other, Say::outcome, bytes);

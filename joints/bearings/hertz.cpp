@@ -10,7 +10,7 @@ HertzPoint::HertzPoint(double curvature_a, double curvature_b, const BearingMate
   constexpr double pi = std::numbers::pi;
   const double sum = curvature_a + curvature_b;
   const double ratio = std::max(curvature_a, curvature_b) / std::min(curvature_a, curvature_b);
-  double K = pi / 2, E = pi / 2;  // of a circle
+  double K = pi / 2, E = K;  // of a circle
   if (ratio > 1 + 1e-6) {
     // The ratio grows with κ: bisection of log κ.
     double low = 0, high = std::log(1e6);

@@ -171,7 +171,7 @@ class BroadPhase {
     Found(BroadPhase& p, int c) : phase(p), collider(c) {}
     void Process(const btDbvtNode* leaf) override {
       const int other = leaf->dataAsInt;
-      if (other == collider || (phase.moved_[other] && other < collider)) return;  // the other finds it too
+      if (other == collider || (other < collider && phase.moved_[other])) return;  // the other finds it too
       const auto [a, b] = std::minmax(collider, other);
       if (phase.contact_.may_meet(a, b)) phase.added_.push_back({a, b});
     }

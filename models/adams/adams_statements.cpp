@@ -352,7 +352,7 @@ DataSet::DataSet(const std::filesystem::path& file) : path(file.string()) {
       title = trimmed(text);
       continue;
     }
-    text = text.substr(0, text.find('!'));
+    text.erase(std::min(text.find('!'), text.size()));
     std::string line = trimmed(text);
     if (line.empty()) continue;
     const bool continues = line[0] == ',' || (!lines.empty() && lines.back().text.back() == '&');
@@ -434,6 +434,7 @@ std::vector<double> Arguments::numbers(const std::string& name, int least, int m
   const Argument* argument = find(name);
   if (!argument) fail("has no " + name + ".", "give " + name + " = " + (least == 1 ? "number." : "numbers."));
   std::vector<double> all;
+  all.reserve(argument->values.size());
   for (const std::string& value : argument->values) all.push_back(to_number(value));
   const int count = static_cast<int>(all.size());
   if (count < least || count > most)

@@ -130,12 +130,12 @@ double ImportedFmu::value(const std::string& name, const FmuNumber& asked) const
   return file_->checked(name, library_->get(asked));
 }
 
-Sensor ImportedFmu::sensor(const std::string& name, Located as) const {
-  const FmuNumber asked = file_->find(name, FmuFile::Role::any);
-  if (as.text.empty()) as.text = name;
+Sensor ImportedFmu::sensor(const std::string& variable, Located as) const {
+  const FmuNumber asked = file_->find(variable, FmuFile::Role::any);
+  if (as.text.empty()) as.text = variable;
   const std::string column = as.text;
   return Sensor(std::move(as), {column},
-                [this, name, asked](Snapshot&, std::span<double> out) { out[0] = value(name, asked); },
+                [this, variable, asked](Snapshot&, std::span<double> out) { out[0] = value(variable, asked); },
                 {asked.variable->unit});
 }
 

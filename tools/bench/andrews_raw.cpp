@@ -137,7 +137,7 @@ struct Run {
 Run dop853(double tolerance) {
   const RungeKuttaTableau& method = dormand_prince8();
   const int stages = method.stages;
-  Squeezer squeezer;
+  Squeezer squeezer{};
   std::array<State, 16> k;
   State y = start(), end;
   Run run;

@@ -23,7 +23,7 @@ typedef double Wide __attribute__((vector_size(8 * kWidth)));
 double flops_a_second() {
   constexpr int kChains = 12;  // enough to hide the latency of two units
   constexpr long kSteps = 20'000'000;
-  Wide sum[kChains] = {}, factor, shift;
+  Wide sum[kChains] = {}, factor = {}, shift = {};
   for (int i = 0; i < kWidth; ++i) factor[i] = 0.999999, shift[i] = 1e-6;
   const double started = cpu_seconds();
   for (long step = 0; step < kSteps; ++step)

@@ -10,5 +10,12 @@ find_package_handle_standard_args(BulletDouble REQUIRED_VARS BULLET_DOUBLE_LINK_
                                   VERSION_VAR BULLET_DOUBLE_VERSION)
 
 if(BulletDouble_FOUND AND NOT TARGET Bullet::Double)
+  # Debian's .pc names /usr/include too. As -isystem of one source it comes before the C++ library's headers, which then
+  # do not find the <stdlib.h> behind them.
+  get_target_property(bullet_folders PkgConfig::BULLET_DOUBLE INTERFACE_INCLUDE_DIRECTORIES)
+  if(bullet_folders AND CMAKE_CXX_IMPLICIT_INCLUDE_DIRECTORIES)
+    list(REMOVE_ITEM bullet_folders ${CMAKE_CXX_IMPLICIT_INCLUDE_DIRECTORIES})
+    set_target_properties(PkgConfig::BULLET_DOUBLE PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${bullet_folders}")
+  endif()
   add_library(Bullet::Double ALIAS PkgConfig::BULLET_DOUBLE)
 endif()

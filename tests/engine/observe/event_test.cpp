@@ -222,6 +222,30 @@ TEST(event, a_changed_velocity_is_moved_onto_the_constraints) {
   EXPECT_LT(scene.violation(Level::velocity), 1e-12);
 }
 
+/// A shuttle at 1 m/s that is set back by 1 m whenever it has come to 1 m: towards the level from far below, its trend
+/// is no passage.
+TEST(event, a_change_that_moves_its_function_away_from_the_level_happens_once) {
+  for (const auto direction : {Event::Direction::both, Event::Direction::rising})
+    for (const double back : {1.0, 3e-3}) {  // also within the first half of a step
+      Scene scene({0, 0, 0}, [](SystemGraph& graph) {
+        graph.add<RigidBody>("shuttle", {.mass = 1, .inertia = {1, 1, 1}, .velocity = {1, 0, 0}});
+      });
+      const Method method = runge_kutta_fixed(1e-2);
+      Simulation simulation{scene.system, *method};
+      simulation.on({.name = "set back",
+                     .function = [](Snapshot& now) { return now.state().q[0]; },
+                     .level = 1,
+                     .direction = direction,
+                     .action = Event::Action::restart,
+                     .change = [back](State& state) { state.q[0] -= back; }});
+      const double end = 1 + 3.5 * back;
+      simulation.run(scene.state, end);
+      ASSERT_EQ(simulation.events().size(), 4u);
+      for (int k = 0; k < 4; ++k) EXPECT_NEAR(simulation.events()[k].time, 1 + k * back, 1e-12);
+      EXPECT_NEAR(scene.state.q[0], end - 4 * back, 1e-12);
+    }
+}
+
 TEST(event, observed_times_stay_exact_and_observers_of_every_step_see_the_event) {
   Scene scene = balls({1});
   const Method method = runge_kutta(1e-6);
