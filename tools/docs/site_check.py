@@ -64,16 +64,21 @@ def index_errors(site):
 
 
 def found_by(browser, site, word, profile):
-    """Pages that the search page lists for a word."""
+    """Pages that the search page lists for a word. A busy machine may show the page before the list is complete."""
     address = (site / "search.html").resolve().as_uri() + "?q=" + urllib.parse.quote(word)
-    done = subprocess.run(
-        [browser, "--headless=new", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking",
-         "--disable-component-update", "--disable-sync", f"--user-data-dir={profile}",
-         "--host-resolver-rules=MAP * ~NOTFOUND", "--virtual-time-budget=60000", "--dump-dom", address],
-        capture_output=True, text=True, timeout=300)
-    list_ = re.search(r'<div id="search-results">(.*?)</div>', done.stdout, re.S)
-    if done.returncode != 0 or not list_:
-        raise RuntimeError(f"{browser} did not show {address}: {done.stderr[-500:]}")
+    for budget in (30000, 60000, 120000, 240000):  # ms
+        done = subprocess.run(
+            [browser, "--headless=new", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking",
+             "--disable-component-update", "--disable-sync", f"--user-data-dir={profile}",
+             "--host-resolver-rules=MAP * ~NOTFOUND", f"--virtual-time-budget={budget}", "--dump-dom", address],
+            capture_output=True, text=True, timeout=300)
+        list_ = re.search(r'<div id="search-results">(.*?)</div>', done.stdout, re.S)
+        if done.returncode != 0 or not list_:
+            raise RuntimeError(f"{browser} did not show {address}: {done.stderr[-500:]}")
+        if re.search(r"Search finished|did not match any documents", list_[1]):
+            break
+    else:
+        raise RuntimeError(f"{browser} did not finish the search of {address}")
     return {re.sub(r"\.html.*", "", target) for target in re.findall(r'<li[^>]*><a href="([^"]+)"', list_[1])}
 
 
