@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Makes the documentation as a site: build/site/index.html, which opens without a server or a network. Warnings are
-# errors. Everything comes from Debian's packages (tools/docs_packages.txt), installed if missing.
+# Makes the documentation as a site: build/site/index.html, which opens without a server or a network; .ci/run does so
+# too. Warnings are errors. Everything comes from Debian's packages (tools/docs_packages.txt), installed if missing.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-stage_count=3
+stage_count=4
 source tools/stages.sh
 python=/usr/bin/python3  # Debian's, which has Debian's Sphinx
 work=build/docs
@@ -13,15 +13,16 @@ work=build/docs
 mirror() {
   rm -rf "$work/source"
   mkdir -p "$work/source/reference"
-  for entry in README.md CHANGELOG.md bodies docs engine examples integrators joints plugins tests tools; do
+  for entry in README.md CHANGELOG.md bodies docs engine examples integrators joints models plugins tests tools; do
     ln -s "$PWD/$entry" "$work/source/$entry"
   done
 }
 reference() {
   mkdir -p "$work"
-  rm -rf "$work/doxygen"  # what a header no longer has must not stay
-  mkdir -p "$work/doxygen"
-  doxygen tools/docs/Doxyfile || return
+  rm -rf "$work"/{doxygen,headers}  # what a header no longer has must not stay
+  mkdir -p "$work"/{doxygen,headers}
+  "$python" -B tools/docs/doxygen_headers.py "$work/headers" || return
+  (cd "$work/headers" && doxygen "$OLDPWD/tools/docs/Doxyfile") || return
   mirror || return
   "$python" -B tools/docs/reference.py . "$work/source/reference" "$work/doxygen/xml"
 }
@@ -41,7 +42,7 @@ pages() {
   rm -rf build/site "$work/doctrees"
   mathjax || return
   LITHE_DOCS_SOURCE=$PWD/$work/source LITHE_DOXYGEN_XML=$PWD/$work/doxygen/xml \
-    "$python" -B -m sphinx -q -W --keep-going -b html -c docs/site -d "$work/doctrees" "$work/source" build/site
+    "$python" -B -m sphinx -q -W --keep-going -j auto -b html -c docs/site -d "$work/doctrees" "$work/source" build/site
 }
 
 if [[ ${LITHE_DOCS_PACKAGES:-install} == install ]]; then
@@ -49,5 +50,6 @@ if [[ ${LITHE_DOCS_PACKAGES:-install} == install ]]; then
 fi
 stage_shown "reference" reference
 stage_shown "pages" pages
+stage_shown "search and links without a network" "$python" -B tools/docs/site_check.py build/site
 echo
 echo "The site: $PWD/build/site/index.html"

@@ -1,10 +1,12 @@
 """The site's settings. tools/docs.sh runs Sphinx on build/docs/source, a mirror of the repository by links: pages keep
 the places, and so the links among each other, that they have in the repository."""
 
+import gc
 import os
 import subprocess
 import sys
 
+gc.set_threshold(1000000, 20, 100)  # a quarter of the time went into looking for garbage among nodes that stay
 source = os.path.abspath(os.environ.get("LITHE_DOCS_SOURCE", "."))
 sys.path.insert(0, os.path.join(source, "tools", "docs"))
 
@@ -49,6 +51,7 @@ html_theme = "furo"
 html_static_path = [os.path.join(source, "docs/site/static")]
 html_css_files = ["lithe.css"]
 html_copy_source = False
+html_show_search_summary = False  # fetched from the pages, which browsers refuse to pages opened as files
 html_show_sourcelink = False
 html_additional_pages = {"index": "redirect.html"}
 templates_path = [os.path.join(source, "docs/site/templates")]

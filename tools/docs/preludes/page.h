@@ -49,6 +49,7 @@ struct Scene {
                      drawn.add<DistanceJoint>("rod", {drawn.ground().marker(), mass.marker()});
                      return {position(mass.marker(), "bob")};
                    }};
+  void run() {}  // of scenes whose block is a part of a class
 };
 
 }  // namespace lithe::page
