@@ -2,6 +2,7 @@
 
 #include "engine/assembly/batch.h"
 #include "engine/model/constraint.h"
+#include "engine/model/limited_motion.h"
 
 namespace lithe {
 
@@ -10,7 +11,7 @@ namespace lithe {
 /// degrees of freedom are left.
 ///   g = (p_B - p_A, y_A · x_B - x_A · y_B), four rows: the relative rotation has no component about z. The bend
 ///   angle must be below a right angle.
-class ConstantVelocityJoint final : public Joint</*markers=*/2, /*rows=*/4> {
+class ConstantVelocityJoint final : public Joint</*markers=*/2, /*rows=*/4>, public LimitedMotion {
  public:
   bool depends_on_time() const override { return false; }
   void evaluate(double, std::span<const MarkerView> markers, ConstraintRows& rows) const override {
@@ -23,6 +24,8 @@ class ConstantVelocityJoint final : public Joint</*markers=*/2, /*rows=*/4> {
   }
   /// The last row also vanishes with B twisted by half a turn: refused.
   void initialize(std::span<const MarkerView> markers) override;
+  /// A run ends at a right angle. Bent by half a turn the last row would lose its gradient, and B could twist freely.
+  std::optional<std::string> beyond_limit(std::span<const MarkerView> markers) const override;
 };
 
 extern template std::unique_ptr<ConstraintBatch> make_constraint_batch<ConstantVelocityJoint>();

@@ -8,12 +8,13 @@
 #include "engine/assembly/least_norm.h"
 #include "engine/assembly/moment_check.h"
 #include "engine/assembly/plain_frames.h"
+#include "engine/assembly/reached_state.h"
 #include "engine/assembly/redundancy.h"
 #include "engine/assembly/system.h"
 #include "engine/assembly/tangent_factors.h"
 #include "engine/base/error.h"
 #include "engine/base/log.h"
-#include "engine/factor/block_products.h"
+#include "engine/base/number_text.h"
 #include "engine/model/coupled_markers.h"
 #include "engine/model/initial_pose.h"
 #include "engine/motion/projection.h"
@@ -473,6 +474,7 @@ class SystemBuilder {
         log::warn("the start is a singular position: " + std::to_string(dependent.size() - nearby.size()) +
                   " of its rows lose rank only there\n  fix:  none if the velocities select the branch; "
                   "accelerations at t = 0 are not unique.");
+        singular_start_ = true;
         dependent = nearby;
         evaluator.factors().drop_rows(dependent);
         evaluator.factorize({0, 0, 1}, still, no_load, nullptr);
@@ -486,20 +488,16 @@ class SystemBuilder {
     log::warn(dependent_rows_text(graph_, system_.layout_, dependent));
     // Which row each of them repeats: the largest partner in its null vector z, Gᵀ z = 0. A solution each: some only.
     constexpr std::size_t kCompared = 100;
-    VectorX rv = still, rl = no_load;
     for (std::size_t k = 0; k < dependent.size(); ++k) {
       RedundantRow& r = system_.redundant_[k];
       if (k >= kCompared) {
         r.repeats = "other rows";
         continue;
       }
-      rv.setZero(), rl.setZero();
-      rl[r.row] = 1;
-      add_row_forces(system_.blocks_, values, system_.layout_.row_count(), rl.data(), nullptr, rv.data());
-      rl.setZero();
-      evaluator.solve(rv, rl);
+      VectorX z = null_vector(evaluator, r.row);
+      z[r.row] = 0;
       int partner = 0;
-      if (rl.cwiseAbs().maxCoeff(&partner) > 1e-8) r.repeats = system_.layout_.row_name(partner);
+      if (z.cwiseAbs().maxCoeff(&partner) > 1e-8) r.repeats = system_.layout_.row_name(partner);
     }
   }
 
@@ -525,6 +523,9 @@ class SystemBuilder {
             "assemble", "place the bodies so that the joint closes, or let assemble() move them");
       const auto result = projector.position(0, q_, options_.position_tolerance, 60);
       const int row = worst_row();
+      if (!(std::abs(g[row]) < 1e-8) && std::ranges::binary_search(evaluator.redundant_rows(), row))
+        throw SceneError(contradiction(evaluator, row) + " is off by " + number_text(g[row]), "assemble",
+                         kContradictionFix);
       if (!(std::abs(g[row]) < 1e-8))
         throw SceneError("the joints cannot be assembled: " + layout.row_name(row) + " stays off by " +
                              std::to_string(std::abs(g[row])) + " after " + std::to_string(result.iterations) +
@@ -551,6 +552,8 @@ class SystemBuilder {
     if (!system_.initial_.v_dot.allFinite())
       throw SceneError("the accelerations at t = 0 are not finite", "assemble",
                        "look for a body without mass or inertia, or a force that divides by a zero distance");
+    const auto reached = ReachedState::make(evaluator);
+    if (reached && !singular_start_) reached->check_start(system_.initial_);
     minimize_norm(evaluator, system_.initial_.lambda);
   }
 
@@ -583,6 +586,7 @@ class SystemBuilder {
   std::vector<ConnectorRecord> constraint_records_, force_records_;
   std::vector<ReactionRecord> reactions_;
   std::vector<int> batch_sizes_;
+  bool singular_start_ = false;
   PlainFrames plain_{graph_, system_.blocks_};
 };
 

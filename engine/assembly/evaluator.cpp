@@ -7,6 +7,7 @@
 #include "engine/assembly/forward_part.h"
 #include "engine/assembly/held_blocks.h"
 #include "engine/assembly/least_norm.h"
+#include "engine/assembly/reached_state.h"
 #include "engine/assembly/tangent_factors.h"
 #include "engine/base/error.h"
 #include "engine/contact/rigid_contacts.h"
@@ -59,6 +60,7 @@ Evaluator::Evaluator(const System& system) : system_(system) {
   factors_->drop_rows(facts_.redundant_rows);
   if (system.forward_method_ != ForwardMethod::constraints)
     forward_ = std::make_unique<ForwardPart>(system, system.forward_threads_, *this);
+  reached_ = ReachedState::make(*this);
 }
 
 /// Here, where the parts are complete types.
@@ -109,6 +111,10 @@ void Evaluator::track_contacts(State& state) {
   if (!contacts_ || !contacts_->remembers()) return;
   evaluate(state.time, state.q, state.v, Level::velocity);
   contacts_->track(state.contacts);
+}
+
+void Evaluator::check(const State& state) {
+  if (reached_) reached_->check(state);
 }
 
 const double* Evaluator::applied_forces(double time, ConstVectorRef q, ConstVectorRef v) {

@@ -6,17 +6,19 @@
 #include "engine/assembly/system.h"
 #include "engine/assembly/workspace.h"
 #include "engine/motion/equations_of_motion.h"
+#include "engine/motion/state_check.h"
 
 namespace lithe {
 
 class ContactForces;
 class HeldBlocks;
 class LeastNorm;
+class ReachedState;
 class TangentFactors;
 
 /// Evaluates one state of a system: walks the batches and writes the blocks of M, f, g, G and of the tangent in place.
 /// One a thread. Bodies and markers that no connector uses: evaluated.h; what sensors ask: Snapshot.
-class Evaluator final : public EquationsOfMotion, public StepMemory {
+class Evaluator final : public EquationsOfMotion, public StepMemory, public StateCheck {
  public:
   explicit Evaluator(const System& system);
   ~Evaluator() override;
@@ -39,6 +41,8 @@ class Evaluator final : public EquationsOfMotion, public StepMemory {
   void track_rows(std::vector<int>& left_out) const override { left_out = facts_.redundant_rows; }
   void recall(const ContactMemory& contacts) override;
   void track_contacts(State& state) override;
+
+  void check(const State& state) override;
 
   const System& system() const { return system_; }
   const Workspace& workspace() const { return work_; }
@@ -76,6 +80,7 @@ class Evaluator final : public EquationsOfMotion, public StepMemory {
   std::unique_ptr<TangentFactors> factors_;
   std::unique_ptr<ForwardDynamics> forward_;  // null: the scene has none
   std::unique_ptr<LeastNorm> least_norm_;     // once asked for
+  std::unique_ptr<ReachedState> reached_;     // null: there is nothing to check
 };
 
 }  // namespace lithe

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "engine/base/dense_inverse.h"
+#include "engine/factor/block_products.h"
 #include "engine/factor/graph_topology.h"
 
 namespace lithe {
@@ -93,6 +94,18 @@ std::string dependent_rows_text(const SystemGraph& graph, const Layout& layout, 
             "; the motion is unaffected, reactions are those of least norm";
   }
   return text;
+}
+
+VectorX null_vector(const Evaluator& evaluator, int row) {
+  const Layout& layout = evaluator.layout();
+  VectorX force = VectorX::Zero(layout.v_count()), z = VectorX::Zero(layout.row_count());
+  z[row] = 1;
+  add_row_forces(evaluator.system().blocks(), evaluator.workspace().values, layout.row_count(), z.data(), nullptr,
+                 force.data());
+  z.setZero();
+  evaluator.solve(force, z);
+  z[row] = -1;
+  return z;
 }
 
 VectorX row_compliances(const BlockStructure& blocks, const std::vector<double>& values) {

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/assembly/evaluator.h"
 #include "engine/factor/block_structure.h"
 #include "engine/model/layout.h"
 #include "engine/model/system_graph.h"
@@ -16,6 +17,9 @@ bool is_tree(const SystemGraph& graph, const Layout& layout);
 
 /// Rows that depend on others, a line a mechanism (bodies that constraints connect).
 std::string dependent_rows_text(const SystemGraph& graph, const Layout& layout, const std::vector<int>& dependent);
+
+/// z with Gᵀ z = 0 and z = -1 in a row that is left out: the rows that it repeats. [M Gᵀ; G 0] is factorised.
+VectorX null_vector(const Evaluator& evaluator, int row);
 
 /// g M⁻¹ gᵀ of each row, bodies' couplings of frame and elastic coordinates left out: the scale on which its pivot is
 /// judged.

@@ -203,6 +203,7 @@ void FmuEquations::project(Snapshot& now, State& state) const {
   equations.track(state.quarter_turns);
   projector.velocity(state.time, state.q, state.v);
   equations.track_rows(state.left_out);
+  equations.check(state);
 }
 
 bool FmuEquations::track(Snapshot& now, State& state) const {

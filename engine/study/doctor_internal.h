@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/assembly/evaluator.h"
+#include "engine/assembly/reached_state.h"
 #include "engine/observe/snapshot.h"
 #include "engine/study/doctor.h"
 
@@ -102,6 +103,7 @@ std::vector<BodyInertia> inertias(const System& system, const State& start);
 
 // What look_over() looks at.
 void look_at_rank(const System& system, const State& start, std::vector<Finding>& out);
+void look_for_locked_modes(const System& system, const State& start, std::vector<Finding>& out);
 void look_at_elements(const System& system, const State& start, double length, std::vector<Finding>& out);
 
 /// Why a scene does not assemble.

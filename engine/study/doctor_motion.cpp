@@ -36,6 +36,12 @@ std::vector<Finding> find_bad_sensors(const Case& c) {
 
 /// Rows that repeat others are left out: where they want another motion than these, they come open.
 std::vector<Finding> find_opened_rows(const Case& c) {
+  if (!c.run.reached && c.run.why.find(kContradict) != std::string::npos) {
+    const bool driven = drive_rates(*c.drawn.system).maxCoeff() > 0;
+    return {{driven ? Cause::incompatible_drive : Cause::open_joint, true, 0.95, c.run.why,
+             driven ? "drive every freedom once; let two drives of one freedom give the same motion"
+                    : "see whether the joints that close this loop agree in their lengths and axes"}};
+  }
   const double open = 1e-3 * std::min(c.scene.characteristic_length, 1.0);
   if (!c.run.reached || !c.finer.reached || c.run.residual_row < 0) return {};
   if (!(c.run.residual > open) || !(c.finer.residual > 0.3 * c.run.residual)) return {};

@@ -236,6 +236,9 @@ Finding of_refused_scene(Drawn& drawn, const SceneError& error) {
   Finding finding{Cause::bad_parameter, true, 0.9, text + " (" + error.where() + ")", error.fix()};
   if (says("cannot be assembled")) {
     finding.cause = Cause::open_joint;
+  } else if (says(kContradict)) {
+    const System system = assemble(drawn.graph, {.start = AssembleOptions::Start::as_drawn});
+    finding.cause = drive_rates(system).maxCoeff() > 0 ? Cause::incompatible_drive : Cause::open_joint;
   } else if (says("not finite")) {
     finding.cause = Cause::no_number;
     const System system = assemble(drawn.graph, {.start = AssembleOptions::Start::as_drawn});
@@ -255,6 +258,7 @@ std::vector<Finding> look_over(const System& system, const State& start, double 
   std::vector<Finding> findings;
   doctor::look_at_start(system, start, characteristic_length, findings);
   doctor::look_at_rank(system, start, findings);
+  doctor::look_for_locked_modes(system, start, findings);
   doctor::look_at_units(system, start, characteristic_length, findings);
   doctor::look_at_ties(system, findings);
   doctor::look_at_elements(system, start, characteristic_length, findings);

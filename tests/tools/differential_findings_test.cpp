@@ -1,11 +1,17 @@
 // What differential fuzzing has found, each finding by itself.
 #include <gtest/gtest.h>
 
+#include "bodies/flexible/elements/meshes.h"
+#include "bodies/flexible/flexible_body.h"
+#include "bodies/flexible/reduction.h"
 #include "bodies/rigid_body.h"
+#include "engine/study/doctor.h"
 #include "integrators/moreau_jean.h"
 #include "joints/forces/bushing.h"
 #include "joints/forces/joint_friction.h"
 #include "joints/revolute_joint.h"
+#include "joints/three_node_fixation.h"
+#include "tests/support/message_of.h"
 #include "tests/support/methods.h"
 #include "tests/support/scenes.h"
 
@@ -58,6 +64,47 @@ TEST(DifferentialFindings, ABushingThatHoldsRotationsAloneIsNoDependentRowInALoo
   EXPECT_EQ(system.degrees_of_freedom(), 1);
   ASSERT_EQ(system.redundant_rows().size(), 5);
   for (const RedundantRow& row : system.redundant_rows()) EXPECT_LT(row.row, system.layout().row_count());
+}
+
+/// A bar in a tangent frame of its near end, held at three nodes of an end: what the doctor says of it, and how many of
+/// its modes are left.
+struct HeldBar {
+  HeldBar(bool near_end, int modes) {
+    FiniteElementModel model = brick_mesh(
+        {.size = {1, 0.1, 0.1}, .divisions = {3, 1, 1}, .type = "C3D8I", .material = {1e9, 0.3, 1000}, .name = "bar"});
+    std::vector<int> near, far;
+    for (Eigen::Index i = 0; i < model.nodes.cols(); ++i) {
+      const int label = model.node_ids[static_cast<std::size_t>(i)];
+      if (model.nodes(0, i) < 1e-6) near.push_back(label);
+      if (model.nodes(0, i) > 1 - 1e-6) far.push_back(label);
+    }
+    SystemGraph graph;
+    auto& bar = graph.add<FlexibleBody>("bar", {.basis = make_basis(model, TangentFrame{near}, modes, {})});
+    const std::vector<int>& held = near_end ? near : far;
+    graph.add<ThreeNodeFixation>("clamp",
+                                 {graph.ground().marker(), bar.node(held[0]), bar.node(held[1]), bar.node(held[2])});
+    const System system = assemble(graph);
+    modes_left = system.degrees_of_freedom();
+    for (const Finding& finding : look_over(system, system.initial_state()))
+      if (finding.what.find("modes of") != std::string::npos) says = finding.what, alarm = finding.alarm;
+  }
+  int modes_left = 0;
+  std::string says;
+  bool alarm = false;
+};
+
+/// Each mode that strains the triangle, however little, is one that the nine rows remove.
+TEST(DifferentialFindings, TheDoctorNamesModesThatThreeNodesLock) {
+  for (const int modes : {2, 3, 5, 12}) {
+    const HeldBar bar(false, modes);
+    EXPECT_LT(bar.modes_left, modes);
+    const std::string count = std::to_string(modes - bar.modes_left) + " of the " + std::to_string(modes) + " modes";
+    expect_says(bar.says, {"'clamp' locks " + count + " of 'bar'", "by no more than 0.0"});
+    EXPECT_EQ(bar.alarm, modes < 5);
+  }
+  const HeldBar of_its_frame(true, 3);
+  EXPECT_EQ(of_its_frame.modes_left, 3);
+  EXPECT_EQ(of_its_frame.says, "");
 }
 
 }  // namespace

@@ -158,6 +158,10 @@ int run_campaign(const CampaignOptions& options) {
   }
   std::printf("scenes from %u on:\n", options.first);
   for (const auto& [outcome, count] : counts) std::printf("%8d %s\n", count, outcome.c_str());
+  for (const auto& [line, count] : refusals) std::printf("%8d refused: %s\n", count, line.c_str());
+  rusage used;
+  getrusage(RUSAGE_CHILDREN, &used);
+  std::printf("%ld s of CPU time\n", static_cast<long>(used.ru_utime.tv_sec + used.ru_stime.tv_sec));
   return findings;
 }
 

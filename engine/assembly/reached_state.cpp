@@ -1,0 +1,144 @@
+#include "engine/assembly/reached_state.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "engine/assembly/batch_of.h"
+#include "engine/assembly/evaluated.h"
+#include "engine/assembly/redundancy.h"
+#include "engine/base/error.h"
+#include "engine/base/number_text.h"
+#include "engine/factor/block_products.h"
+#include "engine/model/limited_motion.h"
+
+namespace lithe {
+namespace {
+
+constexpr double kOff = 1e-6;     // in the units of the rows
+constexpr double kBeside = 1e3;   // of what the other rows are off by
+constexpr double kShare = 1e-4;   // of a rate or acceleration: rows count as dependent up to a sine of 3e-5
+constexpr double kNoRate = 1e-9;  // of 1 and the fastest velocity or acceleration: round-off
+
+std::string size_text(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2g", value);
+  return text;
+}
+
+double largest(const VectorX& x) { return x.size() > 0 ? x.cwiseAbs().maxCoeff() : 0; }
+
+/// The first row left out that is off by more than allowed; -1: none.
+template <class Allowed>
+int find_row_off(const std::vector<int>& left_out, const VectorX& off, Allowed&& allowed) {
+  double others = 0;
+  for (int row = 0; row < off.size(); ++row)
+    if (!std::binary_search(left_out.begin(), left_out.end(), row)) others = std::max(others, std::abs(off[row]));
+  for (const int row : left_out)
+    if (!(std::abs(off[row]) <= allowed(row) + kBeside * others)) return row;
+  return -1;
+}
+
+}  // namespace
+
+std::unique_ptr<ReachedState> ReachedState::make(Evaluator& evaluator) {
+  std::unique_ptr<ReachedState> made(new ReachedState(evaluator));
+  for (const auto& entry : evaluator.system().graph().constraints())
+    if (const auto* limits = dynamic_cast<const LimitedMotion*>(entry.constraint))
+      made->limited_.push_back({entry.constraint, limits, entry.markers});
+  if (made->limited_.empty() && evaluator.redundant_rows().empty()) return nullptr;
+  made->rows_.setZero(evaluator.layout().row_count());
+  made->rates_ = made->rows_;
+  return made;
+}
+
+void ReachedState::check(const State& state) {
+  const std::vector<int>&left_out = evaluator_.redundant_rows(), &on_velocities = evaluator_.velocity_rows();
+  evaluator_.evaluate(state.time, state.q, state.v, on_velocities.empty() ? Level::position : Level::velocity);
+  // 1. Joints.
+  for (const Limited& l : limited_) {
+    std::vector<MarkerKinematics> markers;
+    for (const Marker& marker : l.markers) markers.push_back(marker_kinematics(evaluator_, marker, Level::position));
+    const auto beyond = l.limits->beyond_limit(connector::Views(markers.data(), static_cast<int>(markers.size())));
+    if (beyond)
+      throw SimulationError("'" + l.joint->name() + "' " + *beyond + " at " + time_text(state.time), l.joint->where(),
+                            "keep it within: stops, springs or other joints; or take a joint that has no such limit");
+  }
+  // 2. Rows.
+  if (left_out.empty()) return;
+  evaluator_.constraint(Level::position, rows_);
+  int row = find_row_off(left_out, rows_, [](int) { return kOff; });
+  if (row < 0 && !on_velocities.empty()) {
+    evaluator_.constraint(Level::velocity, rates_);
+    rows_.setZero();
+    for (const int r : on_velocities) rows_[r] = rates_[r];
+    row = find_row_off(left_out, rows_, [&](int) { return kOff * (1 + largest(state.v)); });
+  }
+  if (row < 0) return;
+  const double off = rows_[row];
+  throw SimulationError(
+      contradiction(evaluator_, row) + " is off by " + size_text(off) + " at " + time_text(state.time),
+      "the constraints at " + time_text(state.time), kContradictionFix);
+}
+
+void ReachedState::check_start(const State& start) {
+  const std::vector<int>& left_out = evaluator_.redundant_rows();
+  if (left_out.empty()) return;
+  const Workspace& work = evaluator_.workspace();
+  const auto& blocks = evaluator_.system().blocks();
+  const auto refuse = [&](int row, const char* what) {
+    const double off = rows_[row];
+    throw SceneError(contradiction(evaluator_, row) + " has " + what + size_text(off) + " at " + time_text(start.time),
+                     "assemble", kContradictionFix);
+  };
+  evaluator_.evaluate(start.time, start.q, start.v, Level::acceleration);
+  // ∂g/∂t and G v, which are to cancel.
+  rates_.setZero();
+  add_rates(blocks, work.values, start.v.data(), rates_);
+  rows_ = rates_ + work.rate;
+  int row = find_row_off(left_out, rows_, [&](int r) {
+    return kShare * (std::abs(rates_[r]) + std::abs(work.rate[r])) + kNoRate * (1 + largest(start.v));
+  });
+  if (row >= 0) refuse(row, "a rate that is off by ");
+  // G v̇ and the velocity terms.
+  rates_.setZero();
+  add_rates(blocks, work.values, start.v_dot.data(), rates_);
+  rows_ = rates_ + work.bias;
+  row = find_row_off(left_out, rows_, [&](int r) {
+    return kShare * (std::abs(rates_[r]) + std::abs(work.bias[r])) +
+           kNoRate * (1 + largest(start.v_dot) + start.v.squaredNorm());
+  });
+  if (row >= 0) refuse(row, "an acceleration that is off by ");
+}
+
+std::string contradiction(Evaluator& evaluator, int row) {
+  constexpr double kInvolved = 1e-3;  // of the largest share in the null vector
+  constexpr std::size_t kNamed = 4;
+  const Layout& layout = evaluator.layout();
+  const Workspace& work = evaluator.workspace();
+  const VectorX still = VectorX::Zero(layout.v_count()), no_load = VectorX::Zero(layout.row_count());
+  const std::vector<int> before = evaluator.redundant_rows();
+  evaluator.factorize({0, 0, 1}, still, no_load, nullptr);
+  int left_out = row;  // or, where it has just been exchanged, the one that is so instead of it
+  for (const int r : evaluator.redundant_rows())
+    if (!std::binary_search(before.begin(), before.end(), r)) left_out = r;
+  const VectorX share = null_vector(evaluator, left_out).cwiseProduct(evaluator.system().row_scales());
+  const double least = kInvolved * share.cwiseAbs().maxCoeff();
+  // Those that prescribe motion, if there are two; else all.
+  std::vector<std::string> all, driving;
+  for (const auto& rows : layout.rows()) {
+    const auto its = [&](const VectorX& x) { return x.segment(rows.first, rows.count).cwiseAbs().maxCoeff(); };
+    if (rows.count == 0 || !(its(share) > least)) continue;
+    all.push_back("'" + rows.name + "'");
+    if (its(work.rate) > 0 || (row >= rows.first && row < rows.first + rows.count)) driving.push_back(all.back());
+  }
+  const std::vector<std::string>& named = driving.size() > 1 ? driving : all;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(kNamed, named.size()); ++i)
+    text += (i == 0 ? "" : i + 1 == named.size() ? " and " : ", ") + named[i];
+  if (named.size() > kNamed) text += " and " + std::to_string(named.size() - kNamed) + " more";
+  text += named.size() > 1 ? std::string(" ") + kContradict + ": " : " restrains nothing and does not hold: ";
+  return text + layout.row_name(row) + ", which is left out,";
+}
+
+}  // namespace lithe

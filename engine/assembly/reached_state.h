@@ -1,0 +1,51 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engine/model/marker.h"
+#include "engine/model/state.h"
+
+namespace lithe {
+
+class Constraint;
+class Evaluator;
+class LimitedMotion;
+
+/// What no method sees of a state: rows that are left out since they repeat others, which hold only as long as they
+/// agree with those, and joints within their limits.
+class ReachedState {
+ public:
+  /// Null where the scene has neither.
+  static std::unique_ptr<ReachedState> make(Evaluator& evaluator);
+
+  /// A row that is left out may be off by 1e-6, in its units (m, rad; rows on velocities: of 1 and the fastest
+  /// velocity), and by a thousand times what the others are off by.
+  void check(const State& state);
+  /// Of the start, with its accelerations: whether the rates and accelerations of those rows agree with the others'.
+  /// Throws SceneError.
+  void check_start(const State& start);
+
+ private:
+  struct Limited {
+    const Constraint* joint;
+    const LimitedMotion* limits;
+    std::vector<Marker> markers;
+  };
+  explicit ReachedState(Evaluator& evaluator) : evaluator_(evaluator) {}
+
+  Evaluator& evaluator_;
+  std::vector<Limited> limited_;
+  VectorX rows_, rates_;
+};
+
+/// "'a' and 'b' repeat each other but do not agree: 'b' row 1, which is left out,": kContradict, and the elements whose
+/// rows that one repeats at the state evaluated last.
+std::string contradiction(Evaluator& evaluator, int row);
+constexpr const char* kContradict = "repeat each other but do not agree";
+constexpr const char* kContradictionFix =
+    "remove one of them, or make them agree: drives of one motion need one law, joints that close one loop lengths and "
+    "axes that fit";
+
+}  // namespace lithe
