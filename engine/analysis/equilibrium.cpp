@@ -66,8 +66,9 @@ class Search {
       // Stiffness along the step, and whether the energy is convex there.
       const double convex = gap_.dot(step_lambda_) - force_.dot(step_);
       const double inertia = std::max(step_.dot(inertial_), std::numeric_limits<double>::min());
-      const double stiffness = convex / inertia - shift_;
-      if (!(convex > 0) && step_.lpNorm<Eigen::Infinity>() > kHardlyMoves) {
+      const bool moves = step_.lpNorm<Eigen::Infinity>() > kHardlyMoves;
+      const double stiffness = moves ? convex / inertia - shift_ : 0;  // of round-off it could be anything
+      if (!(convex > 0) && moves) {
         if (balanced_) break;
         shift_ = std::max(1.2 * -stiffness, 2 * shift_);
         continue;

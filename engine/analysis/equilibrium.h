@@ -37,7 +37,8 @@ struct Equilibrium {
 ///   - a free motion that no load drives (a pendulum's rotation about the vertical) keeps its position;
 ///   - d = 0 at the end: the balance is exact whatever σ is.
 /// Each row is balanced down to `tolerance`, or to its round-off if that is larger, as it may be for stiff rows.
-/// A start already in balance is returned unchanged, stable or not: see Linearization::lowest_stiffness().
+/// A start already in balance is returned unchanged, stable or not. One within round-off of an unstable equilibrium may
+/// be left for a stable one or end there: Linearization::lowest_stiffness() tells which, its modes which motion grows.
 /// Redundant rows are left out and their multipliers are those of least norm.
 /// Modes that bodies have and do not use are estimated (Equilibrium::left_out), and reported above kLeftOutToTell.
 /// Throws SimulationError naming the worst coordinate if no equilibrium is found (a body that nothing holds falls),

@@ -78,6 +78,44 @@ TEST(equilibrium, an_upright_rod_is_in_balance_and_told_to_be_unstable) {
   EXPECT_NEAR(linearize(system, found.state).lowest_stiffness(), -omega2, 1e-8);
 }
 
+/// Two bars on ball joints, each upright or hanging: four rests, three of them saddles. Started there, a step is
+/// round-off, and what it says of the stiffness is nothing. About the rest, with signs s of up and down,
+///   M = [J + 5 m l²/4, s_1 s_2 m l²/2; ., J + m l²/4],   K = -m g l/2 diag(3 s_1, s_2)
+TEST(equilibrium, a_start_on_a_saddle_is_found_and_its_motion_told) {
+  const double m = 1, l = 1, J = 0.1;
+  for (const double first : {1.0, -1.0})
+    for (const double second : {1.0, -1.0})
+      for (const double off : {0.0, 1e-12, 1e-9}) {
+        SCOPED_TRACE(testing::Message() << first << ' ' << second << ' ' << off);
+        SystemGraph graph;
+        const auto turned = [](double up, double by) { return rotation_about({0, 1, 0}, -up * M_PI / 2 + by); };
+        const Matrix3 A = turned(first, off), B = turned(second, -0.7 * off);
+        const RigidBody::Parameters bar{.mass = m, .inertia = {1e-3, J, J}};
+        RigidBody::Parameters lower = bar, upper = bar;
+        lower.orientation = A, lower.position = A * Vector3(l / 2, 0, 0);
+        upper.orientation = B, upper.position = A * Vector3(l, 0, 0) + B * Vector3(l / 2, 0, 0);
+        auto& one = graph.add<RigidBody>("one", lower);
+        auto& two = graph.add<RigidBody>("two", upper);
+        graph.add<SphericalJoint>("foot", {graph.ground().marker(), one.marker({-l / 2, 0, 0})});
+        graph.add<SphericalJoint>("knee", {one.marker({l / 2, 0, 0}), two.marker({-l / 2, 0, 0})});
+        const System system = assemble(graph);
+
+        const Equilibrium found = find_equilibrium(system, system.initial_state());
+        EXPECT_NEAR(found.state.q[2], first * l / 2, 1e-9);
+        EXPECT_NEAR(found.state.q[9], first * l + second * l / 2, 1e-9);
+        EXPECT_LT(found.out_of_balance, 1e-9);
+        const double a = J + 1.25 * m * l * l, b = first * second * m * l * l / 2, c = J + 0.25 * m * l * l;
+        const double k = -1.5 * m * kGravity * l * first, n = -0.5 * m * kGravity * l * second;
+        const double half = (a * n + c * k) / 2,
+                     lowest = (half - std::sqrt(half * half - (a * c - b * b) * k * n)) / (a * c - b * b);
+        const double told = linearize(system, found.state).lowest_stiffness();
+        if (lowest < 0)
+          EXPECT_NEAR(told / lowest, 1, 1e-8);
+        else
+          EXPECT_NEAR(told, 0, 1e-9);  // turns about the vertical are free
+      }
+}
+
 TEST(equilibrium, a_spring_holds_a_column_upright_up_to_its_buckling_load) {
   // A rod of length L on a pin, its weight at the middle, held at the top by a horizontal spring: stable while
   // k L > m g / 2.
