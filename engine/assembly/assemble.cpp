@@ -524,8 +524,8 @@ class SystemBuilder {
       const auto result = projector.position(0, q_, options_.position_tolerance, 60);
       const int row = worst_row();
       if (!(std::abs(g[row]) < 1e-8) && std::ranges::binary_search(evaluator.redundant_rows(), row))
-        throw SceneError(contradiction(evaluator, row) + " is off by " + number_text(g[row]), "assemble",
-                         kContradictionFix);
+        throw SceneError("cannot be assembled: " + contradiction(evaluator, row) + " is off by " + number_text(g[row]),
+                         "assemble", kContradictionFix);
       if (!(std::abs(g[row]) < 1e-8))
         throw SceneError("the joints cannot be assembled: " + layout.row_name(row) + " stays off by " +
                              std::to_string(std::abs(g[row])) + " after " + std::to_string(result.iterations) +

@@ -123,14 +123,17 @@ std::string contradiction(Evaluator& evaluator, int row) {
   for (const int r : evaluator.redundant_rows())
     if (!std::binary_search(before.begin(), before.end(), r)) left_out = r;
   const VectorX share = null_vector(evaluator, left_out).cwiseProduct(evaluator.system().row_scales());
-  const double least = kInvolved * share.cwiseAbs().maxCoeff();
+  const bool known = share.allFinite();  // else rows have lost rank here
+  const double least = known ? kInvolved * share.cwiseAbs().maxCoeff() : 0;
   // Those that prescribe motion, if there are two; else all.
   std::vector<std::string> all, driving;
   for (const auto& rows : layout.rows()) {
+    if (rows.count == 0) continue;
     const auto its = [&](const VectorX& x) { return x.segment(rows.first, rows.count).cwiseAbs().maxCoeff(); };
-    if (rows.count == 0 || !(its(share) > least)) continue;
+    const bool own = row >= rows.first && row<rows.first + rows.count, drives = its(work.rate)> 0;
+    if (!own && !(known ? its(share) > least : drives)) continue;
     all.push_back("'" + rows.name + "'");
-    if (its(work.rate) > 0 || (row >= rows.first && row < rows.first + rows.count)) driving.push_back(all.back());
+    if (own || drives) driving.push_back(all.back());
   }
   const std::vector<std::string>& named = driving.size() > 1 ? driving : all;
   std::string text;

@@ -234,11 +234,11 @@ Finding of_refused_scene(Drawn& drawn, const SceneError& error) {
   const std::string text = error.problem();
   const auto says = [&](const char* words) { return text.find(words) != std::string::npos; };
   Finding finding{Cause::bad_parameter, true, 0.9, text + " (" + error.where() + ")", error.fix()};
-  if (says("cannot be assembled")) {
-    finding.cause = Cause::open_joint;
-  } else if (says(kContradict)) {
+  if (says(kContradict)) {
     const System system = assemble(drawn.graph, {.start = AssembleOptions::Start::as_drawn});
     finding.cause = drive_rates(system).maxCoeff() > 0 ? Cause::incompatible_drive : Cause::open_joint;
+  } else if (says("cannot be assembled")) {
+    finding.cause = Cause::open_joint;
   } else if (says("not finite")) {
     finding.cause = Cause::no_number;
     const System system = assemble(drawn.graph, {.start = AssembleOptions::Start::as_drawn});

@@ -122,7 +122,7 @@ TEST(doctor, names_the_part_at_fault_with_figures) {
                {"bump stop of steel", "'wire' between 'rod' and 'bob' rings at 3.39e+04 rad/s"},
                {"dry friction without smoothing", "'rub' on ground and 'block' jumps from"},
                {"table that ends", "'wind' on 'rod' is not finite at t = 0.7"},
-               {"two drives of one shaft", "'brake' row 1 repeats 'motor' row 1 but asks for another motion"},
+               {"two drives of one shaft", "'motor' and 'brake' repeat each other but do not agree: 'brake' row 1"},
                {"pin of a microgram between tons", "'rod' weighs 5e+09 times as much as 'hook'"},
                {"forgotten joint", "nothing ties 'cup' to ground"}};
   for (const auto& [name, part] : cases) {
