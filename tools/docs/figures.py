@@ -6,13 +6,16 @@ docs/figures.json keeps, for each, the command, its inputs and a hash of these, 
     figures.py note [PATH ...]       notes the present inputs of all pictures below the paths (all pages' by default).
                                      Refuses where inputs have changed and the picture has not: make it again first
     figures.py note --same [PATH]    it was made again, and came out the same
+    figures.py redraw                runs the commands of the pictures whose inputs have changed, and notes these pictures
 """
 
 import fnmatch
 import hashlib
 import json
+import os
 import pathlib
 import re
+import subprocess
 import sys
 
 import pages
@@ -176,8 +179,34 @@ def note(below, same):
     return 1 if refused else 0
 
 
+def stale():
+    """Path -> picture, of those whose inputs have changed since they were noted."""
+    book = read_book()
+    told = {name: command_of(pictures) for name, pictures in shown_pictures().items()}
+    return {name: picture for name, picture in told.items()
+            if picture and name in book and book[name]["hash"] != inputs_hash(inputs_of(picture))}
+
+
+def redraw():
+    failed = set()
+    found = stale()
+    if found:
+        subprocess.run(["tools/install_packages.sh", "tools/docs/pictures_packages.txt"], cwd=ROOT, check=True)
+    environment = os.environ | {"PATH": f"/usr/bin:{os.environ['PATH']}"}  # Debian's Python has numpy
+    for command in sorted({picture.command for picture in found.values()}):
+        print(f"== {command}", flush=True)
+        if subprocess.run(command.split(), cwd=ROOT, env=environment, check=False).returncode != 0:
+            failed.add(command)
+            print(f"error: '{command}' fails\n  fix:  run it by hand; its pictures are not noted", file=sys.stderr)
+    _hashes.clear()  # pictures are new
+    drawn = [name for name, picture in found.items() if picture.command not in failed]
+    return (note(drawn, same=True) if drawn else 0) or (1 if failed else 0)
+
+
 def main():
     command, *paths = sys.argv[1:] or ["check"]
+    if command == "redraw":
+        return redraw()
     if command == "note":
         return note([path for path in paths if path != "--same"], "--same" in paths)
     found = list(errors())
