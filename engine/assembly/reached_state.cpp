@@ -57,9 +57,9 @@ void ReachedState::check(const State& state) {
   evaluator_.evaluate(state.time, state.q, state.v, on_velocities.empty() ? Level::position : Level::velocity);
   // 1. Joints.
   for (const Limited& l : limited_) {
-    std::vector<MarkerKinematics> markers;
-    for (const Marker& marker : l.markers) markers.push_back(marker_kinematics(evaluator_, marker, Level::position));
-    const auto beyond = l.limits->beyond_limit(connector::Views(markers.data(), static_cast<int>(markers.size())));
+    markers_.clear();
+    for (const Marker& marker : l.markers) markers_.push_back(marker_kinematics(evaluator_, marker, Level::position));
+    const auto beyond = l.limits->beyond_limit(connector::Views(markers_.data(), static_cast<int>(markers_.size())));
     if (beyond)
       throw SimulationError("'" + l.joint->name() + "' " + *beyond + " at " + time_text(state.time), l.joint->where(),
                             "keep it within: stops, springs or other joints; or take a joint that has no such limit");

@@ -38,6 +38,7 @@ class ReachedState {
   Evaluator& evaluator_;
   std::vector<Limited> limited_;
   VectorX rows_, rates_;
+  std::vector<MarkerKinematics> markers_;
 };
 
 /// "'a' and 'b' repeat each other but do not agree: 'b' row 1, which is left out,": kContradict, and the elements whose

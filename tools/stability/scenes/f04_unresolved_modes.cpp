@@ -1,5 +1,6 @@
 // F04: modes far faster than the step: undamped rules keep them ringing at the step's own frequency in the joint's
 // force, damped ones forget them.
+#include "engine/observe/snapshot.h"
 #include "joints/revolute_joint.h"
 #include "tools/stability/methods/plain_alpha.h"
 #include "tools/stability/scenes/beam.h"
@@ -25,12 +26,14 @@ class Rod : public Bench {
 /// little of what the step resolves.
 Finding judge(Integrator& method) {
   Rod scene;
+  Snapshot now(scene.system);
   std::vector<Vector3> forces;
   double zigzag = 0;
   const auto course = scene.run(
       method, kEnd,
       [&] {
-        forces.push_back(scene.state.lambda.head<3>());
+        now.evaluate(scene.state);
+        forces.push_back(now.found_multipliers().head<3>());
         const std::size_t n = forces.size();
         if (n > 4 && scene.state.time > kEnd - kLast)
           zigzag = std::max(
