@@ -25,7 +25,8 @@ EXCEPTIONS = {
         FramePair AngleMemory ActingMarkers CoupledMarkers CoordinateSwitch EventMemory MarkerLoad
         MarkerMotions MeasuredCoordinate DeflectedMarker MarkerBetween InputEffort CoordinateEffort
         SetValuedFriction BristleLaw FrictionLaw StribeckLaw JointSurface LimitedDamping Parameter
-        RotationSeries Spatial ForwardDynamics ComplexFactor ComplexTangentWeights HeldCoordinates GaussRule""",
+        RotationSeries Spatial ForwardDynamics ComplexFactor ComplexTangentWeights HeldCoordinates GaussRule
+        LimitedMotion StateCheck""",
     "what contact and its detection hand to each other": """
         ContactSide ContactPoses ContactDetector ContactTrace CompliantMemory CapsulePiece""",
     "elements that a function or a body draws: the page of that shows it": """
@@ -34,7 +35,7 @@ EXCEPTIONS = {
     "what a flexible body is made of; make_basis() and the readers fill it": """
         BeamMesh DeflectionMap FlexibleInertia ModalInertia NodalInertia FramePlacement FreeMotions
         InertiaEffect InertiaGroup LoadGeometry NodeAverage QuadraticDeflection RotationalDof SelectedBasis
-        SolidPoint SparseCholesky StiffnessDifference StressStiffness DeformationFields""",
+        SolidPoint SparseCholesky StiffnessDifference StressStiffness DeformationFields Definiteness""",
     "parts of the readers, which read_flexible_body() and read_model() call": """
         BodyFormat BodyOpening FoundBody UnitEvidence CalculixDeck Op4Matrix SidFile AdamsCurve AdamsMeasure
         AdamsNames ModelLink ModelJoint ModelNote""",
