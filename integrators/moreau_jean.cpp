@@ -17,7 +17,9 @@ struct MidpointCorrections {
   int most;
   double tolerance;  // of the velocities
 };
-constexpr MidpointCorrections kStable{4, 1e-6}, kEnergy{8, 1e-9};
+constexpr MidpointCorrections kStable{8, 1e-6}, kEnergy{8, 1e-9};
+constexpr double kFar = 1e-3, kNothing = 1e-7;  // of the velocities; m/s, rad/s: a last correction that does not do
+constexpr double kShortest = 1.0 / 1024;        // of the given step
 
 }  // namespace
 
@@ -89,7 +91,13 @@ StepResult MoreauJean::advance(EquationsOfMotion& equations, State& state, doubl
     total_ = rl_;
     if (equations.reacts()) total_ += h * lambda_;
     push_.setZero(), late_.setZero();
-    correct(equations, state, h);
+    if (!correct(equations, state, h)) {  // it turns too far in a step
+      friction_.put_back(state.v);
+      if (h < kShortest * parameters_.step)
+        return {StepResult::Outcome::failed, "Newton's iteration does not converge at the step of " + step_text(h)};
+      impulses_.finish_by(time);
+      return advance(equations, state, state.time + h / 2);
+    }
     if (rigid) {  // back to where points are found
       mean_ = h / 2 * state.v;
       layout.retract(state.q, mean_, q_);
@@ -141,9 +149,11 @@ StepResult MoreauJean::advance(EquationsOfMotion& equations, State& state, doubl
 /// coordinates: in 0.2 s). A beam's frames turn with it. The midpoint rule keeps the energy of what is linear alone;
 /// where bodies have coordinates in the world only, so that their mass is constant, forces are the mean along the step
 /// instead (average vector field, Quispel & McLaren 2008), by Simpson's rule, which is exact for the fourth order in
-/// which nodes strain a St. Venant-Kirchhoff solid.
-void MoreauJean::correct(EquationsOfMotion& equations, const State& state, double h) {
+/// which nodes strain a St. Venant-Kirchhoff solid. The factor knows little of how inertia couples modes with a fast
+/// turn: false where corrections do not end, so that the step is halved.
+bool MoreauJean::correct(EquationsOfMotion& equations, const State& state, double h) {
   const MidpointCorrections& corrections = nodal_ ? kEnergy : kStable;
+  double change = 0;
   for (int k = 0; k < corrections.most; ++k) {
     rv_ = push_;
     const auto add = [&](double part, double weight) {
@@ -161,14 +171,15 @@ void MoreauJean::correct(EquationsOfMotion& equations, const State& state, doubl
     add(0.5, nodal_ ? 2.0 / 3 : 1);
     more_.setZero();
     equations.solve(rv_, more_);
-    const double change = rv_.norm();
-    if (!std::isfinite(change)) return;  // told with the end of the step
+    change = rv_.norm();
+    if (!std::isfinite(change)) return false;
     v_ += rv_;
     total_ += more_;
     d_ = h / 2 * (state.v + v_) + late_;
     ++statistics_.newton_iterations;
-    if (change <= corrections.tolerance * v_.norm()) return;
+    if (change <= corrections.tolerance * v_.norm()) return true;
   }
+  return change <= kFar * v_.norm() || change <= kNothing;
 }
 
 /// Contact moves bodies along the step's factor, as if they were linear. Where its law keeps the energy, Newton's

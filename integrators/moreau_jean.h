@@ -48,7 +48,7 @@ class MoreauJean final : public Integrator, public DifferentiableSteps {
 
  private:
   friend class RepeatedMoreauJean;
-  void correct(EquationsOfMotion& equations, const State& state, double h);
+  bool correct(EquationsOfMotion& equations, const State& state, double h);
   void settle(EquationsOfMotion& equations, const State& state, double h);
   void close_joints(EquationsOfMotion& equations, double time);
 

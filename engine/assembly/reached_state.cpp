@@ -41,6 +41,10 @@ int find_row_off(const std::vector<int>& left_out, const VectorX& off, Allowed&&
 
 }  // namespace
 
+const char* const kContradictionFix =
+    "remove one of them, or make them agree: drives of one motion need one law, joints that close one loop lengths and "
+    "axes that fit";
+
 std::unique_ptr<ReachedState> ReachedState::make(Evaluator& evaluator) {
   std::unique_ptr<ReachedState> made(new ReachedState(evaluator));
   for (const auto& entry : evaluator.system().graph().constraints())

@@ -45,8 +45,6 @@ class ReachedState {
 /// rows that one repeats at the state evaluated last.
 std::string contradiction(Evaluator& evaluator, int row);
 constexpr const char* kContradict = "repeat each other but do not agree";
-constexpr const char* kContradictionFix =
-    "remove one of them, or make them agree: drives of one motion need one law, joints that close one loop lengths and "
-    "axes that fit";
+extern const char* const kContradictionFix;
 
 }  // namespace lithe
