@@ -134,7 +134,8 @@ std::string contradiction(Evaluator& evaluator, int row) {
   for (const auto& rows : layout.rows()) {
     if (rows.count == 0) continue;
     const auto its = [&](const VectorX& x) { return x.segment(rows.first, rows.count).cwiseAbs().maxCoeff(); };
-    const bool own = row >= rows.first && row<rows.first + rows.count, drives = its(work.rate)> 0;
+    const bool own = rows.first <= row && row - rows.first < rows.count;
+    const bool drives = its(work.rate) > 0;
     if (!own && !(known ? its(share) > least : drives)) continue;
     all.push_back("'" + rows.name + "'");
     if (own || drives) driving.push_back(all.back());

@@ -147,36 +147,6 @@ TEST(BallBearing, TakesHarrisContactAngleUnderAxialLoad) {
   EXPECT_LT(relative(alone.bearing.element_loads(e)[3].force, axial / (16 * std::sin(41.6 * M_PI / 180))), 0.005);
 }
 
-/// A deep-groove bearing (grooves of 0.52 and 0.53 D as ISO/TS 16281 takes them) under 1 kN along x, 1 kN along z and
-/// 1 N m about x: its deflections from the middle of the clearance by MASTA, a commercial program, as the tests of
-/// github.com/minzhun/ISO16281 cite them.
-TEST(BallBearing, YieldsAsACommercialProgramSays) {
-  struct Case {
-    double clearance, radial, axial, moment;  // m, N, N m
-    double along, lengthwise, tilt;           // m, rad; 0: not given
-  };
-  for (const Case& c : {Case{0, 1e3, 0, 0, 15.1101e-6, 0, 0}, Case{0, 0, 1e3, 0, 0, 133.5381e-6, 0},
-                        Case{1e-5, 1e3, 0, 0, 21.223e-6, 0, 0}, Case{1e-5, 0, 1e3, 0, 0, 149.1717e-6, 0},
-                        Case{1e-5, 1e3, 1e3, 0, 19.5923e-6, 146.4603e-6, 2.6872e-3}, Case{0, 0, 0, 1, 0, 0, 3.6957e-3},
-                        Case{1e-5, 1e3, 1e3, 1, 19.7144e-6, 146.3084e-6, 2.7239e-3}}) {
-    SCOPED_TRACE(c.along + c.lengthwise + c.tilt);
-    const Alone<BallBearing> alone({.balls = 7,
-                                    .ball_diameter = 11.5e-3,
-                                    .pitch_diameter = 43.5e-3,
-                                    .inner_groove_radius = 0.52 * 11.5e-3,
-                                    .outer_groove_radius = 0.53 * 11.5e-3,
-                                    .clearance = c.clearance,
-                                    .material = {.youngs_modulus = 2.1e11, .poissons_ratio = 0.3}});
-    Vector5 load;
-    load << c.radial, 0, c.axial, c.moment, 0;
-    const Vector5 e = alone.bearing.deflection(load);
-    const double tilt = std::hypot(e[3], e[4]);
-    if (c.along > 0) EXPECT_LT(relative(e[0], c.along), 0.02);
-    if (c.lengthwise > 0) EXPECT_LT(relative(e[2], c.lengthwise), 0.02);
-    if (c.tilt > 0) EXPECT_LT(relative(tilt, c.tilt), 0.02);
-  }
-}
-
 /// Harris' equations of a ball at speed (Advanced Concepts of Bearing Technology, ch. 3), by the inner ring's angle:
 /// the outer one's follows from the balance of the ball, the angles must close the radial distance of the grooves.
 TEST(BallBearing, TakesHarrisContactAnglesAtSpeed) {
