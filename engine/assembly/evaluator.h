@@ -6,7 +6,6 @@
 #include "engine/assembly/system.h"
 #include "engine/assembly/workspace.h"
 #include "engine/motion/equations_of_motion.h"
-#include "engine/motion/state_check.h"
 
 namespace lithe {
 
@@ -18,7 +17,7 @@ class TangentFactors;
 
 /// Evaluates one state of a system: walks the batches and writes the blocks of M, f, g, G and of the tangent in place.
 /// One a thread. Bodies and markers that no connector uses: evaluated.h; what sensors ask: Snapshot.
-class Evaluator final : public EquationsOfMotion, public StepMemory, public StateCheck {
+class Evaluator final : public EquationsOfMotion, public StepMemory {
  public:
   explicit Evaluator(const System& system);
   ~Evaluator() override;
@@ -41,7 +40,6 @@ class Evaluator final : public EquationsOfMotion, public StepMemory, public Stat
   void track_rows(std::vector<int>& left_out) const override { left_out = facts_.redundant_rows; }
   void recall(const ContactMemory& contacts) override;
   void track_contacts(State& state) override;
-
   void check(const State& state) override;
 
   const System& system() const { return system_; }

@@ -59,6 +59,9 @@ class StepMemory {
   /// they did last. Tracking evaluates the state.
   virtual void recall(const ContactMemory& /*contacts*/) {}
   virtual void track_contacts(State& /*state*/) {}
+  /// What no method sees of a state that a step has reached: throws SimulationError where rows that are left out
+  /// contradict those that they repeat, or a joint is beyond its limits. Evaluates the state.
+  virtual void check(const State& /*state*/) {}
 };
 
 /// Holds linear coordinates of bodies where they are.

@@ -8,7 +8,6 @@
 #include "engine/archive/archive.h"
 #include "engine/base/error.h"
 #include "engine/motion/singular_pose.h"
-#include "engine/motion/state_check.h"
 
 namespace lithe {
 namespace {
@@ -126,8 +125,7 @@ StepResult Integrator::step(EquationsOfMotion& equations, State& state, double t
   equations.memory().track(state.quarter_turns);
   equations.memory().track_rows(state.left_out);
   equations.memory().track_contacts(state);
-  if (!delegates())
-    if (auto* equations_check = dynamic_cast<StateCheck*>(&equations)) equations_check->check(state);
+  if (!delegates()) equations.memory().check(state);  // else the inner method has
   if (turn_rates_.size() > 0 && turn_rates_.size() == state.quarter_turns.size())
     limit_turn(state.quarter_turns, state.time - begin);
   return result;

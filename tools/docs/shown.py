@@ -26,7 +26,7 @@ EXCEPTIONS = {
         MarkerMotions MeasuredCoordinate DeflectedMarker MarkerBetween InputEffort CoordinateEffort
         SetValuedFriction BristleLaw FrictionLaw StribeckLaw JointSurface LimitedDamping Parameter
         RotationSeries Spatial ForwardDynamics ComplexFactor ComplexTangentWeights HeldCoordinates GaussRule
-        LimitedMotion StateCheck""",
+        LimitedMotion""",
     "what contact and its detection hand to each other": """
         ContactSide ContactPoses ContactDetector ContactTrace CompliantMemory CapsulePiece""",
     "elements that a function or a body draws: the page of that shows it": """
