@@ -112,7 +112,9 @@ std::string exact_text(double value) {
 std::vector<std::vector<double>> native_rows(const ScriptFolder& scratch, const std::string& scene,
                                              const std::string& before, const std::string& body,
                                              const std::string& step) {
-  scratch.write("native.cpp", "#include \"" LITHE_SOURCE_DIR "/" + scene + "\"\n#include <cstdio>\n" + before + R"(
+  // Named here too: the command then uses the precompiled header.
+  scratch.write("native.cpp", "#include \"lithe/lithe.h\"\n#include \"" LITHE_SOURCE_DIR "/" + scene +
+                                  "\"\n#include <cstdio>\n" + before + R"(
 int main() {
   const StudyScene study = scene();
   SystemGraph graph({.gravity = study.gravity});

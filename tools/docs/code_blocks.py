@@ -11,6 +11,7 @@ others (cmake, python, ...) run by a test, or theirs
     code_blocks.py generate OUT.cpp the source that tests/docs compiles and runs
 """
 
+import functools
 import os
 import pathlib
 import re
@@ -36,14 +37,24 @@ def meaningful(line):
     return line.strip() not in ("", "...", "// ...")
 
 
+@functools.cache
+def sources():
+    """Each source with its lines, without indents, and the set of them."""
+    found = []
+    for pattern in SOURCES:
+        for path in sorted(ROOT.glob(pattern)):
+            lines = [line.strip() for line in path.read_text().splitlines()]
+            found.append((path.relative_to(ROOT), lines, set(lines)))
+    return found
+
+
 def source_of(block):
     """The source that has the block's lines, in order (indents and what lies between aside); None: none has."""
     wanted = [line.strip() for line in block.text.splitlines() if meaningful(line)]
-    for pattern in SOURCES:
-        for path in sorted(ROOT.glob(pattern)):
-            lines = iter(line.strip() for line in path.read_text().splitlines())
-            if wanted and all(line in lines for line in wanted):
-                return path.relative_to(ROOT)
+    for path, lines, there in sources():
+        rest = iter(lines)
+        if wanted and there.issuperset(wanted) and all(line in rest for line in wanted):
+            return path
     return None
 
 

@@ -49,9 +49,9 @@ void run_scene(std::string_view input, const std::filesystem::path& folder) {
       words >> name;
       std::vector<double> values;
       for (std::string word; words >> word && values.size() < 1000;) {
-        double value = 0;
-        if (std::from_chars(word.data(), word.data() + word.size(), value).ec != std::errc{}) break;
-        values.push_back(value);
+        double entry = 0;
+        if (std::from_chars(word.data(), word.data() + word.size(), entry).ec != std::errc{}) break;
+        values.push_back(entry);
       }
       if (const auto kind = rows.find('/' + name + 's'); kind != rows.end()) {
         if (!kind->second.empty()) values.resize(static_cast<std::size_t>(kind->second[0].size()), 0.5);

@@ -203,9 +203,11 @@ TEST(BevelGearPair, PushesBothConesFromTheirApex) {
 /// How many times a surface winds around a point: 1 within it, 0 outside.
 double winding(const DrawnShape& shape, const Matrix3& axes, const Vector3& place, const Vector3& point) {
   double sum = 0;  // solid angles (van Oosterom & Strackee 1983)
+  std::vector<Vector3> points;  // as seen from the point
+  for (const Vector3& x : shape.points) points.push_back(axes * x + place - point);
+  const auto at = [&](int n) -> const Vector3& { return points[static_cast<std::size_t>(n)]; };
   for (const auto& [i, j, k] : shape.triangles) {
-    const auto at = [&](int n) { return Vector3(axes * shape.points[static_cast<std::size_t>(n)] + place - point); };
-    const Vector3 a = at(i), b = at(j), c = at(k);
+    const Vector3 &a = at(i), &b = at(j), &c = at(k);
     const double A = a.norm(), B = b.norm(), C = c.norm();
     sum += 2 * std::atan2(a.dot(b.cross(c)), A * B * C + a.dot(b) * C + b.dot(c) * A + c.dot(a) * B);
   }
