@@ -4,9 +4,11 @@
 #include <cstdio>
 #include <limits>
 
+#include "engine/analysis/rest_stability.h"
 #include "engine/analysis/static_equations.h"
 #include "engine/assembly/least_norm.h"
 #include "engine/base/error.h"
+#include "engine/base/log.h"
 #include "engine/base/number_text.h"
 #include "engine/motion/projection.h"
 #include "engine/observe/observer.h"
@@ -16,6 +18,7 @@ namespace {
 
 constexpr double kFarthest = 0.3;      // rad, or of the size of the scene: what a step may turn and move
 constexpr double kSmooth = 1e-5;       // of the size of the scene, or rad: for differences of the balance
+constexpr double kSmoother = 1e-4;     // likewise, for those of fourth order
 constexpr double kLeast = 1e-4;        // of the shift σ, 1/s²
 constexpr double kMost = 1e16;         // likewise; where it is reached nothing helps
 constexpr double kContraction = 0.7;   // of a correction beside the one before
@@ -36,6 +39,16 @@ std::string short_number(double x) {
   char text[32];
   std::snprintf(text, sizeof text, "%.3g", x);
   return text;
+}
+
+void tell_stability(const Layout& layout, const Equilibrium& found) {
+  if (found.stability != RestStability::unstable) return;
+  int largest = 0;
+  found.softest.cwiseAbs().maxCoeff(&largest);
+  log::warn("find_equilibrium: the rest found is " + found.stability_text() +
+            ": a motion away from it, most of all of " + layout.velocity_name(largest) + ", grows e-fold in " +
+            short_number(1 / std::sqrt(-found.lowest_stiffness)) +
+            " s\n  fix:  start aside of it where another rest is wanted.");
 }
 
 /// Newton's way from a start at rest to the balance.
@@ -102,6 +115,9 @@ class Search {
     found.out_of_balance = out_of_balance_;
     found.round_off = balance_.round_off().size() > 0 ? balance_.round_off().maxCoeff() : 0;
   }
+
+  /// Of the rest that was found.
+  void judge(Equilibrium& found) { judge_rest(balance_, kSmoother * std::min(size_, 1.0), found); }
 
   bool balanced() const { return balanced_; }
   /// Whether more steps might get there.
@@ -236,6 +252,13 @@ class Search {
 
 }  // namespace
 
+std::string Equilibrium::stability_text() const {
+  const char* const word = stability == RestStability::stable     ? "stable"
+                           : stability == RestStability::unstable ? "unstable"
+                                                                  : "of unknown stability";
+  return word + (", lowest stiffness " + short_number(lowest_stiffness) + " 1/s²");
+}
+
 Equilibrium find_equilibrium(const System& system, const State& start, const EquilibriumOptions& options) {
   const Layout& layout = system.layout();
   if (start.q.size() != layout.q_count())
@@ -278,6 +301,8 @@ Equilibrium find_equilibrium(const System& system, const State& start, const Equ
                                           "the equilibrium"));
   state.v.setZero();
   state.v_dot.setZero();
+  search.judge(found);
+  tell_stability(layout, found);
   equations.evaluate(state.time, state.q, state.v, Level::velocity);
   minimize_norm(equations, state.lambda);
   found.left_out = deflection_left_out(system, state);

@@ -5,6 +5,7 @@
 #include <sunmatrix/sunmatrix_sparse.h>
 
 #include <Eigen/QR>
+#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <limits>
 
@@ -17,6 +18,7 @@ namespace {
 constexpr double kRoundings = 4;  // of each term of a force, in units of its last bit
 constexpr int kKrylov = 12;       // vectors of GMRES
 constexpr double kKrylovTolerance = 0.02;
+constexpr double kPenalties[] = {1e3, 1e6, 1e9};  // of a row, of the stiffness of what it holds
 
 }  // namespace
 
@@ -130,6 +132,52 @@ void StaticEquations::product(const VectorX& x, ConstVectorRef lambda, double le
   out.head(velocities_) += shift_ * mass_times(x.head(velocities_), lambda);
   for (int i = 0; i < rows_; ++i)
     if (redundant_[i]) out[velocities_ + i] = x[velocities_ + i];
+}
+
+VectorX StaticEquations::stiffness_times(const VectorX& d, ConstVectorRef lambda, double length, double* coarse) {
+  const VectorX q = q_;
+  const double size = d.lpNorm<Eigen::Infinity>(), h = size > 0 ? length / size : 1;
+  VectorX moved = q;
+  const auto slope = [&](double step) {
+    const auto force_at = [&](double t) -> VectorX {
+      equations_.layout().retract(q, t * d, moved);
+      evaluate(time_, moved, lambda);
+      return force;
+    };
+    const VectorX ahead = force_at(step);
+    return VectorX((ahead - force_at(-step)) / (2 * step));
+  };
+  const VectorX near = slope(h);
+  VectorX product = (4 * near - slope(2 * h)) / 3;
+  evaluate(time_, q, lambda);
+  if (coarse) *coarse = d.dot(near);
+  return product;
+}
+
+bool StaticEquations::surely_convex() const {
+  const int size = velocities_;
+  const VectorX diagonal = VectorX(sparse_.diagonal()).head(size).cwiseAbs();
+  Eigen::SparseMatrix<double> S = sparse_.topLeftCorner(size, size), G = sparse_.bottomLeftCorner(rows_, size);
+  S = Eigen::SparseMatrix<double>(0.5 * (S + Eigen::SparseMatrix<double>(S.transpose())));
+  VectorX largest = VectorX::Zero(rows_), square = largest;  // of each row: stiffness of what it holds, |row|²
+  for (int column = 0; column < size; ++column)
+    for (Eigen::SparseMatrix<double>::InnerIterator entry(G, column); entry; ++entry) {
+      if (entry.value() != 0) largest[entry.row()] = std::max(largest[entry.row()], diagonal[column]);
+      square[entry.row()] += entry.value() * entry.value();
+    }
+  Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor;
+  for (const double penalty : kPenalties) {
+    const VectorX weights = (penalty * largest).cwiseQuotient(square.cwiseMax(std::numeric_limits<double>::min()));
+    const Eigen::SparseMatrix<double> weighted = weights.asDiagonal() * G;
+    factor.compute(S + Eigen::SparseMatrix<double>(G.transpose() * weighted));
+    if (factor.info() == Eigen::Success) return true;
+    if (rows_ == 0) break;
+  }
+  return false;
+}
+
+int StaticEquations::freedoms() const {
+  return velocities_ - static_cast<int>(std::count(redundant_.begin(), redundant_.end(), 0));
 }
 
 bool StaticEquations::solve_exactly(VectorX& d, VectorX& l, ConstVectorRef lambda, double length) {

@@ -30,6 +30,13 @@ class StaticEquations {
   /// (Saad & Schultz 1986) on the differenced equations, preconditioned by the factor. The factor is that of the pose
   /// evaluated last, with these multipliers; `length`: a motion over which the equations are smooth.
   bool solve_exactly(VectorX& d, VectorX& l, ConstVectorRef lambda, double length);
+  /// K d by differences of fourth order over `length`, multipliers held; the pose evaluated last stays. `coarse`: dᵀ K
+  /// d of second order.
+  VectorX stiffness_times(const VectorX& d, ConstVectorRef lambda, double length, double* coarse = nullptr);
+  /// Whether K + σM, as factorised last, is positive for all motions that the rows allow. False: it may not be.
+  bool surely_convex() const;
+  /// How many motions the rows allow.
+  int freedoms() const;
   /// M d at the pose evaluated last with these multipliers; force must still be that pose's.
   VectorX mass_times(ConstVectorRef d, ConstVectorRef lambda) const;
   /// Of each entry of force: how much it changes where coordinates and multipliers change by their last bits.

@@ -19,16 +19,20 @@ inline constexpr std::array<Offset, 4> kOffsets{{{1, 8.0 / 12}, {-1, -8.0 / 12},
 /// round-off of 1e-12.
 inline constexpr double kDirectionStep = 1e-4;
 
+/// Of each term of a function that is differenced.
+inline constexpr double kTermRoundOff = 1e-15;
+
 /// |x| of the largest entry; 0 without any.
 inline double largest_entry(ConstVectorRef x) { return x.size() > 0 ? x.lpNorm<Eigen::Infinity>() : 0; }
 
 /// f' of fourth order by steps of h or, where f bends far more quickly than that, has a kink or is not defined so far
 /// away, of less: those whose error, by how far second and fourth order are apart, and round-off are least. Errors are
 /// beside `scale`, the largest such f' so far, which it raises: what nearly vanishes has little but round-off. In
-/// pairs, so that what does not change gives zero to the bit.
+/// pairs, so that what does not change gives zero to the bit. `terms`: the size of what cancels in f, whose last bits
+/// are in it too.
 template <class Function>
-VectorX difference(double h, bool kinks, double& scale, const Function& f) {
-  constexpr double kLeast = 1e-6, kRoundOff = 1e-15, kGood = 1e-13, kPlain = 1e-6;  // of h; of f; of f'
+VectorX difference(double h, bool kinks, double& scale, const Function& f, double terms = 0) {
+  constexpr double kLeast = 1e-6, kGood = 1e-13, kPlain = 1e-6;  // of h; of f'
   double least = std::numeric_limits<double>::infinity();
   VectorX best;
   for (double t = h; t >= kLeast * h; t *= 0.1) {
@@ -41,8 +45,10 @@ VectorX difference(double h, bool kinks, double& scale, const Function& f) {
     }
     const bool first = best.size() == 0;
     scale = std::max(scale, largest_entry(near));
-    const double apart = largest_entry(near - far), error = apart > 0 ? apart * apart / scale : 0;
-    const double noise = kRoundOff * largest_entry(ahead) / t;
+    double apart = largest_entry(near - far);
+    if (scale > 0) apart = std::max(apart, kTermRoundOff * terms / t);  // agreement beyond that is chance
+    const double error = apart > 0 ? apart * apart / scale : 0;
+    const double noise = kTermRoundOff * largest_entry(ahead) / t;
     if (error + noise < least || first) best = (4 * near - far) / 3;
     if (error + noise < least) least = error + noise;
     if (error <= std::max(noise, (first && !kinks ? kPlain : kGood) * scale)) break;

@@ -37,7 +37,7 @@ void TangentEquations::at(const State& state) {
   equations_.recall(state.quarter_turns);
   equations_.recall_rows(state.left_out);
   ready_ = evaluated_ = formed_ = false;
-  scale_ = 0;
+  scale_ = terms_of_force_ = 0;
 }
 
 /// The evaluator at the state.
@@ -93,7 +93,7 @@ void TangentEquations::difference_along(const Direction& direction, VectorX& for
     return all;
   };
   double sized = size * scale;
-  const VectorX all = difference(h, !at_rest_, sized, at);
+  const VectorX all = difference(h, !at_rest_, sized, at, terms_of_force_);
   if (size > 0) scale = sized / size;
   force = all.head(force.size());
   rows = all.segment(force.size(), rows.size());
@@ -446,28 +446,59 @@ void TangentEquations::check_tangents() {
   stand();
   VectorX r(state_.v.size()), own = VectorX::Zero(state_.v.size());
   equations_.residual(state_.v_dot, state_.lambda, r);
+  const VectorX terms = terms_of_elements(direction.turn, direction.velocity);
+  terms_of_force_ = find_terms_of_force();
   equations_.factors().form_tangent({1, 0, 0}, state_.v_dot, state_.lambda, nullptr);
   equations_.factors().add_tangent_product(direction.turn, own, false);
   equations_.factors().form_tangent({0, 1, 0}, state_.v_dot, state_.lambda, nullptr);
   equations_.factors().add_tangent_product(direction.velocity, own, false);
   const double all = largest_entry(force) + largest_entry(r);
   if (tangents_ == Tangents::of_elements) {
-    if (agrees(force, own, all)) return;
+    if (agrees(force, own, terms, all)) return;
     tangents_ = Tangents::with_row_rates;
     find_row_rates(nullptr);
     stand();
   }
   add_turning_rows(direction.turn, own, false);
-  if (agrees(force, own, all)) return;
+  if (agrees(force, own, terms, all)) return;
   tangents_ = Tangents::differenced;
   difference_columns();
 }
 
-bool TangentEquations::agrees(const VectorX& force, const VectorX& own, double all) const {
+/// |K| |turn| + |D| |velocity| by the elements: along some directions nearly all of it cancels.
+VectorX TangentEquations::terms_of_elements(const VectorX& turn, const VectorX& velocity) {
+  VectorX sum = VectorX::Zero(state_.v.size());
+  const auto add = [&](const TangentWeights& weights, const VectorX& x) {
+    equations_.factors().form_tangent(weights, state_.v_dot, state_.lambda, nullptr);
+    std::vector<double> blocks = equations_.factors().formed();
+    for (double& value : blocks) value = std::abs(value);
+    VectorX product = VectorX::Zero(x.size());
+    equations_.factors().add_tangent_product(blocks, x.cwiseAbs(), product, false);
+    sum += product.cwiseAbs();
+  };
+  add({1, 0, 0}, turn);
+  if (velocity.size() > 0) add({0, 1, 0}, velocity);
+  return sum;
+}
+
+/// The size of what cancels in the equations: forces, and what the last bits of coordinates make of them.
+double TangentEquations::find_terms_of_force() {
+  stand();
+  VectorX force(state_.v.size()), magnitudes(force.size());
+  layout().magnitudes(state_.q, magnitudes);
+  const VectorX of_coordinates = terms_of_elements(magnitudes, {});
+  equations_.residual(VectorX::Zero(force.size()), VectorX::Zero(state_.lambda.size()), force);
+  return largest_entry(force) + largest_entry(of_coordinates);
+}
+
+/// Of a difference along a direction of size one.
+double TangentEquations::round_off() const { return kTermRoundOff * terms_of_force_ / kDirectionStep; }
+
+bool TangentEquations::agrees(const VectorX& force, const VectorX& own, const VectorX& terms, double all) const {
   return std::all_of(layout().bodies().begin(), layout().bodies().end(), [&](const Layout::BodySlice& b) {
-    const auto theirs = force.segment(b.v, velocities_of(b)), ours = own.segment(b.v, velocities_of(b));
-    return (theirs - ours).lpNorm<Eigen::Infinity>() <=
-           kAgree * theirs.lpNorm<Eigen::Infinity>() + 1e2 * kAgreeAll * all;
+    const auto of = [&](const VectorX& x) { return x.segment(b.v, velocities_of(b)); };
+    return largest_entry(of(force) - of(own)) <=
+           kAgree * largest_entry(of(terms)) + 1e2 * kAgreeAll * all + round_off();
   });
 }
 
@@ -517,9 +548,16 @@ void TangentEquations::find_colours() {
 void TangentEquations::difference_columns() {
   if (colours_.empty()) find_colours();
   const auto& bodies = layout().bodies();
+  const int n = layout().v_count();
   std::vector<Eigen::Triplet<double>> by_q, by_v;
-  Direction direction;
   VectorX force, rows;
+  // What the colours missed shows along a direction that moves all.
+  std::mt19937 random(seed_++);
+  Direction all{VectorX(n), VectorX(n), {}, {}}, direction;
+  for (VectorX* x : {&all.turn, &all.velocity})
+    for (double& value : *x) value = static_cast<double>(random()) / 2147483648.0 - 1;
+  double of_all = 0;
+  if (terms_of_force_ == 0) terms_of_force_ = find_terms_of_force();
   for (const auto& colour : colours_) {
     int widest = 0;
     for (int s : colour) widest = std::max(widest, velocities_of(bodies[s]));
@@ -544,20 +582,15 @@ void TangentEquations::difference_columns() {
       take(by_v);
     }
   }
-  const int n = layout().v_count();
   K_.resize(n, n), D_.resize(n, n);
   K_.setFromTriplets(by_q.begin(), by_q.end());
   D_.setFromTriplets(by_v.begin(), by_v.end());
-  // What the colours missed shows along a direction that moves all.
-  std::mt19937 random(seed_++);
-  direction = {VectorX(n), VectorX(n), {}, {}};
-  for (VectorX* x : {&direction.turn, &direction.velocity})
-    for (double& value : *x) value = static_cast<double>(random()) / 2147483648.0 - 1;
-  double of_columns = 0;
-  difference_along(direction, force, rows, nullptr, of_columns);
-  const VectorX own = K_ * direction.turn + D_ * direction.velocity;
+  difference_along(all, force, rows, nullptr, of_all);
+  const VectorX own = K_ * all.turn + D_ * all.velocity;
+  // Beside what is summed up, of which nearly all cancels along some directions.
+  const VectorX terms = K_.cwiseAbs() * all.turn.cwiseAbs() + D_.cwiseAbs() * all.velocity.cwiseAbs();
   const double agree = equations_.contacts() ? kTouchesAgree : kColumnsAgree;
-  if ((own - force).lpNorm<Eigen::Infinity>() > agree * (largest_entry(force) + largest_entry(own)))
+  if (largest_entry(own - force) > agree * (largest_entry(force) + largest_entry(terms)) + round_off())
     throw SimulationError(
         "the equations near t = " + std::to_string(state_.time) + " s have no derivative that differences agree on",
         "TangentEquations", "look for what is not smooth there: friction at rest, a stop that closes");

@@ -47,7 +47,10 @@ class TangentEquations final : public LinearEquations {
   void evaluate(double offset, const Direction& direction, VectorX& force, VectorX& rows, VectorX* rates);
   void difference_along(const Direction& direction, VectorX& force, VectorX& rows, VectorX* rates, double& scale);
   void check_tangents();
-  bool agrees(const VectorX& force, const VectorX& own, double all) const;
+  bool agrees(const VectorX& force, const VectorX& own, const VectorX& terms, double all) const;
+  VectorX terms_of_elements(const VectorX& turn, const VectorX& velocity);
+  double find_terms_of_force();
+  double round_off() const;
   void stand();
   void factorize_formed(const TangentWeights& weights, const VectorX& increment);
   void find_row_rates(const VectorX* acceleration);
@@ -64,7 +67,8 @@ class TangentEquations final : public LinearEquations {
   const bool at_rest_;
   State state_;
   State near_;
-  double scale_ = 0;  // of derivatives near the state, by the size of their directions
+  double scale_ = 0;           // of derivatives near the state, by the size of their directions
+  double terms_of_force_ = 0;  // the size of what cancels in the equations
   Tangents tangents_ = Tangents::of_elements;
   bool ready_ = false;      // the tangents of the present state are checked or differenced
   bool evaluated_ = false;  // the evaluator stands at the state
