@@ -185,6 +185,7 @@ void Evaluator::react(ConstVectorRef lambda) {
 }
 
 void Evaluator::evaluate(double time, ConstVectorRef q, ConstVectorRef v, Level level) {
+  ++evaluations_;
   work_.time = time;
   work_.q = q;
   work_.v = v;

@@ -44,6 +44,8 @@ class Evaluator final : public EquationsOfMotion, public StepMemory {
 
   const System& system() const { return system_; }
   const Workspace& workspace() const { return work_; }
+  /// How often evaluate() was called.
+  long evaluations() const { return evaluations_; }
   /// Of the body at that place in SystemGraph::bodies(), ground first.
   BodyState body_state(std::size_t place);
   /// Null: the scene has no contacts.
@@ -70,6 +72,7 @@ class Evaluator final : public EquationsOfMotion, public StepMemory {
 
   const System& system_;
   Workspace work_;
+  long evaluations_ = 0;
   std::vector<std::unique_ptr<BodyBatch::Caches>> caches_;
   Facts facts_;
   std::unique_ptr<ContactForces> contacts_;  // null: the scene has none

@@ -56,28 +56,43 @@ std::unique_ptr<ReachedState> ReachedState::make(Evaluator& evaluator) {
   return made;
 }
 
-void ReachedState::check(const State& state) {
+std::string ReachedState::beyond_limit(const Limited& limited) {
+  markers_.clear();
+  for (const Marker& marker : limited.markers)
+    markers_.push_back(marker_kinematics(evaluator_, marker, Level::position));
+  return limited.limits->beyond_limit(connector::Views(markers_.data(), static_cast<int>(markers_.size())))
+      .value_or("");
+}
+
+int ReachedState::find_row() {
   const std::vector<int>&left_out = evaluator_.redundant_rows(), &on_velocities = evaluator_.velocity_rows();
-  evaluator_.evaluate(state.time, state.q, state.v, on_velocities.empty() ? Level::position : Level::velocity);
-  // 1. Joints.
-  for (const Limited& l : limited_) {
-    markers_.clear();
-    for (const Marker& marker : l.markers) markers_.push_back(marker_kinematics(evaluator_, marker, Level::position));
-    const auto beyond = l.limits->beyond_limit(connector::Views(markers_.data(), static_cast<int>(markers_.size())));
-    if (beyond)
-      throw SimulationError("'" + l.joint->name() + "' " + *beyond + " at " + time_text(state.time), l.joint->where(),
-                            "keep it within: stops, springs or other joints; or take a joint that has no such limit");
-  }
-  // 2. Rows.
-  if (left_out.empty()) return;
+  if (left_out.empty()) return -1;
   evaluator_.constraint(Level::position, rows_);
-  int row = find_row_off(left_out, rows_, [](int) { return kOff; });
-  if (row < 0 && !on_velocities.empty()) {
-    evaluator_.constraint(Level::velocity, rates_);
-    rows_.setZero();
-    for (const int r : on_velocities) rows_[r] = rates_[r];
-    row = find_row_off(left_out, rows_, [&](int) { return kOff * (1 + largest(state.v)); });
+  const int row = find_row_off(left_out, rows_, [](int) { return kOff; });
+  if (row >= 0 || on_velocities.empty()) return row;
+  evaluator_.constraint(Level::velocity, rates_);
+  rows_.setZero();
+  for (const int r : on_velocities) rows_[r] = rates_[r];
+  return find_row_off(left_out, rows_, [&](int) { return kOff * (1 + largest(evaluator_.workspace().v)); });
+}
+
+void ReachedState::check(const State& state) {
+  const bool evaluated = evaluator_.evaluations() != evaluations_ && evaluator_.velocity_rows().empty();
+  evaluations_ = evaluator_.evaluations();
+  const auto is_beyond = [&](const Limited& limited) { return !beyond_limit(limited).empty(); };
+  if (evaluated && std::ranges::none_of(limited_, is_beyond)) {
+    evaluator_.constraint(Level::position, rows_);
+    if (std::ranges::all_of(evaluator_.redundant_rows(), [&](int row) { return std::abs(rows_[row]) <= kOff; })) return;
   }
+  evaluator_.evaluate(state.time, state.q, state.v,
+                      evaluator_.velocity_rows().empty() ? Level::position : Level::velocity);
+  evaluations_ = evaluator_.evaluations();
+  for (const Limited& limited : limited_)
+    if (const std::string beyond = beyond_limit(limited); !beyond.empty())
+      throw SimulationError("'" + limited.joint->name() + "' " + beyond + " at " + time_text(state.time),
+                            limited.joint->where(),
+                            "keep it within: stops, springs or other joints; or take a joint that has no such limit");
+  const int row = find_row();
   if (row < 0) return;
   const double off = rows_[row];
   throw SimulationError(

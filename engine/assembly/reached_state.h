@@ -21,7 +21,8 @@ class ReachedState {
   static std::unique_ptr<ReachedState> make(Evaluator& evaluator);
 
   /// A row that is left out may be off by 1e-6, in its units (m, rad; rows on velocities: of 1 and the fastest
-  /// velocity), and by a thousand times what the others are off by.
+  /// velocity), and by a thousand times what the others are off by. Looked at where the step evaluated last, beside the
+  /// state; at the state itself only where something is off there, or nothing was evaluated.
   void check(const State& state);
   /// Of the start, with its accelerations: whether the rates and accelerations of those rows agree with the others'.
   /// Throws SceneError.
@@ -34,9 +35,14 @@ class ReachedState {
     std::vector<Marker> markers;
   };
   explicit ReachedState(Evaluator& evaluator) : evaluator_(evaluator) {}
+  /// Of the state evaluated last; "" if it is within its limit.
+  std::string beyond_limit(const Limited& limited);
+  /// The row that is off at the state evaluated last, its value in rows_; -1: none.
+  int find_row();
 
   Evaluator& evaluator_;
   std::vector<Limited> limited_;
+  long evaluations_ = 0;  // that are looked at
   VectorX rows_, rates_;
   std::vector<MarkerKinematics> markers_;
 };
