@@ -23,6 +23,12 @@ BlockFactorOf<Scalar>::BlockFactorOf(const BlockStructure& structure) : structur
   plan();
 }
 
+/// A body without a frame that has no more coordinates than one: planar, a point, a number. Its joints close loops too.
+template <class Scalar>
+bool BlockFactorOf<Scalar>::is_small(std::size_t linear) const {
+  return structure_.linears[linear].frames == 0 && structure_.linears[linear].size <= 6;
+}
+
 template <class Scalar>
 void BlockFactorOf<Scalar>::plan() {
   const auto& s = structure_;
@@ -67,9 +73,17 @@ void BlockFactorOf<Scalar>::plan() {
   }
   for (const auto& c : s.row_couplings) couplings.emplace_back(frames + c.rows, frames + c.on);
   // Compliant rows always have their pivot: what springs close is no loop to watch in every step.
-  Topology joints{frames, {}};
-  for (int r = 0; r < rows; ++r)
-    if (s.rows[r].compliant < 0) joints.ties.push_back(topology.ties[r]);
+  Topology joints{frames + static_cast<int>(linear_.size()), topology.ties};
+  for (std::size_t l = 0; l < linear_.size(); ++l)
+    if (is_small(l))
+      for (int r : linear_[l].rows()) {
+        std::erase(joints.ties[r], -1);
+        joints.ties[r].push_back(frames + static_cast<int>(l));
+      }
+  for (int r = rows - 1; r >= 0; --r) {
+    if (joints.ties[r].size() < 2) joints.ties[r].push_back(-1);
+    if (s.rows[r].compliant >= 0) joints.ties.erase(joints.ties.begin() + r);
+  }
   guarded_ = has_loops(joints);
   const Elimination elimination = plan_elimination(topology, dimension, couplings, held);
 
@@ -233,6 +247,11 @@ void BlockFactorOf<Scalar>::load_first(const std::vector<Scalar>& values) {
         for (int b = 0; b < k.size; ++b)
           for (int a = 0; a < i.size; ++a) entry(to, a, b, i.size) += schur(i.column + a, k.column + b);
       }
+    if (!guarded_ || !is_small(l)) continue;
+    for (const auto& part : parts)
+      if (part.x >= structure_.velocity_count)
+        for (int a = 0; a < part.size; ++a)
+          compliance_[part.x - structure_.velocity_count + a] += std::abs(schur(part.column + a, part.column + a));
   }
 }
 
@@ -310,9 +329,9 @@ void BlockFactorOf<Scalar>::eliminate(const Step& s) {
 
 template <class Scalar>
 void BlockFactorOf<Scalar>::factorize(const std::vector<Scalar>& values) {
+  if (guarded_) compliance_.setZero();
   load_first(values);
   weak_rows_.clear();
-  if (guarded_) compliance_.setZero();
   const bool drops = !dropped_.empty();
   for (const Step& s : steps_) {
     load(s, values);

@@ -78,6 +78,7 @@ class BlockFactorOf {
   };
 
   void plan();
+  bool is_small(std::size_t linear) const;
   Scalar& entry(int block, int row, int column, int rows);
   void load_first(const std::vector<Scalar>& values);
   void load(const Step& step, const std::vector<Scalar>& values);
