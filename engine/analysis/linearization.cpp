@@ -262,7 +262,11 @@ void animate(const System& system, const Linearization& about, const Mode& mode,
     State state = displaced(system, about, mode, amplitude, 2 * M_PI * share);
     state.time = share / frequency;
     snapshot.evaluate(state);
-    if (!stopped_by_observers([&] { observer.observe(snapshot); }).empty()) return;
+    try {
+      observer.observe(snapshot);
+    } catch (const StopRun&) {
+      return;
+    }
   }
 }
 

@@ -11,7 +11,6 @@
 
 #include "engine/archive/archive.h"
 #include "engine/base/number_text.h"
-#include "engine/observe/stop_run.h"
 
 namespace lithe {
 
@@ -38,8 +37,6 @@ double ObserverSchedules::next_stop(double time, double end) const {
 
 void ObserverSchedules::rethrow_of(const Observer& observer, double time) {
   try {
-    throw;
-  } catch (const StopRun&) {
     throw;
   } catch (...) {  // NOLINT: an error, which is told below
   }

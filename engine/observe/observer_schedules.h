@@ -1,9 +1,11 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "engine/base/error.h"
 #include "engine/observe/observer.h"
+#include "engine/observe/stop_run.h"
 
 namespace lithe {
 
@@ -25,13 +27,17 @@ class ObserverSchedules {
   /// schedules; SceneError for others. Observers beyond the saved ones are new.
   void history(Archive& archive);
 
+  /// Who asks for the end of the run (StopRun), the last of them; empty: nobody.
   template <class Look>
-  void tell_due(double time, Look&& look) {
+  [[nodiscard]] std::string tell_due(double time, Look&& look) {
+    std::string stopped_by;
     for (Watch& watch : watches_)
       if (watch.is_due(time)) {
-        tell(watch, time, look);  // if it throws, a continued run calls it again
+        const std::string by = tell(watch, time, look);  // if it throws, a continued run calls it again
         ++watch.told;
+        if (!by.empty()) stopped_by = by;
       }
+    return stopped_by;
   }
   /// Those whose schedule would skip `time` too, after a failure: it shows how that came.
   template <class Look>
@@ -60,15 +66,20 @@ class ObserverSchedules {
   };
   /// What an observer throws, by its type: it has no name.
   [[noreturn]] static void rethrow_of(const Observer& observer, double time);
+  /// Who asks for the end of the run; empty: nobody.
   template <class Look>
-  static void tell(Watch& watch, double time, Look&& look) {
+  static std::string tell(Watch& watch, double time, Look&& look) {
     Snapshot& snapshot = look();
+    std::string stopped_by;
     try {
       watch.observer->observe(snapshot);
+    } catch (const StopRun& stop) {
+      stopped_by = stop.who();
     } catch (...) {
       rethrow_of(*watch.observer, time);
     }
     watch.told_time = time;
+    return stopped_by;
   }
 
   std::vector<Watch> watches_;

@@ -5,21 +5,14 @@
 namespace lithe {
 
 /// What an observer throws to end the run that tells it, at this state and without an error: as an event that stops it,
-/// `by` becomes Simulation::stopped_by(). Other observers receive the state too.
+/// `by` becomes Simulation::stopped_by(). The observer counts as told of the state; others receive it too.
 struct StopRun {
   std::string by;
+  /// Never empty: that would say that nobody asked.
+  const std::string& who() const {
+    static const std::string unnamed = "an observer";
+    return by.empty() ? unnamed : by;
+  }
 };
-
-/// Calls `tell` until no observer asks for the end; returns who did, empty: nobody. An observer asks once a state.
-template <class Tell>
-std::string stopped_by_observers(const Tell& tell) {
-  std::string by;
-  while (true) try {
-      tell();
-      return by;
-    } catch (const StopRun& stop) {
-      by = stop.by;
-    }
-}
 
 }  // namespace lithe

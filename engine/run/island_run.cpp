@@ -9,7 +9,6 @@
 #include "engine/base/interrupt.h"
 #include "engine/base/log.h"
 #include "engine/base/number_text.h"
-#include "engine/observe/stop_run.h"
 
 namespace lithe {
 namespace {
@@ -76,8 +75,7 @@ void IslandRun::go(State& state, double end, Multipliers multipliers) {
   } const release{inputs_};
   stopped_by_.clear();
   const auto tell_due = [&] {
-    const std::string by =
-        stopped_by_observers([&] { watches_.tell_due(state.time, [&]() -> Snapshot& { return look(state); }); });
+    const std::string by = watches_.tell_due(state.time, [&]() -> Snapshot& { return look(state); });
     if (!by.empty()) stopped_by_ = by;
     write_due_checkpoint(state);
   };
@@ -208,7 +206,7 @@ Snapshot& IslandRun::look(const State& state) {
 
 void IslandRun::fail(State& state, const std::string& what, const std::string& fix) {
   state = last_;
-  stopped_by_observers([&] { watches_.tell_all(state.time, [&]() -> Snapshot& { return look(state); }); });
+  watches_.tell_all(state.time, [&]() -> Snapshot& { return look(state); });
   try {
     find_multipliers(state);
   } catch (const Error&) {  // NOLINT: the failure itself matters more

@@ -8,7 +8,6 @@
 #include "engine/base/error.h"
 #include "engine/base/number_text.h"
 #include "engine/model/islands.h"
-#include "engine/observe/stop_run.h"
 #include "engine/run/island_run.h"
 #include "engine/run/sleeping_integrator.h"
 #include "engine/simplify/simplification.h"
@@ -289,8 +288,7 @@ void Simulation::run(State& state, double end, Multipliers multipliers) {
   checkpoints_.begin(state.time, !resumed);
   std::string stopped_by;
   const auto tell_due = [&] {
-    stopped_by =
-        stopped_by_observers([&] { watches_.tell_due(state.time, [&]() -> Snapshot& { return look(state); }); });
+    stopped_by = watches_.tell_due(state.time, [&]() -> Snapshot& { return look(state); });
     write_due_checkpoint(state);
   };
   tell_due();
@@ -396,7 +394,7 @@ void Simulation::fail(State& state, const Island& failed, const SimulationError&
   } catch (const SimulationError&) {  // NOLINT: they met at last_
   }
   gather_events();
-  stopped_by_observers([&] { watches_.tell_all(state.time, [&]() -> Snapshot& { return look(state); }); });
+  watches_.tell_all(state.time, [&]() -> Snapshot& { return look(state); });
   throw SimulationError("in the island of " + names(failed.system.layout()) + ": " + error.problem(), error.where(),
                         error.fix());
 }

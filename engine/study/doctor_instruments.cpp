@@ -52,7 +52,7 @@ class Probe : public Observer {
     note_dip(now.state());
     const double seconds = static_cast<double>(std::clock() - begun_) / CLOCKS_PER_SEC;
     const bool over = static_cast<long>(run_.times.size()) > options_.max_steps || seconds > options_.time_limit;
-    if (over && !ended_) ended_ = true, throw StopRun{"the doctor"};
+    if (over) throw StopRun{"the doctor"};
   }
 
  private:
@@ -122,7 +122,6 @@ class Probe : public Observer {
   const Integrator& integrator_;
   const DiagnoseOptions& options_;
   std::clock_t begun_;
-  bool ended_ = false;  // it has had its steps or its time
   std::set<int> places_;
   std::vector<Turning> turning_;
   VectorX rows_, lambda_last_, change_;  // of the multipliers, in their size

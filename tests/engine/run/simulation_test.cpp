@@ -10,6 +10,7 @@
 #include "engine/assembly/system.h"
 #include "engine/model/system_graph.h"
 #include "engine/observe/recorder.h"
+#include "engine/observe/stop_run.h"
 #include "integrators/generalized_alpha.h"
 #include "joints/revolute_joint.h"
 #include "tests/engine/output/output_scratch_folder.h"
@@ -228,6 +229,34 @@ TEST(simulation, a_run_that_makes_no_sense_is_refused) {
   EXPECT_THROW(every(0), SceneError);
   EXPECT_THROW(every(std::nan("")), SceneError);
   EXPECT_EQ(c.clock.starts, 0);
+}
+
+/// It asks at each state; whoever is observed after it is told too.
+TEST(simulation, an_observer_that_always_asks_for_the_end_ends_the_run) {
+  Clockwork c;
+  struct Impatient final : Observer {
+    int calls = 0;
+    void observe(Snapshot& /*now*/) override {
+      if (++calls > 100) throw std::logic_error("it is told without end");
+      throw StopRun{""};
+    }
+  } impatient;
+  Witness witness;
+  c.simulation.observe(impatient, every(0.25));
+  c.simulation.observe(witness, every_step());
+  c.simulation.run(c.state, 2.0);
+  EXPECT_EQ(c.state.time, 0);
+  EXPECT_EQ(c.simulation.stopped_by(), "an observer");
+  c.simulation.run(c.state, 2.0);  // told of the start already
+  EXPECT_EQ(c.state.time, 0.25);
+  EXPECT_EQ(impatient.calls, 2);
+  EXPECT_EQ(witness.times.size(), 9u);
+
+  c.clock.trouble = Clock::Trouble::fails;
+  impatient.calls = 0;
+  c.clock.end = 0.3;
+  EXPECT_THROW(c.simulation.run(c.state, 2.0), SimulationError);
+  EXPECT_EQ(impatient.calls, 1);
 }
 
 TEST(simulation, looking_does_not_change_the_motion) {
