@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs what is missing, builds the release preset, runs the tests. A second call rebuilds only what changed.
-#   --all              also the six longest: three machines, pages in a browser, the archives, the newcomer's hour
+#   --all              also the longest: three machines, pages in a browser, archives, projects outside, the newcomer's hour
 #   LITHE_JOBS=2       jobs at once; all processors by default
 #   LITHE_SANITIZE=1   afterwards the same under AddressSanitizer and UndefinedBehaviorSanitizer
 # --everywhere[=NAME,...]: builds and tests for other processors, compilers and sanitizers instead; tools/everywhere.sh

@@ -9,9 +9,12 @@
 #include <csignal>
 #include <map>
 
+#include "bodies/rigid_body.h"
 #include "engine/output/csv.h"
 #include "engine/output/hdf5_file.h"
 #include "engine/output/hdf5_table.h"
+#include "integrators/explicit_runge_kutta.h"
+#include "integrators/moreau_jean.h"
 #include "tests/engine/output/output_scratch_folder.h"
 #include "tests/integrators/restart_scenes.h"
 

@@ -6,6 +6,10 @@
 #include <span>
 #include <type_traits>
 
+#include "integrators/explicit_runge_kutta.h"
+#include "integrators/generalized_alpha.h"
+#include "integrators/lie_bdf.h"
+#include "integrators/moreau_jean.h"
 #include "tests/integrators/restart_scenes.h"
 #include "tests/support/message_of.h"
 

@@ -3,15 +3,21 @@
 
 #include <gtest/gtest.h>
 
+#include "bodies/flexible/flexible_body.h"
 #include "bodies/integral_state.h"
+#include "bodies/rigid_body.h"
 #include "engine/observe/recorder.h"
+#include "integrators/generalized_alpha.h"
+#include "joints/coordinate_drive.h"
 #include "joints/distance_joint.h"
 #include "joints/forces/coordinate_motor.h"
 #include "joints/forces/coordinate_spring.h"
 #include "joints/forces/distributed_load.h"
 #include "joints/forces/pid_controller.h"
 #include "joints/forces/point_force.h"
+#include "joints/forces/spring_damper.h"
 #include "joints/forces/user_force.h"
+#include "joints/revolute_joint.h"
 #include "tests/engine/output/output_scratch_folder.h"
 #include "tests/integrators/restart_scenes.h"
 #include "tests/support/message_of.h"

@@ -4,9 +4,13 @@
 
 #include <cstring>
 
+#include "bodies/rigid_body.h"
 #include "engine/analysis/kinematics.h"
 #include "engine/run/mode_freezing.h"
 #include "engine/run/simulation.h"
+#include "integrators/moreau_jean.h"
+#include "integrators/nonsmooth_generalized_alpha.h"
+#include "joints/forces/spring_damper.h"
 #include "joints/spherical_joint.h"
 #include "tests/integrators/restart_scenes.h"
 

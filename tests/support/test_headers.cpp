@@ -1,0 +1,1 @@
+// Nothing of its own: its target has the precompiled header that tests share.
