@@ -142,6 +142,11 @@ void EventFinder::find(const Step& step, int watched) {
     start = (w.soon - w.start) / kSoon - bend * kSoon;
     const double peak = -start / (2 * bend);
     s_start = start * w.middle < 0 && peak > 0 && peak < 0.5 ? peak : kSoon;
+    if (w.start == 0 && w.soon == 0) {  // it stays at its level for a while: to leave it then is no passage
+      if (w.middle == 0) return;
+      start = w.middle;
+      s_start = kSoon;
+    }
   }
   const double sign = start > 0 ? 1 : -1;
   if (sign * w.middle > 0 && sign * w.end > 0) {

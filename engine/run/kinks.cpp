@@ -1,17 +1,24 @@
 #include "engine/run/kinks.h"
 
+#include <cmath>
+#include <limits>
+
 #include "engine/contact/contact_forces.h"
 #include "engine/observe/sensors.h"
 
 namespace lithe {
 namespace {
 
-/// Gap of two colliders, or how far they are from each other at least.
+/// Gap of two colliders, or how far they are from each other at least; 0 within its round-off: surfaces that start in
+/// touch would meet at every step whose gap has the other sign by its last digits.
 EventFunction gap_of(int element, int a, int b) {
   return [=](Snapshot& now) {
     ContactForces& contacts = *now.contacts();
     const double size = contacts.extent(element, a) + contacts.extent(element, b);
-    return contacts.gap(element, a, b, size > 0 ? size : 1.0);
+    const double gap = contacts.gap(element, a, b, size > 0 ? size : 1.0);
+    const ContactPlaces& places = contacts.places()[element];
+    const double scale = size + places.collider(a).p.norm() + places.collider(b).p.norm();
+    return std::abs(gap) <= 16 * std::numeric_limits<double>::epsilon() * scale ? 0 : gap;
   };
 }
 
