@@ -1,6 +1,5 @@
 #include "integrators/joint_friction_impulses.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <sstream>
 
@@ -19,6 +18,23 @@ constexpr double kRests = 1e-10;    // m/s
 JointSurfaces* joints_of(EquationsOfMotion& equations) {
   const RigidContacts* rigid = equations.parts().rigid_contacts;
   return rigid ? rigid->joints() : nullptr;
+}
+
+// Entries at given places, without Eigen's indexed views, which copy the places at each use.
+template <class From, class To>
+void gather(const From& from, const std::vector<int>& places, To&& to) {
+  for (std::size_t i = 0; i < places.size(); ++i) to[static_cast<Eigen::Index>(i)] = from[places[i]];
+}
+template <class From>
+void scatter(const From& from, const std::vector<int>& places, VectorX& to) {
+  for (std::size_t i = 0; i < places.size(); ++i) to[places[i]] = from[static_cast<Eigen::Index>(i)];
+}
+template <class From>
+void scatter_sum(double factor, const From& from, const std::vector<int>& places, VectorX& to) {
+  for (std::size_t i = 0; i < places.size(); ++i) to[places[i]] += factor * from[static_cast<Eigen::Index>(i)];
+}
+void set_zero_at(const std::vector<int>& places, VectorX& x) {
+  for (const int place : places) x[place] = 0;
 }
 
 }  // namespace
@@ -63,18 +79,19 @@ void JointFrictionImpulses::leave_out(EquationsOfMotion& equations, State& state
   joints->find_directions();
   joints->speeds(state.v, problem_.before);
   joints->start();
-  kept_ = state.v(places_);
-  state.v(places_).setZero();
+  kept_.resize(static_cast<Eigen::Index>(places_.size()));
+  gather(state.v, places_, kept_);
+  set_zero_at(places_, state.v);
 }
 
 void JointFrictionImpulses::put_back(VectorX& v) const {
-  if (!places_.empty()) v(places_) = kept_;
+  if (!places_.empty()) scatter(kept_, places_, v);
 }
 
 void JointFrictionImpulses::keep(EquationsOfMotion& equations, double h, VectorX& v, VectorX& v_dot) const {
   if (!joints_of(equations)) return;
-  v(places_) = p_ / h;
-  v_dot(places_).setZero();
+  scatter(p_ / h, places_, v);
+  set_zero_at(places_, v_dot);
 }
 
 int JointFrictionImpulses::place(const std::pair<int, int>& direction) const {
@@ -84,13 +101,13 @@ int JointFrictionImpulses::place(const std::pair<int, int>& direction) const {
 void JointFrictionImpulses::add_moved(const VectorX& x, VectorX& to) const {
   for (const Mechanism& m : mechanisms_)
     for (std::size_t k = 0; k < m.directions.size(); ++k)
-      to(m.velocities) += x[place(m.directions[k])] * m.Y.col(static_cast<Eigen::Index>(k));
+      scatter_sum(x[place(m.directions[k])], m.Y.col(static_cast<Eigen::Index>(k)), m.velocities, to);
 }
 
 void JointFrictionImpulses::add_pressed(const VectorX& x, VectorX& to) const {
   for (const Mechanism& m : mechanisms_)
     for (std::size_t k = 0; k < m.directions.size(); ++k)
-      to(m.rows) += x[place(m.directions[k])] * m.L.col(static_cast<Eigen::Index>(k));
+      scatter_sum(x[place(m.directions[k])], m.L.col(static_cast<Eigen::Index>(k)), m.rows, to);
 }
 
 /// What unit impulses do, by the last factor: a direction of each mechanism goes into one solution.
@@ -115,7 +132,8 @@ void JointFrictionImpulses::respond(EquationsOfMotion& equations) {
     for (Mechanism& m : mechanisms_) {
       if (k >= m.directions.size()) continue;
       const auto column = static_cast<Eigen::Index>(k);
-      m.Y.col(column) = rv_(m.velocities), m.L.col(column) = rl_(m.rows);
+      gather(rv_, m.velocities, m.Y.col(column));
+      gather(rl_, m.rows, m.L.col(column));
       for (const auto& direction : m.directions)
         problem_.W(place(direction), place(m.directions[k])) = speeds_[place(direction)];
     }
@@ -134,7 +152,7 @@ void JointFrictionImpulses::form(EquationsOfMotion& equations, double h) {
       of.presses.resize(by_lambda_[i].size());
       const int count = surface.joint->row_count();
       for (std::size_t k = 0; k < of.presses.size(); ++k) {
-        const MatrixX& by = by_lambda_[i][k];
+        const Matrix3X& by = by_lambda_[i][k];
         auto& press = of.presses[k];
         press.by.setZero(3, p_.size());
         for (std::size_t j = 0; j < m.directions.size(); ++j)
@@ -155,9 +173,14 @@ void JointFrictionImpulses::hold(VectorX& correction) {
     for (int k = 0; k < surface.count; ++k) held_.push_back(surface.first + k);
   }
   if (held_.empty()) return;
-  const MatrixX W = problem_.W(held_, held_);
+  const auto count = static_cast<Eigen::Index>(held_.size());
+  held_W_.resize(count, count), held_way_.resize(count);
+  for (Eigen::Index i = 0; i < count; ++i) gather(problem_.W.col(held_[i]), held_, held_W_.col(i));
+  gather(way_, held_, held_way_);
   x_.setZero(p_.size());
-  x_(held_) = -W.completeOrthogonalDecomposition().solve(way_(held_));
+  held_factor_.compute(held_W_);
+  held_way_ = -held_factor_.solve(held_way_);
+  scatter(held_way_, held_, x_);
   add_moved(x_, correction);
 }
 

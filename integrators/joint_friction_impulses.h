@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Eigen/QR>
+
 #include "engine/cones/joint_friction_problem.h"
 #include "engine/model/state.h"
 #include "engine/motion/equations_of_motion.h"
@@ -54,11 +56,13 @@ class JointFrictionImpulses {
 
   JointFrictionProblem problem_;
   std::vector<Mechanism> mechanisms_;
-  std::vector<std::vector<MatrixX>> by_lambda_;  // of each surface
-  std::vector<char> sticks_;                     // by surface
-  std::vector<int> held_;                        // directions
+  std::vector<std::vector<Matrix3X>> by_lambda_;  // of each surface
+  std::vector<char> sticks_;                      // by surface
+  std::vector<int> held_;                         // directions
+  MatrixX held_W_;                                // theirs
+  Eigen::CompleteOrthogonalDecomposition<MatrixX> held_factor_;
   VectorX p_, last_, residual_, residual_before_, kept_, d_, v_, rv_, rl_, closed_, corrected_, felt_, way_, speeds_,
-      x_;
+      x_, held_way_;
   VectorX moved_, alone_, brought_;   // by p; by p without contacts; the rest
   VectorX hit_v_, hit_d_, hit_rows_;  // by contacts
   std::vector<int> places_;           // of what is kept

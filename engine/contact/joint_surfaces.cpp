@@ -1,7 +1,5 @@
 #include "engine/contact/joint_surfaces.h"
 
-#include "engine/model/marker_motions.h"
-
 namespace lithe {
 
 JointSurfaces::JointSurfaces(Scene scene, std::vector<Surface> surfaces)
@@ -49,31 +47,33 @@ void JointSurfaces::start() {
   }
 }
 
-void JointSurfaces::slid(VectorX& way) const {
+void JointSurfaces::slid(VectorX& way) {
   way.resize(directions_);
   for (std::size_t i = 0; i < surfaces_.size(); ++i) {
     const Surface& surface = surfaces_[i];
-    std::vector<MarkerView> from;
-    for (const MarkerKinematics& k : from_[i]) from.emplace_back(k, static_cast<int>(from.size()));
-    const Vector3 of = surface.friction->slid(from, MarkerMotions(surface.markers, scene_.motion_of));
+    from_views_.clear();
+    for (const MarkerKinematics& k : from_[i]) from_views_.emplace_back(k, static_cast<int>(from_views_.size()));
+    motions_.find(surface.markers, scene_.motion_of);
+    const Vector3 of = surface.friction->slid(from_views_, motions_);
     way.segment(surface.first, surface.count) = of.head(surface.count);
   }
 }
 
-void JointSurfaces::find_presses(const Surface& surface, std::vector<MatrixX>& by_lambda) const {
+void JointSurfaces::find_presses(const Surface& surface, std::vector<Matrix3X>& by_lambda) {
   // 1. The reaction by the joint's own multipliers: R = -Σ W λ.
-  const MarkerMotions joint(surface.joint_markers, scene_.motion_of);
-  ConstraintRows rows(static_cast<int>(joint.size()));
+  joint_motions_.find(surface.joint_markers, scene_.motion_of);
+  ConstraintRows rows(static_cast<int>(joint_motions_.size()));
   rows.want_bias(false);
   rows.recall(surface.joint_turns);
-  surface.joint->evaluate(scene_.time, joint, rows);
-  Eigen::Matrix<double, 6, Eigen::Dynamic> R(6, rows.count());
+  surface.joint->evaluate(scene_.time, joint_motions_, rows);
+  Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, kMaxRows> R(6, rows.count());
   for (int j = 0; j < rows.count(); ++j) R.col(j) << -rows.wrench(j, 1).force, -rows.wrench(j, 1).torque;
   // 2. What of it presses.
   SetValuedFriction::Press P[SetValuedFriction::kMostPresses];
-  const int count = surface.friction->presses(MarkerMotions(surface.markers, scene_.motion_of), P);
+  motions_.find(surface.markers, scene_.motion_of);
+  const int count = surface.friction->presses(motions_, P);
   by_lambda.resize(static_cast<std::size_t>(count));
-  for (int i = 0; i < count; ++i) by_lambda[i] = P[i] * R;
+  for (int i = 0; i < count; ++i) by_lambda[i].noalias() = P[i] * R;
 }
 
 }  // namespace lithe

@@ -5,6 +5,7 @@
 
 #include "engine/factor/block_structure.h"
 #include "engine/model/constraint.h"
+#include "engine/model/marker_motions.h"
 #include "engine/model/set_valued_friction.h"
 
 namespace lithe {
@@ -46,9 +47,9 @@ class JointSurfaces {
   /// From here on slid() counts.
   void start();
   /// How far all surfaces have slid since start(), along their directions, m.
-  void slid(VectorX& way) const;
+  void slid(VectorX& way);
   /// P_i R of a surface by the multipliers of its joint: a matrix for each, 3 x the joint's rows from joint_row on.
-  void find_presses(const Surface& surface, std::vector<MatrixX>& by_lambda) const;
+  void find_presses(const Surface& surface, std::vector<Matrix3X>& by_lambda);
   /// Multipliers, a column each, become those of least norm with the same forces where rows repeat others.
   virtual void felt(MatrixRef lambda) = 0;
 
@@ -65,6 +66,8 @@ class JointSurfaces {
   int directions_ = 0;
   std::vector<std::vector<Entry>> D_;                // of each surface
   std::vector<std::vector<MarkerKinematics>> from_;  // of each surface's markers
+  MarkerMotions motions_, joint_motions_;            // of one surface
+  std::vector<MarkerView> from_views_;               // likewise
 };
 
 }  // namespace lithe

@@ -14,6 +14,7 @@
 #include "integrators/generalized_alpha.h"
 #include "integrators/moreau_jean.h"
 #include "joints/contact/contact.h"
+#include "joints/forces/joint_coulomb_friction.h"
 #include "joints/forces/point_force.h"
 #include "joints/revolute_joint.h"
 #include "tests/joints/contact_pairs.h"
@@ -103,6 +104,27 @@ TEST(Step, AllocatesNothingForALoadedFlexibleBody) {
       EXPECT_EQ(allocations - before, 0) << method->name();
     }
   }
+}
+
+/// The pin of a pendulum that swings with friction, and slides throughout.
+TEST(Step, AllocatesNothingForFrictionInAJoint) {
+#ifdef LITHE_TEST_NO_COUNT
+  GTEST_SKIP() << "a sanitizer owns malloc";
+#endif
+  Scene scene({0, 0, -9.81}, [](SystemGraph& graph) {
+    const Matrix3 along_y = rotation_about({1, 0, 0}, -M_PI / 2);
+    auto& rod = graph.add<RigidBody>("rod", {.mass = 1, .inertia = {0.01, 0.02, 0.02}, .position = {0.3, 0, 0}});
+    auto& pin =
+        graph.add<RevoluteJoint>("pin", {graph.ground().marker({0, 0, 0}, along_y), rod.marker({-0.3, 0, 0}, along_y)});
+    add_joint_coulomb_friction(graph, "rub", {pin.angle()}, {.joint = &pin, .coefficient = 0.2, .radius = 0.02});
+  });
+  MoreauJean method{{.step = 1e-3}};
+  scene.run(method, 0.02);
+  const long before = allocations;
+  bool ok = true;
+  while (scene.state.time < 0.3) ok &= method.step(scene.equations, scene.state, 0.3).ok();
+  EXPECT_TRUE(ok);
+  EXPECT_EQ(allocations - before, 0);
 }
 
 /// Colliders where they are put; the nodes of the last, a surface, at their points on it.
