@@ -7,27 +7,36 @@ namespace lithe {
 
 namespace {
 
+[[noreturn]] void refuse_step(double time, const std::string& why) {
+  throw SimulationError("the step to t = " + std::to_string(time) + " s " + why, "Radau, derivative of a step",
+                        "look for what is not smooth there, or give smaller steps or a smaller tolerance");
+}
+
+/// What Newton may leave of a step in a run. The first iterations are judged by rates that are none of theirs: some ten
+/// times what its tolerance says or, of a share of the run's tolerance, this itself.
+RepeatedStep::Rest left_by_newton(const Radau::Parameters& parameters, const State& from, const State& to) {
+  constexpr double kMore = 10, kOfFixedSteps = 1e-9;
+  const double h = to.time - from.time;
+  double largest = parameters.newton_tolerance;
+  if (largest == 0 && parameters.step > 0) largest = kOfFixedSteps;
+  if (largest > 0) return {kMore * largest, kMore * largest / h};
+  const Tolerance& t = parameters.tolerance;
+  return {t.absolute + t.relative * to.q.lpNorm<Eigen::Infinity>(),
+          t.absolute + t.relative * to.v.lpNorm<Eigen::Infinity>()};
+}
+
 class RepeatedRadau final : public RepeatedStep {
  public:
-  explicit RepeatedRadau(EquationsOfMotion& equations) : equations_(equations), projector_(equations) {}
+  RepeatedRadau(EquationsOfMotion& equations, const Radau::Parameters& parameters)
+      : equations_(equations), parameters_(parameters) {}
 
-  /// To round-off, from constant accelerations instead of the last step's polynomial; then once more from there, so
-  /// that positions are corrected along rows of the step itself.
-  void take(const State& from, const StepRecord* /*record*/, MatrixX& /*history*/, State& to) override {
-    constexpr double kSolved = 1e-15;  // m, rad
-    start_ = from;
-    start_.v_dot.setZero(from.v.size());
-    start_.lambda.setZero(equations_.layout().row_count());
-    projector_.accelerations(start_.time, start_.q, start_.v, start_.v_dot, start_.lambda);
-    const double h = to.time - from.time;
-    stages_.prepare(equations_, start_);
-    stages_.predict(equations_.layout(), start_, h);
-    for (const bool again : {false, true}) {
-      if (again) stages_.begin_again(equations_.layout(), h);
-      if (!stages_.solve(equations_, start_, to.time, h, {Tolerance{}, kSolved}, statistics_))
-        throw SimulationError("the step to t = " + std::to_string(to.time) + " s cannot be taken again nearby",
-                              "Radau, derivative of a step", "look for what is not smooth there");
-    }
+  Rest left_by_iterations(const State& from, const State& to) const override {
+    return left_by_newton(parameters_, from, to);
+  }
+
+  void take(const State& from, const StepRecord* record, MatrixX& /*history*/, State& to) override {
+    if (!stages_.solve_again(equations_, from, to.time, to.time - from.time, dynamic_cast<const RadauRecord&>(*record)))
+      refuse_step(to.time, "cannot be taken again nearby");
     to.q.resize(from.q.size());
     equations_.layout().retract(from.q, stages_.increment(), to.q);
     to.v = stages_.velocity();
@@ -37,14 +46,13 @@ class RepeatedRadau final : public RepeatedStep {
 
  private:
   EquationsOfMotion& equations_;
-  Projector projector_;
+  const Radau::Parameters parameters_;
   RadauStages stages_;
-  IntegratorStatistics statistics_;
-  State start_;
 };
 
-constexpr int kMostRefinements = 40;
-constexpr double kSameEnd = 1e-9;  // m, rad: of a step and its record
+constexpr int kMostRefinements = 80;
+constexpr double kSameEnd = 1e-9;       // m, rad: of a step and its record
+constexpr double kSameSolution = 1e-6;  // m, rad: likewise solved to round-off, beside what Newton left in the run
 
 }  // namespace
 
@@ -59,6 +67,8 @@ constexpr double kSameEnd = 1e-9;  // m, rad: of a step and its record
 /// a real and a complex system with Sᵀ, for μ and s κ + ν; what the last equation lacks is the correction of ν.
 class RadauAdjoint final : public StepAdjoint {
  public:
+  explicit RadauAdjoint(const Radau::Parameters& parameters) : parameters_(parameters) {}
+
   void adjoint(LinearEquations& equations, const TakenStep& step, Variation& x, MatrixX& gradient) override {
     begin(equations, step, x);
     equations.at(stages_[1]);
@@ -67,10 +77,7 @@ class RadauAdjoint final : public StepAdjoint {
     equations.factorize({1, s, s * s}, VectorX::Zero(step.from.v.size()), true);
     equations.factorize_complex({1.0, c, c * c});
     const bool solved = refine([&] { return correct(equations, x); }, kMostRefinements);
-    if (!solved)
-      throw SimulationError(
-          "the adjoint of the step to t = " + std::to_string(step.to.time) + " s was not found to 1e-6",
-          "Radau, derivative of a step", "look for what is not smooth there, or give a smaller step or tolerance");
+    if (!solved) refuse_step(step.to.time, "has an adjoint that was not found to 1e-6");
     for (int i = 0; i < 3; ++i) {
       equations.at(stages_[i]);
       equations.add_parameter_products(mu_[i], nu_[i], 1, gradient);
@@ -97,15 +104,21 @@ class RadauAdjoint final : public StepAdjoint {
     const Layout& layout = equations.layout();
     const Eigen::Index n = x.turn.rows(), wants = x.turn.cols(), rows = layout.row_count();
     h_ = step.to.time - step.from.time;
-    const auto* record = dynamic_cast<const RadauRecord*>(step.record);
     VectorX off(n), end(step.to.q.size()), rate(n);
-    if (record) {
-      layout.retract(step.from.q, record->d.col(2), end);
+    const auto is_end = [&](ConstVectorRef d, double tolerance) {
+      layout.retract(step.from.q, d, end);
       layout.difference(end, step.to.q, off);
-    }
-    if (!record || !(off.lpNorm<Eigen::Infinity>() <= kSameEnd))
-      throw SimulationError("the step to t = " + std::to_string(step.to.time) + " s is not one of the method",
-                            "Radau, derivative of a step", "look for a singular pose that the run was led across");
+      return off.lpNorm<Eigen::Infinity>() <= tolerance;
+    };
+    const auto* taken = dynamic_cast<const RadauRecord*>(step.record);
+    if (!taken || !is_end(taken->d.col(2), kSameEnd)) refuse_step(step.to.time, "is not one of the method");
+    // To round-off: what Newton left of the step would be in its derivative, and in that of a step taken again not.
+    equations.at(step.from);
+    if (!solved_.solve_again(equations.equations(), step.from, step.to.time, h_, *taken))
+      refuse_step(step.to.time, "cannot be taken again");
+    const auto record = solved_.record();
+    if (!is_end(record->d.col(2), kSameSolution + left_by_newton(parameters_, step.from, step.to).turn))
+      refuse_step(step.to.time, "ends elsewhere when it is taken again");
     MatrixX rates(n, 3);
     for (int i = 0; i < 3; ++i) {
       State& state = stages_[i] = step.from;
@@ -216,7 +229,9 @@ class RadauAdjoint final : public StepAdjoint {
     return {change, size};
   }
 
+  const Radau::Parameters parameters_;
   const RadauStages method_;
+  RadauStages solved_;
   double h_ = 0;
   std::array<State, 3> stages_;
   std::array<VectorX, 3> d_, b_;
@@ -226,9 +241,9 @@ class RadauAdjoint final : public StepAdjoint {
 };
 
 std::unique_ptr<RepeatedStep> Radau::repeated_step(EquationsOfMotion& equations) const {
-  return std::make_unique<RepeatedRadau>(equations);
+  return std::make_unique<RepeatedRadau>(equations, parameters_);
 }
 
-std::unique_ptr<StepAdjoint> Radau::step_adjoint() const { return std::make_unique<RadauAdjoint>(); }
+std::unique_ptr<StepAdjoint> Radau::step_adjoint() const { return std::make_unique<RadauAdjoint>(parameters_); }
 
 }  // namespace lithe

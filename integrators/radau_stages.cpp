@@ -263,10 +263,52 @@ void RadauStages::accept(const State& start, double h) {
   if (!worth_keeping()) complex_h_ = 0;
 }
 
+/// The stages as they are, as start values of the same step; corrections of positions begin at zero.
 void RadauStages::begin_again(const Layout& layout, double h) {
   correction_.setZero();
   allowance_ = 1;  // a rate that Newton had before says nothing of the first iteration from here
   advance_kinematics(layout, h);
+}
+
+bool RadauStages::solve_again(EquationsOfMotion& equations, const State& start, double time, double h,
+                              const RadauRecord& record) {
+  if (v_.rows() != start.v.size() || lambda_.rows() != equations.layout().row_count()) prepare(equations, start);
+  v_dot_ = record.v_dot;
+  lambda_ = record.lambda;
+  for (int row : equations.redundant_rows()) lambda_.row(row).setZero();
+  v_.noalias() = v_dot_.lazyProduct(h * A_.transpose());
+  v_.colwise() += start.v;
+  d_ = record.d;
+  for (const bool one_factor : {false, true}) {
+    begin_again(equations.layout(), h);
+    if (!iterate_to_round_off(equations, start, time, h, one_factor)) return false;
+  }
+  return true;
+}
+
+/// Newton as far as it goes. Without `one_factor` it makes new ones where it is slow: long steps of stiff forces that
+/// turn need them.
+bool RadauStages::iterate_to_round_off(EquationsOfMotion& equations, const State& start, double time, double h,
+                                       bool one_factor) {
+  constexpr int kMost = 150, kStands = 3;
+  constexpr double kRoundOff = 1e-16, kGood = 1e-11;
+  double last = 0, least = std::numeric_limits<double>::infinity();
+  bool slow = true;
+  for (int k = 0, stands = 0; k < kMost; ++k) {
+    evaluate(equations, start, time, h);
+    if (k == 0 || (slow && !one_factor)) factorize(equations, start, h, true);
+    correct(equations, h);
+    const double now = std::max(dd_.cwiseAbs().maxCoeff(), h * dv_.cwiseAbs().maxCoeff());
+    if (!std::isfinite(now) || !lambda_.allFinite()) return false;
+    const double scale = 1 + q_.cwiseAbs().maxCoeff();
+    if (now <= kRoundOff * scale) return true;
+    stands = now > 0.9 * least ? stands + 1 : 0;
+    if (stands >= kStands && now <= kGood * scale) return true;
+    slow = k > 0 && now > kSlow * last;
+    least = std::min(least, now);
+    last = now;
+  }
+  return false;
 }
 
 std::shared_ptr<const RadauRecord> RadauStages::record() const {
