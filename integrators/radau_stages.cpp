@@ -279,15 +279,26 @@ bool RadauStages::solve_again(EquationsOfMotion& equations, const State& start, 
   v_.noalias() = v_dot_.lazyProduct(h * A_.transpose());
   v_.colwise() += start.v;
   d_ = record.d;
-  for (const bool one_factor : {false, true}) {
+  begin_again(equations.layout(), h);
+  if (!iterate_to_round_off(equations, start, time, h, false)) return false;
+  // Corrections lie along factors on the way: once more along that of the solution, until this is the one it leads to.
+  constexpr int kMostPasses = 8;
+  constexpr double kSame = 1e-15;
+  Stages last;
+  for (int pass = 0; pass < kMostPasses; ++pass) {
+    if (pass > 0 && (correction_ - last).lpNorm<Eigen::Infinity>() <= kSame) return true;
+    last = correction_;
+    if (pass == 0 && last.lpNorm<Eigen::Infinity>() <= kSame) return true;
+    evaluate(equations, start, time, h);
+    factorize(equations, start, h, true);
     begin_again(equations.layout(), h);
-    if (!iterate_to_round_off(equations, start, time, h, one_factor)) return false;
+    if (!iterate_to_round_off(equations, start, time, h, true)) return false;
   }
   return true;
 }
 
-/// Newton as far as it goes. Without `one_factor` it makes new ones where it is slow: long steps of stiff forces that
-/// turn need them.
+/// Newton as far as it goes, along the factor that there is, or along new ones where it is slow: long steps of stiff
+/// forces that turn need them.
 bool RadauStages::iterate_to_round_off(EquationsOfMotion& equations, const State& start, double time, double h,
                                        bool one_factor) {
   constexpr int kMost = 150, kStands = 3;
@@ -296,7 +307,7 @@ bool RadauStages::iterate_to_round_off(EquationsOfMotion& equations, const State
   bool slow = true;
   for (int k = 0, stands = 0; k < kMost; ++k) {
     evaluate(equations, start, time, h);
-    if (k == 0 || (slow && !one_factor)) factorize(equations, start, h, true);
+    if (slow && !one_factor) factorize(equations, start, h, true);
     correct(equations, h);
     const double now = std::max(dd_.cwiseAbs().maxCoeff(), h * dv_.cwiseAbs().maxCoeff());
     if (!std::isfinite(now) || !lambda_.allFinite()) return false;
