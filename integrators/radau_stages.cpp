@@ -263,10 +263,63 @@ void RadauStages::accept(const State& start, double h) {
   if (!worth_keeping()) complex_h_ = 0;
 }
 
+/// The stages as they are, as start values of the same step; corrections of positions begin at zero.
 void RadauStages::begin_again(const Layout& layout, double h) {
   correction_.setZero();
   allowance_ = 1;  // a rate that Newton had before says nothing of the first iteration from here
   advance_kinematics(layout, h);
+}
+
+bool RadauStages::solve_again(EquationsOfMotion& equations, const State& start, double time, double h,
+                              const RadauRecord& record) {
+  if (v_.rows() != start.v.size() || lambda_.rows() != equations.layout().row_count()) prepare(equations, start);
+  v_dot_ = record.v_dot;
+  lambda_ = record.lambda;
+  for (int row : equations.redundant_rows()) lambda_.row(row).setZero();
+  v_.noalias() = v_dot_.lazyProduct(h * A_.transpose());
+  v_.colwise() += start.v;
+  d_ = record.d;
+  begin_again(equations.layout(), h);
+  if (!iterate_to_round_off(equations, start, time, h, false)) return false;
+  // Corrections lie along factors on the way: once more along that of the solution, until this is the one it leads to.
+  constexpr int kMostPasses = 8;
+  constexpr double kSame = 1e-15;
+  Stages last;
+  for (int pass = 0; pass < kMostPasses; ++pass) {
+    if (pass > 0 && (correction_ - last).lpNorm<Eigen::Infinity>() <= kSame) return true;
+    last = correction_;
+    if (pass == 0 && last.lpNorm<Eigen::Infinity>() <= kSame) return true;
+    evaluate(equations, start, time, h);
+    factorize(equations, start, h, true);
+    begin_again(equations.layout(), h);
+    if (!iterate_to_round_off(equations, start, time, h, true)) return false;
+  }
+  return true;
+}
+
+/// Newton as far as it goes, along the factor that there is, or along new ones where it is slow: long steps of stiff
+/// forces that turn need them.
+bool RadauStages::iterate_to_round_off(EquationsOfMotion& equations, const State& start, double time, double h,
+                                       bool one_factor) {
+  constexpr int kMost = 150, kStands = 3;
+  constexpr double kRoundOff = 1e-16, kGood = 1e-11;
+  double last = 0, least = std::numeric_limits<double>::infinity();
+  bool slow = true;
+  for (int k = 0, stands = 0; k < kMost; ++k) {
+    evaluate(equations, start, time, h);
+    if (slow && !one_factor) factorize(equations, start, h, true);
+    correct(equations, h);
+    const double now = std::max(dd_.cwiseAbs().maxCoeff(), h * dv_.cwiseAbs().maxCoeff());
+    if (!std::isfinite(now) || !lambda_.allFinite()) return false;
+    const double scale = 1 + q_.cwiseAbs().maxCoeff();
+    if (now <= kRoundOff * scale) return true;
+    stands = now > 0.9 * least ? stands + 1 : 0;
+    if (stands >= kStands && now <= kGood * scale) return true;
+    slow = k > 0 && now > kSlow * last;
+    least = std::min(least, now);
+    last = now;
+  }
+  return false;
 }
 
 std::shared_ptr<const RadauRecord> RadauStages::record() const {

@@ -43,8 +43,9 @@ class RadauStages {
              IntegratorStatistics& statistics);
   /// The step is taken: its polynomial starts the next, its complex factor may serve again.
   void accept(const State& start, double h);
-  /// The stages as they are, as start values of the same step; corrections of positions begin at zero.
-  void begin_again(const Layout& layout, double h);
+  /// Solves a step that has been solved before, here or nearby, to round-off, from the accelerations and multipliers of
+  /// its record. Positions are corrected along rows of the solution itself. False: no convergence.
+  bool solve_again(EquationsOfMotion& equations, const State& start, double time, double h, const RadauRecord& record);
   std::shared_ptr<const RadauRecord> record() const;
   void history(Archive& archive, EquationsOfMotion& equations);
 
@@ -76,6 +77,8 @@ class RadauStages {
   void factorize(EquationsOfMotion& equations, const State& start, double h, bool with_complex);
   void correct(EquationsOfMotion& equations, double h);
   void advance_kinematics(const Layout& layout, double h);
+  void begin_again(const Layout& layout, double h);
+  bool iterate_to_round_off(EquationsOfMotion& equations, const State& start, double time, double h, bool one_factor);
   double size(double h, const Target& target) const;
   bool at_round_off(double h, double gap, double size, const Target& target) const;
   double gap(const EquationsOfMotion& equations) const;

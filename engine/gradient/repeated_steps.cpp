@@ -29,7 +29,7 @@ constexpr double kAside = 4e-3;  // m, rad, and of the largest velocity: 4e-15 f
 constexpr char kNoDerivative[] = "has no derivative: contacts change with the smallest change of its start";
 constexpr double kOnJoints = 1e-15, kNoise = 1e-15, kUnsure = 1e2;
 constexpr int kMostProjections = 12;
-constexpr double kSameEnd = 1e-6;  // of a step taken again: Newton's tolerance is below
+constexpr double kSameEnd = 1e-6;  // of a step taken again, beside what iterations left in the run
 // Where steps bend more quickly, and at kinks, states are moved by less, down to the least, until the orders agree.
 constexpr double kNearer = 0.2, kLeastAside = 5e-8, kOrdersAgree = 1e-7, kSmoothStep = 1e-4;
 
@@ -68,17 +68,16 @@ RepeatedSteps::RepeatedSteps(const DifferentiableSteps& method, const Drawing& n
 
 void RepeatedSteps::refuse(const char* why) const {
   throw SimulationError(
-      "the step to t = " + std::to_string(end_) + " s " + why, "the derivative of a run",
+      "the step to t = " + std::to_string(end_.time) + " s " + why, "the derivative of a run",
       "look for what is not smooth there: a singular pose, contacts that just begin to touch, to part "
       "or to slide; give another step or other parameters, or smaller steps of these");
 }
 
-/// Where the step ends, from where that of the run did. False: other points touch there, or stick.
+/// Where the step ends, from end_. False: other points touch there, or stick.
 bool RepeatedSteps::take(Equations& equations, const State& from, MatrixX history, VectorX& change) {
   equations.evaluator->recall(from.quarter_turns);
   equations.evaluator->recall_rows(from.left_out);
   equations.evaluator->recall(from.contacts);
-  const State& to = step_->to;
   start_ = from;
   if (forward_ && equations.evaluator->parts().forward_dynamics) {
     // It reads coordinates of joints, and refuses states off them. The start moved onto them is the same start: that
@@ -92,13 +91,13 @@ bool RepeatedSteps::take(Equations& equations, const State& from, MatrixX histor
   if (step_->kinks)
     for (const PassedKink& kink : *step_->kinks)
       kink.number >= 0 ? land(equations, kink, history) : pass(equations, kink.time, kink.record.get(), history);
-  pass(equations, to.time, step_->record, history);
-  const Eigen::Index n = to.v.size();
-  if (!same_contact_set(start_.contacts, to.contacts)) return false;
+  pass(equations, step_->to.time, step_->record, history);
+  const Eigen::Index n = end_.v.size();
+  if (!same_contact_set(start_.contacts, step_->to.contacts)) return false;
   const VectorX memory = contact_numbers(start_.contacts);
   change.resize(n * (2 + history.cols()) + memory.size());
-  evaluator_.layout().difference(to.q, start_.q, change.head(n));
-  change.segment(n, n) = start_.v - to.v;
+  evaluator_.layout().difference(end_.q, start_.q, change.head(n));
+  change.segment(n, n) = start_.v - end_.v;
   change.segment(2 * n, history.size()) = history.reshaped() - end_history_.reshaped();
   change.tail(memory.size()) = memory - contact_numbers(end_contacts_);
   return true;
@@ -156,10 +155,11 @@ void RepeatedSteps::land(Equations& equations, const PassedKink& kink, MatrixX& 
   equations.step->restart(start_, history);
 }
 
-/// The step itself, once more.
+/// The step itself, once more. Steps nearby are compared with this one, not with that of the run: axes that iterations
+/// left turned would be in the differences.
 void RepeatedSteps::begin(const TakenStep& step) {
   step_ = &step;
-  end_ = step.to.time;
+  end_ = step.to;
   history_ = nominal_.step->history(
       step.from, step.kinks && !step.kinks->empty() ? step.kinks->front().record.get() : step.record);
   end_history_.setZero(history_.rows(), history_.cols());
@@ -167,11 +167,12 @@ void RepeatedSteps::begin(const TakenStep& step) {
   memory_ = contact_numbers(step.from.contacts);
   VectorX change;
   const Eigen::Index n = step.to.v.size();
-  if (!take(nominal_, step.from, history_, change) || !(largest_entry(change.head(n)) <= kSameEnd) ||
-      !(largest_entry(change.segment(n, n)) <= kSameEnd * (1 + largest_entry(step.to.v))))
+  const RepeatedStep::Rest left = nominal_.step->left_by_iterations(step.from, step.to);
+  if (!take(nominal_, step.from, history_, change) || !(largest_entry(change.head(n)) <= kSameEnd + left.turn) ||
+      !(largest_entry(change.segment(n, n)) <= kSameEnd * (1 + largest_entry(step.to.v)) + left.velocity))
     refuse("ends elsewhere when it is taken again");
+  end_.q = start_.q, end_.v = start_.v;
   end_history_ = change.segment(2 * n, history_.size()).reshaped(n, history_.cols());
-  unmoved_ = change.head(2 * n);
 }
 
 /// False, where there is no derivative along the direction.
@@ -192,7 +193,7 @@ bool RepeatedSteps::along(const VectorX& direction, VectorX& best) {
   double best_off = std::numeric_limits<double>::infinity();
   for (double aside = kAside; aside >= kLeastAside; aside *= kNearer) {
     const double h = aside / size;
-    VectorX sum = VectorX::Zero(length), fourth = sum, middle = -unmoved_;
+    VectorX sum = VectorX::Zero(length), fourth = sum, middle = VectorX::Zero(2 * n);
     bool same = true;
     for (const RepeatedOffset& offset : kSixOffsets) {
       const double t = offset.steps * h;

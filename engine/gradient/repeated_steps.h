@@ -59,9 +59,9 @@ class RepeatedSteps {
   std::vector<std::vector<Equations>> moved_;  // of each parameter
   // Of the present step.
   const TakenStep* step_ = nullptr;  // until the next one begins, or the run is left
-  double end_ = 0;                   // s, of the last step
   MatrixX history_, end_history_;
-  VectorX memory_, unmoved_;
+  State end_;  // of the step begun last, as it is taken again
+  VectorX memory_;
   UnreachedDirections unreached_;  // backwards: at the step's end
   ContactMemory end_contacts_;
   State near_, reached_, start_, at_kink_;

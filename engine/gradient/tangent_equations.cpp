@@ -218,8 +218,7 @@ void TangentEquations::add_row_products(const std::vector<double>& values, const
   add_row_forces(equations_.system().blocks(), values, static_cast<int>(nu.size()), nu.data(), nullptr, out.data());
 }
 
-/// d/dt of all rows along the motion of the state and, where its acceleration is given, d²/dt²: by differences, of
-/// fourth and of sixth order.
+/// d/dt of all rows along the motion of the state and, where its acceleration is given, d²/dt²: differences of order 6.
 void TangentEquations::find_row_rates(const VectorX* acceleration) {
   const BlockStructure& blocks = equations_.system().blocks();
   const auto accumulate = [&](std::vector<double>& sum, double weight) {
@@ -237,17 +236,19 @@ void TangentEquations::find_row_rates(const VectorX* acceleration) {
   struct Point {
     double steps, first, second;
   };
-  static constexpr Point kFourth[] = {{1, 8.0 / 12, 0}, {-1, -8.0 / 12, 0}, {2, -1.0 / 12, 0}, {-2, 1.0 / 12, 0}};
   static constexpr Point kSixth[] = {{0, 0, -49.0 / 18},        {1, 3.0 / 4, 3.0 / 2},     {-1, -3.0 / 4, 3.0 / 2},
                                      {2, -3.0 / 20, -3.0 / 20}, {-2, 3.0 / 20, -3.0 / 20}, {3, 1.0 / 60, 1.0 / 90},
                                      {-3, -1.0 / 60, 1.0 / 90}};
-  const double moved = acceleration ? 2e-2 : 2e-3;  // m, rad: round-off and what is cut off are both some 1e-12
+  // m, rad. Second derivatives: round-off and what is cut off are both some 1e-12. First ones, of short dampers too,
+  // 5 (moved / length)⁶ beside 1e-13.
+  const double moved = acceleration ? 2e-2 : 1e-3;
   double h = moved / std::max(largest_entry(state_.v), 1.0);
   if (acceleration) h = std::min(h, std::sqrt(2 * moved / std::max(largest_entry(*acceleration), 1.0)));
   G_rate_.assign(static_cast<std::size_t>(blocks.value_count), 0.0);
   G_second_.assign(acceleration ? G_rate_.size() : 0, 0.0);
   VectorX by;
-  for (const Point& point : acceleration ? std::span<const Point>(kSixth) : std::span<const Point>(kFourth)) {
+  for (const Point& point : kSixth) {
+    if (!acceleration && point.first == 0) continue;
     const double t = point.steps * h;
     by = t * state_.v;
     if (acceleration) by += 0.5 * t * t * *acceleration;

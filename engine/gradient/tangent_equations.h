@@ -25,6 +25,7 @@ class TangentEquations final : public LinearEquations {
 
   const Layout& layout() const override { return equations_.layout(); }
   const std::vector<int>& velocity_rows() const override { return equations_.velocity_rows(); }
+  EquationsOfMotion& equations() override { return equations_; }
   void at(const State& state) override;
   void along(const Direction& direction, VectorX& force, VectorX& rows, VectorX* rates = nullptr) override;
   void parameter_columns(MatrixX& force, MatrixX& rows, MatrixX* rates = nullptr) override;

@@ -54,6 +54,8 @@ class LinearEquations {
   virtual ~LinearEquations() = default;
   virtual const Layout& layout() const = 0;
   virtual const std::vector<int>& velocity_rows() const = 0;
+  /// Undifferentiated. Who evaluates them comes back by at().
+  virtual EquationsOfMotion& equations() = 0;
   /// The state that the rest refers to.
   virtual void at(const State& state) = 0;
 
@@ -141,6 +143,11 @@ class RepeatedStep {
   /// q, v and what contacts remember at to.time, from those of `from`; likewise the history, in place. The equations
   /// have recalled what `from` remembers. Throws SimulationError where the step fails.
   virtual void take(const State& from, const StepRecord* record, MatrixX& history, State& to) = 0;
+  /// How far the iterations of a run may leave the end of a step from its solution.
+  struct Rest {
+    double turn, velocity;  // m, rad, modal; and of velocities
+  };
+  virtual Rest left_by_iterations(const State& /*from*/, const State& /*to*/) const { return {0, 0}; }
   /// Starts the method anew, for the next take().
   virtual void restart(State& /*state*/, MatrixX& /*history*/) {}
 };

@@ -98,14 +98,15 @@ void expect_of_near_runs(const ParametricScene& scene, const std::vector<Quantit
   }
 }
 
-void expect_close(const Gradient& found, const Gradient& expected, const std::vector<DesignParameter>& parameters) {
+void expect_close(const Gradient& found, const Gradient& expected, const std::vector<DesignParameter>& parameters,
+                  double tolerance) {
   VectorX scales(found.derivatives.cols());
   for (std::size_t k = 0; k < parameters.size(); ++k) scales[static_cast<Eigen::Index>(k)] = parameters[k].value;
   for (Eigen::Index i = 0; i < found.derivatives.rows(); ++i) {
     const VectorX scaled = expected.derivatives.row(i).transpose().cwiseProduct(scales);
     const VectorX off = found.derivatives.row(i).transpose().cwiseProduct(scales) - scaled;
     const double error = off.lpNorm<Eigen::Infinity>() / scaled.lpNorm<Eigen::Infinity>();
-    EXPECT_LE(error, 1e-8) << found.quantities[static_cast<std::size_t>(i)];
+    EXPECT_LE(error, tolerance) << found.quantities[static_cast<std::size_t>(i)];
     if (std::getenv("LITHE_SHOW_ERRORS")) std::printf("%ld steps: off %.1e\n", found.steps, error);
   }
 }

@@ -28,8 +28,9 @@ void expect_of_near_runs(const ParametricScene& scene, const std::vector<Quantit
                          const std::vector<DesignParameter>& parameters, double tolerance = 1e-8,
                          bool has_adjoint = true);
 
-/// Two gradients by the same parameters, likewise relative, to 1e-8.
-void expect_close(const Gradient& found, const Gradient& expected, const std::vector<DesignParameter>& parameters);
+/// Two gradients by the same parameters, likewise relative.
+void expect_close(const Gradient& found, const Gradient& expected, const std::vector<DesignParameter>& parameters,
+                  double tolerance = 1e-8);
 
 /// What gradient() reads at the end of its run is, to the bit, what these columns of the scene's sensors read at the
 /// end of the run alone.

@@ -157,6 +157,25 @@ TEST(MethodGradients, OfStepsThatErrorControlTook) {
   }
 }
 
+/// Long steps correct positions by much, along rows of the middle stage that turn with it.
+TEST(MethodGradients, RadauBackwardsTurnsItsCorrections) {
+  struct Swung {
+    ParametricScene scene;
+    std::vector<Quantity> quantities;
+    std::vector<DesignParameter> parameters;
+  };
+  for (const Swung& s : {Swung{tumbling_top(), kTumbled, kTopNumbers}, Swung{pendulum(), kSwing, kPendulumNumbers},
+                         Swung{redundant_loop(), {value_at("coupler_z", 0.3)}, kLoopNumbers}})
+    for (const double tolerance : {1e-2, 1e-3, 1e-4, 1e-6}) {
+      const ParametricScene scene = with(s.scene, [=] {
+        return std::make_unique<Radau>(Radau::Parameters{.tolerance = {.relative = tolerance, .absolute = tolerance}});
+      });
+      expect_close(gradient(scene, s.quantities, s.parameters, {.mode = Mode::adjoint}),
+                   gradient(scene, s.quantities, s.parameters, {.mode = Mode::tangent}), s.parameters,
+                   std::max(1e-8, 2e-4 * tolerance));
+    }
+}
+
 TEST(MethodGradients, LeaveTheRunItsBits) {
   for (const MakeIntegrator& integrator :
        {runge_kutta(Method::dormand_prince5, 5e-3), exact_radau(5e-3), exact_bdf(5e-3)})
