@@ -12,14 +12,12 @@
 namespace lithe {
 namespace {
 
-/// How far Newton's corrections go.
-struct MidpointCorrections {
-  int most;
-  double tolerance;  // of the velocities
-};
-constexpr MidpointCorrections kStable{8, 1e-6}, kEnergy{8, 1e-9};
-constexpr double kFar = 1e-3, kNothing = 1e-7;  // of the velocities; m/s, rad/s: a last correction that does not do
-constexpr double kShortest = 1.0 / 1024;        // of the given step
+// Newton's corrections of a step, whose errors add up over thousands of steps: of the velocities, what further ones
+// would change at most.
+constexpr double kStable = 1e-8, kEnergy = 1e-9;
+constexpr int kMostCorrections = 20, kEnoughToJudge = 4;
+constexpr double kFar = 1e-6, kLastDigits = 1e-12;  // of the velocities, of the coordinates: a last one that will do
+constexpr double kShortest = 1.0 / 1024;            // of the given step
 
 }  // namespace
 
@@ -91,14 +89,16 @@ StepResult MoreauJean::advance(EquationsOfMotion& equations, State& state, doubl
     total_ = rl_;
     if (equations.reacts()) total_ += h * lambda_;
     push_.setZero(), late_.setZero();
-    if (!correct(equations, state, h)) {  // it turns too far in a step
-      friction_.put_back(state.v);
-      if (h < kShortest * parameters_.step)
-        return {StepResult::Outcome::failed, "Newton's iteration does not converge at the step of " + step_text(h)};
-      impulses_.finish_by(time);
-      return advance(equations, state, state.time + h / 2);
+    // The factor leaves out how a turn couples modes: corrections have to see what closes joints, too, or it would cost
+    // an order.
+    if (rl_.size() > 0) {
+      layout.retract(state.q, d_, q_);
+      close_joints(equations, time);
+      total_ += rl_;
+      d_ = h / 2 * (state.v + v_);
     }
-    if (rigid) {  // back to where points are found
+    if (!correct(equations, state, h)) return halve(equations, state, time);  // it turns too far in a step
+    if (rigid) {                                                              // back to where points are found
       mean_ = h / 2 * state.v;
       layout.retract(state.q, mean_, q_);
       equations.evaluate(state.time + h / 2, q_, state.v, Level::velocity);
@@ -114,7 +114,7 @@ StepResult MoreauJean::advance(EquationsOfMotion& equations, State& state, doubl
     if (impulses_.cut() == 0) {
       rubs = friction_.apply(equations, state, time, near ? &impulses_ : nullptr, total_, d_, q_, v_);
       if (near && !rubs && !nodal_) impulses_.act(equations, state, h, v_, d_);
-      if (near && !rubs && nodal_) settle(equations, state, h);
+      if (near && !rubs && nodal_ && !settle(equations, state, h)) return halve(equations, state, time);
     }
     if (impulses_.cut() > 0) {
       impulses_.finish_by(time);
@@ -143,6 +143,16 @@ StepResult MoreauJean::advance(EquationsOfMotion& equations, State& state, doubl
   return {};
 }
 
+/// The step up to `time`, whose corrections do not end.
+StepResult MoreauJean::halve(EquationsOfMotion& equations, State& state, double time) {
+  const double h = time - state.time;
+  friction_.put_back(state.v);
+  if (h < kShortest * parameters_.step)
+    return {StepResult::Outcome::failed, "Newton's iteration does not converge at the step of " + step_text(h)};
+  impulses_.finish_by(time);
+  return advance(equations, state, state.time + h / 2);
+}
+
 /// Of bodies that deform by linear coordinates: Newton's iteration goes on, along the same factor, to the implicit
 /// midpoint rule. Its first iterate alone turns stiff elements by the rotation that the step began with and stretches
 /// them; where the step does not resolve them, that feeds their vibrations until they burst (a solid in nodal
@@ -150,11 +160,11 @@ StepResult MoreauJean::advance(EquationsOfMotion& equations, State& state, doubl
 /// where bodies have coordinates in the world only, so that their mass is constant, forces are the mean along the step
 /// instead (average vector field, Quispel & McLaren 2008), by Simpson's rule, which is exact for the fourth order in
 /// which nodes strain a St. Venant-Kirchhoff solid. The factor knows little of how inertia couples modes with a fast
-/// turn: false where corrections do not end, so that the step is halved.
+/// turn: false where corrections do not end, or will not, so that the step is halved.
 bool MoreauJean::correct(EquationsOfMotion& equations, const State& state, double h) {
-  const MidpointCorrections& corrections = nodal_ ? kEnergy : kStable;
-  double change = 0;
-  for (int k = 0; k < corrections.most; ++k) {
+  const double tolerance = nodal_ ? kEnergy : kStable;
+  double first = 0, before = 0, last = 0;  // corrections
+  for (int k = 0; k < kMostCorrections; ++k) {
     rv_ = push_;
     const auto add = [&](double part, double weight) {
       mean_ = part * d_;
@@ -171,21 +181,32 @@ bool MoreauJean::correct(EquationsOfMotion& equations, const State& state, doubl
     add(0.5, nodal_ ? 2.0 / 3 : 1);
     more_.setZero();
     equations.solve(rv_, more_);
-    change = rv_.norm();
+    const double change = rv_.norm();
     if (!std::isfinite(change)) return false;
     v_ += rv_;
     total_ += more_;
     d_ = h / 2 * (state.v + v_) + late_;
     ++statistics_.newton_iterations;
-    if (change <= corrections.tolerance * v_.norm()) return true;
+    const double size = v_.norm();
+    // By two corrections: where modes and the turn exchange energy they shrink by turns.
+    const double rate = k > 1 ? std::sqrt(change / before) : k == 1 ? change / last : 1;
+    if (change <= tolerance * size || change * rate <= tolerance * size * (1 - rate)) return true;
+    const bool round_off = h * change <= kLastDigits * (1 + q_.cwiseAbs().maxCoeff());
+    if (round_off && rate > 0.5) return true;
+    if (k == 0) first = change;
+    if (k >= kEnoughToJudge && !round_off &&
+        change * std::pow(change / first, static_cast<double>(kMostCorrections - 1 - k) / k) > kFar * size)
+      return false;
+    before = last, last = change;
   }
-  return change <= kFar * v_.norm() || change <= kNothing;
+  return true;
 }
 
 /// Contact moves bodies along the step's factor, as if they were linear. Where its law keeps the energy, Newton's
 /// iteration goes on with its impulses given; by what that changes the motion without contact is another, for which
-/// impulses are found anew. Where they go to and fro between two answers they stay as they were at first.
-void MoreauJean::settle(EquationsOfMotion& equations, const State& state, double h) {
+/// impulses are found anew. Where they go to and fro between two answers they stay as they were at first. False where
+/// corrections do not end.
+bool MoreauJean::settle(EquationsOfMotion& equations, const State& state, double h) {
   constexpr int kMostRounds = 10;
   constexpr double kNear = 1e-5;  // of the velocities
   RigidContacts& contacts = *equations.parts().rigid_contacts;
@@ -194,16 +215,16 @@ void MoreauJean::settle(EquationsOfMotion& equations, const State& state, double
   if (!std::ranges::all_of(contacts.points(), [](const RigidContacts::Point& point) {
         return point.law.restitution == 1 && point.law.static_friction == 0;
       }))
-    return;
+    return true;
   for (int k = 1; impulses_.cut() == 0 && !impulses_.total().isZero(0); ++k) {
     push_.setZero(), response_.setZero();
     contacts.add_impulses(impulses_.total(), push_);
     contacts.add_response(impulses_.total(), nullptr, response_);
     late_ = d_ - h / 2 * (state.v + v_);
     linear_ = v_;
-    correct(equations, state, h);
+    if (!correct(equations, state, h)) return false;
     const double off = (v_ - linear_).norm(), size = v_.norm();
-    if (off <= kEnergy.tolerance * size || (k == kMostRounds && off <= kNear * size)) return;
+    if (off <= kEnergy * size || (k == kMostRounds && off <= kNear * size)) return true;
     const bool last = k == kMostRounds;
     if (last)
       v_ = free_;
@@ -211,8 +232,9 @@ void MoreauJean::settle(EquationsOfMotion& equations, const State& state, double
       v_ -= response_;
     d_ = h / 2 * (state.v + v_);
     impulses_.act(equations, state, h, v_, d_);
-    if (last) return;
+    if (last) return true;
   }
+  return true;
 }
 
 bool MoreauJean::keep(Archive& archive, EquationsOfMotion& /*equations*/, const State& /*state*/) {

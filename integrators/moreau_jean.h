@@ -15,11 +15,12 @@ namespace lithe {
 /// without contact is the linearly implicit midpoint rule in the stabilized index-2 form,
 ///   [S Gᵀ; G 0] (v_free - v, Λ) = (h f, -ġ),   S = M + h/2 D + h²/4 K  at q ⊕ h/2 v,   d = h/2 (v + v_free),
 /// then contact (integrators/contact_impulses.h), then joints are closed along the same factor. Fixed step, no Newton
-/// iteration but for bodies with linear coordinates, one to four, since stiff elements that turn are not linear in a
-/// step; up to eight, with the mean of the forces along the step, for those in nodal coordinates, whose energy that
-/// keeps. A step ends early where few rigid bodies meet, so that their impact is at its end. Order 2 between impacts,
-/// for bodies that turn while they are held too, and over impacts, but for those of many that share bodies within one
-/// step. Stable for stiff springs and modes at any step; it does not damp.
+/// iteration but for bodies with linear coordinates, since stiff elements that turn are not linear in a step: some two
+/// corrections, twenty at most, to what closes joints too; for bodies in nodal coordinates with the mean of the forces
+/// along the step, which keeps their energy. A step whose corrections do not end is halved. A step ends early where few
+/// rigid bodies meet, so that their impact is at its end. Order 2 between impacts, for bodies that turn while they are
+/// held too, and over impacts, but for those of many that share bodies within one step. Stable for stiff springs and
+/// modes at any step; it does not damp.
 class MoreauJean final : public Integrator, public DifferentiableSteps {
  public:
   struct Parameters {
@@ -49,7 +50,8 @@ class MoreauJean final : public Integrator, public DifferentiableSteps {
  private:
   friend class RepeatedMoreauJean;
   bool correct(EquationsOfMotion& equations, const State& state, double h);
-  void settle(EquationsOfMotion& equations, const State& state, double h);
+  StepResult halve(EquationsOfMotion& equations, State& state, double time);
+  bool settle(EquationsOfMotion& equations, const State& state, double h);
   void close_joints(EquationsOfMotion& equations, double time);
 
   Parameters parameters_;

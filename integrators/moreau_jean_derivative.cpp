@@ -62,7 +62,7 @@ std::unique_ptr<RepeatedStep> MoreauJean::repeated_step(EquationsOfMotion& equat
 std::string MoreauJean::refuse_repetition(EquationsOfMotion& equations) const {
   for (const auto& body : equations.layout().bodies())
     if ((body.frame ? 6 : 0) + body.linear > 6)
-      return "Moreau-Jean solves steps of bodies that deform to 1e-6 only, which cannot be differentiated";
+      return "Moreau-Jean solves steps of bodies that deform to 1e-8 only, which cannot be differentiated";
   return "";
 }
 

@@ -239,6 +239,9 @@ bool RadauStages::solve(EquationsOfMotion& equations, const State& start, double
       allowance = rate_ < 1 ? rate_ / (1 - rate_) : std::numeric_limits<double>::infinity();
     }
     if (allowance * now <= 1 || now == 0 || (k > 0 && rate_ > kSlow && at_round_off(h, gap_before, now, target))) {
+      // The next step's first correction: the slowest rate of this step's. The last one of an iteration that goes ever
+      // faster says nothing of it.
+      if (k > 0) allowance = worst_rate_ < 1 ? worst_rate_ / (1 - worst_rate_) : 1;
       allowance_ = std::min(allowance, 1.0);
       return true;
     }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "engine/assembly/evaluated.h"
 #include "engine/base/error.h"
@@ -81,7 +82,42 @@ std::string look_at(Evaluator& evaluator, const State& state) {
   return "";
 }
 
+/// How far the arm of an angle stands off its axis, rad.
+double arm_off_axis(const MeasuredAngle& angle, const MarkerMotions& markers) {
+  const std::span<const MarkerView> views = markers;
+  const MarkerView &A = views[static_cast<std::size_t>(angle.A)], &B = views[static_cast<std::size_t>(angle.B)];
+  const Vector3 arm = angle.to_point ? Vector3(B.p - A.p) : Vector3(B.R.col((angle.axis + 1) % 3)),
+                axis = A.R.col(angle.axis);
+  return std::atan2(arm.cross(axis).norm(), std::abs(arm.dot(axis)));
+}
+
 }  // namespace
+
+std::string find_lost_angle(Evaluator& evaluator, const State& state) {
+  constexpr double kLost = 1e-2;  // rad
+  evaluator.recall(state.quarter_turns);
+  evaluator.recall(state.contacts);
+  evaluator.evaluate(state.time, state.q, state.v, Level::velocity);
+  std::string found;
+  double nearest = kLost;
+  const auto look = [&](const Connector& connector) {
+    const MarkerMotions markers = motions_of(evaluator, connector.markers());
+    for (const MeasuredAngle& angle : connector.angles())
+      if (const double off = arm_off_axis(angle, markers); off < nearest) {
+        nearest = off;
+        char degrees[32];
+        std::snprintf(degrees, sizeof degrees, "%.2g", off * 180 / M_PI);
+        found = "the angle that '" + connector.name() + "' (" + connector.where() +
+                ") measures jumps by half a turn: " +
+                (angle.to_point ? "the point that it looks at is " : "the axis that it looks at is ") + degrees +
+                " degrees from the axis that it turns about";
+      }
+  };
+  const SystemGraph& graph = evaluator.system().graph();
+  for (const auto& entry : graph.constraints()) look(*entry.constraint);
+  for (const auto& entry : graph.forces()) look(*entry.force);
+  return found;
+}
 
 std::string find_failing_element(Evaluator& evaluator, const State& from, double until) {
   constexpr int kEven = 16, kHalvings = 40;

@@ -141,7 +141,9 @@ std::string contradiction(Evaluator& evaluator, int row) {
   int left_out = row;  // or, where it has just been exchanged, the one that is so instead of it
   for (const int r : evaluator.redundant_rows())
     if (!std::binary_search(before.begin(), before.end(), r)) left_out = r;
-  const VectorX share = null_vector(evaluator, left_out).cwiseProduct(evaluator.system().row_scales());
+  // Scales are of rows of forces too.
+  const VectorX share =
+      null_vector(evaluator, left_out).cwiseProduct(evaluator.system().row_scales().head(layout.row_count()));
   const bool known = share.allFinite();  // else rows have lost rank here
   const double least = known ? kInvolved * share.cwiseAbs().maxCoeff() : 0;
   // Those that prescribe motion, if there are two; else all.

@@ -9,7 +9,8 @@ Projector::Projector(EquationsOfMotion& equations)
       zero_v_(VectorX::Zero(equations.layout().v_count())),
       zero_rows_(VectorX::Zero(equations.layout().row_count())),
       dv_(zero_v_),
-      dl_(zero_rows_) {}
+      dl_(zero_rows_),
+      given_(zero_rows_) {}
 
 Projector::Result Projector::position(double time, VectorRef q, double tolerance, int max_iterations, Factor factor) {
   Result result;
@@ -50,7 +51,19 @@ void Projector::velocity(double time, ConstVectorRef q, VectorRef v) {
 void Projector::accelerations(double time, ConstVectorRef q, ConstVectorRef v, VectorRef v_dot, VectorRef lambda,
                               Factor factor) {
   equations_.evaluate(time, q, v, Level::acceleration);
-  if (equations_.reacts()) return iterate_reactions(v_dot, lambda);
+  if (equations_.reacts()) {
+    if (!lambda.allFinite()) lambda.setZero();
+    given_ = lambda;
+    const double guess = given_.size() > 0 ? given_.cwiseAbs().maxCoeff() : 0;
+    // The round-off of a guess that is far off stays in v̇.
+    constexpr double kFar = 1e6;
+    if (iterate_reactions(v_dot, lambda) && guess <= kFar * (1 + lambda.cwiseAbs().maxCoeff())) return;
+    lambda.setZero();
+    if (guess > 0 && iterate_reactions(v_dot, lambda)) return;
+    lambda = given_;  // or what is tried next would begin with what has diverged
+    v_dot.setConstant(std::numeric_limits<double>::quiet_NaN());  // integrators meet it with a smaller step
+    return;
+  }
   if (factor != Factor::last) equations_.factorize({0, 0, 1}, zero_v_, zero_rows_, nullptr);
   equations_.residual(zero_v_, zero_rows_, v_dot);  // -f
   v_dot = -v_dot;
@@ -58,12 +71,12 @@ void Projector::accelerations(double time, ConstVectorRef q, ConstVectorRef v, V
   equations_.solve(v_dot, lambda);
 }
 
-/// Newton on M v̇ + Gᵀλ = f(λ), G v̇ = γ. The second is linear and holds from the first correction on.
-void Projector::iterate_reactions(VectorRef v_dot, VectorRef lambda) {
+/// Newton on M v̇ + Gᵀλ = f(λ), G v̇ = γ. The second is linear and holds from the first correction on. False where it
+/// does not converge.
+bool Projector::iterate_reactions(VectorRef v_dot, VectorRef lambda) {
   constexpr int kMaxIterations = 50;
   constexpr double kConverged = 1e-12;
   v_dot.setZero();
-  if (!lambda.allFinite()) lambda.setZero();
   double last = 0;
   for (int k = 0; k < kMaxIterations; ++k) {
     equations_.residual(v_dot, lambda, dv_);
@@ -79,11 +92,12 @@ void Projector::iterate_reactions(VectorRef v_dot, VectorRef lambda) {
     const double size = dl_.cwiseAbs().maxCoeff(), allowed = kConverged * (1 + lambda.cwiseAbs().maxCoeff());
     if (size <= allowed || (k > 2 && size <= 1e3 * allowed && size >= 0.5 * last)) {  // or round-off ends progress
       equations_.residual(v_dot, lambda, dv_);  // tensions belong to the last lambda
-      return;
+      return true;
     }
+    if (!std::isfinite(size)) return false;
     last = size;
   }
-  v_dot.setConstant(std::numeric_limits<double>::quiet_NaN());  // integrators meet it with a smaller step
+  return false;
 }
 
 }  // namespace lithe

@@ -23,15 +23,16 @@ class Projector {
   /// Moves v onto G v + ∂g/∂t = 0; the state (time, q) is evaluated and its mass factorised.
   void velocity(double time, ConstVectorRef q, VectorRef v);
   /// [M Gᵀ; G 0] (v_dot, lambda) = (f, gamma) at (time, q, v). Factor::last: right after velocity() at the same (time,
-  /// q). Where f knows lambda (friction), by iteration from the lambda given; what does not converge is left as NaN.
+  /// q). Where f knows lambda (friction), by iteration from the lambda given, or from none; where that does not
+  /// converge, v_dot is left as NaN and lambda as it was given.
   void accelerations(double time, ConstVectorRef q, ConstVectorRef v, VectorRef v_dot, VectorRef lambda,
                      Factor factor = Factor::fresh);
 
  private:
-  void iterate_reactions(VectorRef v_dot, VectorRef lambda);
+  bool iterate_reactions(VectorRef v_dot, VectorRef lambda);
 
   EquationsOfMotion& equations_;
-  VectorX zero_v_, zero_rows_, dv_, dl_;
+  VectorX zero_v_, zero_rows_, dv_, dl_, given_;
 };
 
 }  // namespace lithe

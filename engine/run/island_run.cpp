@@ -173,10 +173,16 @@ void IslandRun::advance(State& state, double stop) {
   if (const std::string name = find_not_finite(state, system_.layout()); !name.empty())
     fail(state, step() + " left a value that is not finite: " + name + failing_element(state.time),
          "look for a force that divides by zero or overflows near there, or give a smaller step");
-  if (!(state.time > last_.time && state.time <= stop))
+  if (!(state.time > last_.time && state.time <= stop)) {
+    if (const std::string lost = state.time == last_.time ? find_lost_angle(equations_, last_) : ""; !lost.empty())
+      fail(
+          state, step() + " became shorter than time can tell: " + lost,
+          "keep the two apart: measure an angle about an axis that the joint keeps, or hold the bodies in the plane of "
+          "the joint");
     fail(state, step() + " to " + time_text(stop) + " ended at " + time_text(state.time) + failing_element(stop),
          "give a looser tolerance if steps became smaller than time can resolve; else fix the integrator: a step moves "
          "time, never past its stop");
+  }
   if (finder_) {
     try {
       look_for_events(state);

@@ -9,6 +9,7 @@
 #include "bodies/rigid_body.h"
 #include "engine/assembly/batch_of.h"
 #include "engine/base/error.h"
+#include "joints/coordinate_drive.h"
 #include "joints/forces/joint_friction.h"
 #include "joints/forces/spring_damper.h"
 #include "joints/prismatic_joint.h"
@@ -235,6 +236,29 @@ TEST(RadauStiffness, BearsDryFrictionThatKnowsTheReaction) {
   scene.run(*radau(1e-9), end);
   const double a = 9.81 * (std::sin(slope) + mu * std::cos(slope)), gone = v0 * end + 0.5 * a * end * end;
   expect_below("block on a slope with friction, m", std::abs(scene.position(0).dot(along.col(2)) - gone), 1e-8);
+}
+
+/// Newton's corrections shrink ever faster here, by 1e-2 and then by 1e-9: the first correction of a step was taken for
+/// the last one by the second rate of the step before, and velocities were off by 1.3e-5.
+TEST(RadauStep, TakesNoFirstCorrectionByARateThatOnlyLaterOnesHave) {
+  constexpr double kAmplitude = 0.3, kRate = 10;  // rad, rad/s
+  const Matrix3 axes = rotation_about(Vector3(1, 2, 3).normalized(), 0.8);
+  const Vector3 arm(0.4, 0.1, 0.2);
+  Scene scene({0, 0, -9.81}, [&](SystemGraph& graph) {
+    auto& lever = graph.add<RigidBody>("lever", {.mass = 2, .inertia = {0.03, 0.02, 0.01}, .position = arm});
+    auto& pin = graph.add<RevoluteJoint>("pin", {graph.ground().marker({}, axes), lever.marker(-arm, axes)});
+    graph.add<CoordinateDrive>("drive", {pin.angle()}, {.motion = harmonic(kAmplitude, kRate)});
+  });
+  const Method method = radau(1e-9);
+  double worst = 0;
+  for (int k = 1; k <= 6; ++k) {
+    scene.run(*method, 0.1 * k);
+    const double angle = kAmplitude * std::sin(kRate * scene.state.time),
+                 speed = kAmplitude * kRate * std::cos(kRate * scene.state.time);
+    const Vector3 exact = speed * axes.col(2).cross(rotation_about(axes.col(2), angle) * arm);
+    worst = std::max(worst, (scene.state.v.head<3>() - exact).norm());
+  }
+  expect_below("velocity of a driven lever, m/s", worst, 1e-9);
 }
 
 // ---- trouble ----

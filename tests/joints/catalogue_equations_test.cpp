@@ -214,8 +214,9 @@ TEST_F(CatalogueEquations, OfDistancesAndHeldNodes) {
   const Vector3 c = A.R.transpose() * d();
   a_.R = rotation_exp(Vector3::Random());
   evaluate(clamp, 4);
-  expect_near(g3(0), d() - A.R * c);
-  EXPECT_NEAR(bias(0), -A.w.cross(A.w.cross(A.R * c)).x(), 1e-14);
+  expect_near(g3(0), A.R.transpose() * d() - c);
+  // (d/dt)² of x_A · d with constant v and ω: 2 ω × x_A · ḋ + ω × (ω × x_A) · d.
+  EXPECT_NEAR(bias(0), 2 * A.w.cross(A.x()).dot(B.v - A.v) + A.w.cross(A.w.cross(A.x())).dot(d()), 1e-14);
 }
 
 TEST_F(CatalogueEquations, OfTransmissionsWhoseForceActsInThePitchPoint) {

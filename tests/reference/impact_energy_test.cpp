@@ -38,11 +38,37 @@ const Vector3 kSize(0.4, 0.02, 0.02);  // m
 constexpr double kYoung = 2e9, kPoisson = 0.3, kDensity = 1200;
 constexpr double kMass = 0.4 * 0.02 * 0.02 * kDensity;
 
+struct NodalRod {
+  int divisions = 8;
+  double young = kYoung;
+};
+constexpr double kTilt = 0.1;
+
+/// A rod in nodal coordinates that falls on a table, its lowest corner first.
+const Contact& add_nodal_rod(SystemGraph& graph, const NodalRod& of, double speed, const Contact::Parameters& law) {
+  const auto mesh =
+      std::make_shared<const BrickMesh>(brick_block(kSize, {of.divisions, 1, 1}, {of.young, kPoisson, kDensity}));
+  auto& rod = graph.add<InertialBody>("rod", {.mesh = mesh,
+                                              .position = {0, 0, 1e-4 + kSize[0] * std::sin(kTilt)},
+                                              .orientation = rotation_about({0, 1, 0}, kTilt),
+                                              .velocity = {law.friction.coefficient > 0 ? speed : 0, 0, -speed}});
+  ElementBlock block{.type = "C3D8"};
+  for (const auto& element : mesh->elements) block.nodes.emplace_back(element.begin(), element.end());
+  std::vector<Marker> nodes;
+  std::vector<Vector3> points;
+  for (int i = 0; i < mesh->node_count(); ++i) {
+    nodes.push_back(rod.node(mesh->node_ids[i]));
+    points.push_back(mesh->nodes.col(i) - mesh->nodes.col(0));
+  }
+  const auto skin = shape::surface(nodes, points, boundary_triangles({block}, mesh->nodes));
+  return graph.add<Contact>("table", {{graph.ground().marker(), shape::half_space()}, {nodes[0], skin}}, law);
+}
+
 /// A rod that falls on a table, its lowest corner first.
 const Contact& add_rod(SystemGraph& graph, Kind kind, double speed, const Contact::Parameters& law) {
-  const double tilt = 0.1;
-  const Matrix3 turned = rotation_about({0, 1, 0}, tilt);
-  const Vector3 corner(0, 0, 1e-4 + kSize[0] * std::sin(tilt));
+  if (kind == Kind::nodal) return add_nodal_rod(graph, {}, speed, law);
+  const Matrix3 turned = rotation_about({0, 1, 0}, kTilt);
+  const Vector3 corner(0, 0, 1e-4 + kSize[0] * std::sin(kTilt));
   const Vector3 velocity(law.friction.coefficient > 0 ? speed : 0, 0, -speed);
   const Collider table{graph.ground().marker(), shape::half_space()};
   if (kind == Kind::rigid) {
@@ -54,21 +80,6 @@ const Contact& add_rod(SystemGraph& graph, Kind kind, double speed, const Contac
                                      .orientation = turned,
                                      .velocity = velocity});
     return graph.add<Contact>("table", {table, {rod.marker(), shape::box(kSize)}}, law);
-  }
-  if (kind == Kind::nodal) {
-    const auto mesh = std::make_shared<const BrickMesh>(brick_block(kSize, {8, 1, 1}, {kYoung, kPoisson, kDensity}));
-    auto& rod =
-        graph.add<InertialBody>("rod", {.mesh = mesh, .position = corner, .orientation = turned, .velocity = velocity});
-    ElementBlock block{.type = "C3D8"};
-    for (const auto& element : mesh->elements) block.nodes.emplace_back(element.begin(), element.end());
-    std::vector<Marker> nodes;
-    std::vector<Vector3> points;
-    for (int i = 0; i < mesh->node_count(); ++i) {
-      nodes.push_back(rod.node(mesh->node_ids[i]));
-      points.push_back(mesh->nodes.col(i) - mesh->nodes.col(0));
-    }
-    const auto skin = shape::surface(nodes, points, boundary_triangles({block}, mesh->nodes));
-    return graph.add<Contact>("table", {table, {nodes[0], skin}}, law);
   }
   const FiniteElementModel model =
       brick_mesh({.size = kSize, .divisions = {8, 1, 1}, .type = "C3D8I", .material = {kYoung, kPoisson, kDensity}});
@@ -133,6 +144,32 @@ double may_gain(Kind kind, bool alpha) {
   if (kind == Kind::modal) return 5e-4;
   if (alpha) return 2.5e-2;
   return kind == Kind::nodal ? 1.5e-4 : 3e-4;
+}
+
+/// Where a solid in nodal coordinates bends more than a step resolves, corrections after an impact do not end, and the
+/// step is halved. They were not looked at: the first two ran until numbers were not finite, the third gained 0.3 %.
+TEST(ImpactEnergy, is_kept_where_corrections_after_an_impact_do_not_end) {
+  struct Fall {
+    double young, speed, step, bound;
+  };
+  for (const Fall& fall : {Fall{2e9, 20, 1e-4, 5e-5}, Fall{2e9, 5, 1e-4, 1e-6}, Fall{2e7, 1, 1e-3, 1e-5}}) {
+    SystemGraph graph;
+    add_nodal_rod(graph, {.divisions = 4, .young = fall.young}, fall.speed, {.law = RigidSurfaces{.restitution = 1}});
+    const System system = assemble(graph);
+    State state = system.initial_state();
+    MoreauJean method({.step = fall.step});
+    Simulation simulation(system, method);
+    Snapshot now(system, state);
+    const double first = total_energy().value(now), scale = kinetic_energy().value(now);
+    double worst = 0;
+    for (int k = 1; k < 60; ++k) {
+      simulation.run(state, k * fall.step);
+      now.evaluate(state);
+      worst = std::max(worst, std::abs(total_energy().value(now) - first) / scale);
+    }
+    EXPECT_GT(simulation.statistics().steps, 59) << "none was halved";
+    expect_below("elastic impact at " + std::to_string(fall.speed) + " m/s, of the energy", worst, fall.bound);
+  }
 }
 
 TEST(ImpactEnergy, is_kept_by_elastic_impacts_and_never_added_to_by_others) {

@@ -9,6 +9,7 @@
 #include "engine/run/simulation.h"
 #include "joints/constant_velocity_joint.h"
 #include "joints/coordinate_drive.h"
+#include "joints/forces/bushing.h"
 #include "joints/screw_joint.h"
 #include "tests/joints/mechanisms.h"
 #include "tests/support/message_of.h"
@@ -62,6 +63,24 @@ TEST(Contradictions, DrivesOfOneAngleThatAskForDifferentMotionsAreRefusedInAnyOr
       for (const auto& laws : {std::vector{kSteady, law}, {law, kSteady}})
         expect_says(refusal(laws, flexible), {"'drive 1' and 'drive 2' repeat each other", says, "remove one of them"});
     }
+}
+
+/// Rows of forces follow those of joints in what is known of rows: the names depended on what memory held behind a
+/// vector.
+TEST(Contradictions, BushingsDoNotChangeTheNames) {
+  for (const double filled : {1e200, -1e100, 0.0}) {
+    SystemGraph graph;
+    draw_driven(graph, {kSteady, constant(0.3)}, false);
+    for (int i = 0; i < 4; ++i)
+      graph.add<Bushing>("bushing " + std::to_string(i),
+                         {graph.ground().marker(), graph.find<RigidBody>("arm")->marker()},
+                         {.stiffness = Bushing::diagonal({1, 1, 1}, {1, 1, 1})});
+    std::vector<VectorX> memory;  // what is freed here is what others are given
+    for (int size = 1; size < 200; ++size)
+      for (int k = 0; k < 4; ++k) memory.emplace_back(VectorX::Constant(size, filled));
+    memory.clear();
+    expect_says(message_of<SceneError>([&] { assemble(graph); }), {"'drive 1' and 'drive 2' repeat each other"});
+  }
 }
 
 /// The angle and the travel of a screw are one motion: what the second drive repeats is the first and the screw.

@@ -12,6 +12,7 @@
 #include "engine/observe/recorder.h"
 #include "engine/observe/stop_run.h"
 #include "integrators/generalized_alpha.h"
+#include "joints/forces/coordinate_spring.h"
 #include "joints/revolute_joint.h"
 #include "tests/engine/output/output_scratch_folder.h"
 
@@ -216,6 +217,27 @@ TEST(simulation, an_integrator_that_stands_still_or_throws_ends_the_run) {
   EXPECT_THAT(message_of<SimulationError>([&] { c.simulation.run(c.state, 2.0); }),
               HasSubstr("clock threw: broken spring\n  at:   t = 0.5 s"));
   EXPECT_EQ(c.state.v[0], 0);
+}
+
+/// x of the link is 1e-3 off the axis that the angle turns about: it is lost there, and steps that turn with it end
+/// where they began.
+TEST(simulation, steps_that_vanish_where_an_angle_is_lost_name_its_joint) {
+  SystemGraph graph;
+  auto& link = graph.add<RigidBody>("link", {.orientation = rotation_about({0, 1, 0}, M_PI / 2 - 1e-3)});
+  graph.add<CoordinateSpring>("closer",
+                              {JointCoordinate{JointCoordinate::Kind::angle, graph.ground().marker(), link.marker()}},
+                              {.stiffness = 1});
+  const System system = assemble(graph);
+  State state = system.initial_state();
+  Clock clock;
+  clock.trouble = Clock::Trouble::stuck;
+  Simulation simulation(system, clock);
+  const std::string message = message_of<SimulationError>([&] { simulation.run(state, 2.0); });
+  EXPECT_THAT(message,
+              HasSubstr("the step from t = 0.5 s became shorter than time can tell: the angle that 'closer' ("));
+  EXPECT_THAT(message, HasSubstr("measures jumps by half a turn"));
+  EXPECT_THAT(message, HasSubstr("is 0.057 degrees from the axis that it turns about"));
+  EXPECT_THAT(message, HasSubstr("fix:  keep the two apart"));
 }
 
 TEST(simulation, a_run_that_makes_no_sense_is_refused) {
