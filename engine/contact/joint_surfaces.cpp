@@ -53,7 +53,7 @@ void JointSurfaces::slid(VectorX& way) {
     const Surface& surface = surfaces_[i];
     from_views_.clear();
     for (const MarkerKinematics& k : from_[i]) from_views_.emplace_back(k, static_cast<int>(from_views_.size()));
-    motions_.find(surface.markers, scene_.motion_of);
+    motions_.gather(surface.markers, scene_.motion_of);
     const Vector3 of = surface.friction->slid(from_views_, motions_);
     way.segment(surface.first, surface.count) = of.head(surface.count);
   }
@@ -61,7 +61,7 @@ void JointSurfaces::slid(VectorX& way) {
 
 void JointSurfaces::find_presses(const Surface& surface, std::vector<Matrix3X>& by_lambda) {
   // 1. The reaction by the joint's own multipliers: R = -Σ W λ.
-  joint_motions_.find(surface.joint_markers, scene_.motion_of);
+  joint_motions_.gather(surface.joint_markers, scene_.motion_of);
   ConstraintRows rows(static_cast<int>(joint_motions_.size()));
   rows.want_bias(false);
   rows.recall(surface.joint_turns);
@@ -70,7 +70,7 @@ void JointSurfaces::find_presses(const Surface& surface, std::vector<Matrix3X>& 
   for (int j = 0; j < rows.count(); ++j) R.col(j) << -rows.wrench(j, 1).force, -rows.wrench(j, 1).torque;
   // 2. What of it presses.
   SetValuedFriction::Press P[SetValuedFriction::kMostPresses];
-  motions_.find(surface.markers, scene_.motion_of);
+  motions_.gather(surface.markers, scene_.motion_of);
   const int count = surface.friction->presses(motions_, P);
   by_lambda.resize(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) by_lambda[i].noalias() = P[i] * R;

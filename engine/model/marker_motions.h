@@ -13,12 +13,12 @@ class MarkerMotions {
   /// `motion_of(marker)` gives the MarkerKinematics of one.
   template <class MotionOf>
   MarkerMotions(const std::vector<Marker>& markers, MotionOf&& motion_of) {
-    find(markers, motion_of);
+    gather(markers, motion_of);
   }
   MarkerMotions() = default;
   /// Others, where these are kept; allocates only for more than there have been.
   template <class MotionOf>
-  void find(const std::vector<Marker>& markers, MotionOf&& motion_of) {
+  void gather(const std::vector<Marker>& markers, MotionOf&& motion_of) {
     views_.clear(), kinematics_.clear();
     kinematics_.reserve(markers.size());  // views refer to it
     for (const Marker& m : markers) {
