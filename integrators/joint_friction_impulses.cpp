@@ -1,5 +1,6 @@
 #include "integrators/joint_friction_impulses.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <sstream>
 
@@ -178,8 +179,7 @@ void JointFrictionImpulses::hold(VectorX& correction) {
   for (Eigen::Index i = 0; i < count; ++i) gather(problem_.W.col(held_[i]), held_, held_W_.col(i));
   gather(way_, held_, held_way_);
   x_.setZero(p_.size());
-  held_factor_.compute(held_W_);
-  held_way_ = -held_factor_.solve(held_way_);
+  held_way_ = -held_W_.completeOrthogonalDecomposition().solve(held_way_);
   scatter(held_way_, held_, x_);
   add_moved(x_, correction);
 }

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <Eigen/QR>
-
 #include "engine/cones/joint_friction_problem.h"
 #include "engine/model/state.h"
 #include "engine/motion/equations_of_motion.h"
@@ -60,7 +58,6 @@ class JointFrictionImpulses {
   std::vector<char> sticks_;                      // by surface
   std::vector<int> held_;                         // directions
   MatrixX held_W_;                                // theirs
-  Eigen::CompleteOrthogonalDecomposition<MatrixX> held_factor_;
   VectorX p_, last_, residual_, residual_before_, kept_, d_, v_, rv_, rl_, closed_, corrected_, felt_, way_, speeds_,
       x_, held_way_;
   VectorX moved_, alone_, brought_;   // by p; by p without contacts; the rest
