@@ -45,18 +45,15 @@ class SystemBuilder {
     fill_batches();
     count_quarter_turns();
     for (double& quarter_turns : system_.initial_.quarter_turns) quarter_turns = initial::quarter_turns(quarter_turns);
+    used_.clear(), drawn_caches_.clear();  // large scenes hold the most memory from here on
     if (options_.start == AssembleOptions::Start::as_drawn) {
-      system_.initial_ = {0,
-                          q_,
-                          v_,
-                          VectorX::Zero(v_.size()),
-                          VectorX::Zero(system_.layout_.row_count()),
-                          system_.initial_.quarter_turns};
+      start_without_accelerations();
       return std::move(system_);
     }
     find_redundant_rows();
     make_initial_state();
-    choose_forward_method();
+    if (options_.forward_dynamics) system_.forward_method_ = find_forward_method(system_);
+    system_.forward_threads_ = options_.threads;
     report();
     return std::move(system_);
   }
@@ -544,8 +541,7 @@ class SystemBuilder {
         log::warn("velocities were made consistent, most: " + layout.velocity_name(where) + " from " +
                   std::to_string(v_drawn[where]) + " to " + std::to_string(v_[where]));
     }
-    system_.initial_ = {
-        0, q_, v_, VectorX::Zero(v_.size()), VectorX::Zero(layout.row_count()), system_.initial_.quarter_turns};
+    start_without_accelerations();
     count_quarter_turns();
     evaluator.recall(system_.initial_.quarter_turns);
     projector.accelerations(0, q_, v_, system_.initial_.v_dot, system_.initial_.lambda);
@@ -557,9 +553,9 @@ class SystemBuilder {
     minimize_norm(evaluator, system_.initial_.lambda);
   }
 
-  void choose_forward_method() {
-    if (options_.forward_dynamics) system_.forward_method_ = find_forward_method(system_);
-    system_.forward_threads_ = options_.threads;
+  void start_without_accelerations() {
+    VectorX& angles = system_.initial_.quarter_turns;
+    system_.initial_ = {0, q_, v_, VectorX::Zero(v_.size()), VectorX::Zero(system_.layout_.row_count()), angles};
   }
 
   void report() const {

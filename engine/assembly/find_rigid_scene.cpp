@@ -25,6 +25,10 @@ RigidScene::Side side(const Marker& marker, int body, const double* q) {
   return {body, k.r, k.A->transpose() * k.R};
 }
 
+bool has_planar_bodies(const RigidScene& scene) {
+  return std::any_of(scene.bodies.begin(), scene.bodies.end(), [](const auto& b) { return b.in_plane; });
+}
+
 }  // namespace
 
 std::optional<RigidScene> find_rigid_scene(const System& system) {
@@ -33,6 +37,8 @@ std::optional<RigidScene> find_rigid_scene(const System& system) {
   if (graph.constraints().empty() || !system.velocity_rows().empty()) return std::nullopt;
   for (const auto& f : graph.forces())
     if (f.force->reaction_of()) return std::nullopt;
+  scene.bodies.reserve(system.layout().bodies().size());
+  scene.joints.reserve(graph.constraints().size());
   std::map<const Body*, int> index{{graph.bodies().front().body, -1}};
   for (const auto& slice : system.layout().bodies()) {
     if (const auto* planar = dynamic_cast<const PlanarBody*>(slice.body)) {
@@ -62,14 +68,15 @@ std::optional<RigidScene> find_rigid_scene(const System& system) {
 
 std::unique_ptr<ForwardKernel> make_forward_kernel(const RigidScene& scene) {
   if (auto kernel = PlanarDynamics::make(scene)) return kernel;
-  if (std::any_of(scene.bodies.begin(), scene.bodies.end(), [](const auto& b) { return b.in_plane; })) return nullptr;
-  return TreeDynamics::make(scene);
+  return has_planar_bodies(scene) ? nullptr : TreeDynamics::make(scene);
 }
 
+/// A tree's kernel is not made for it: it may take more memory than all else, and implicit methods do not ask for it.
 ForwardMethod find_forward_method(const System& system) {
   const auto scene = find_rigid_scene(system);
-  const auto kernel = scene ? make_forward_kernel(*scene) : nullptr;
-  return kernel ? kernel->method() : ForwardMethod::constraints;
+  if (!scene) return ForwardMethod::constraints;
+  if (PlanarDynamics::make(*scene)) return ForwardMethod::planar;
+  return !has_planar_bodies(*scene) && TreeDynamics::serves(*scene) ? ForwardMethod::tree : ForwardMethod::constraints;
 }
 
 }  // namespace lithe

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "engine/factor/graph_topology.h"
+
 namespace lithe {
 namespace {
 
@@ -84,7 +86,19 @@ TreeDynamics::TreeDynamics(const RigidScene& scene)
   ground.a = ground.c = {lanes::none(), lanes::none()};
 }
 
+bool TreeDynamics::serves(const RigidScene& scene) {
+  Topology topology{static_cast<int>(scene.bodies.size()), {}};
+  topology.ties.reserve(scene.joints.size());
+  for (const auto& joint : scene.joints) {
+    const JointFreedom& free = joint.freedom;
+    if (free.rotation == JointFreedom::Rotation::any && (free.x || free.y || free.z)) return false;  // rare
+    topology.ties.push_back({joint.A.body, joint.B.body});
+  }
+  return !has_loops(topology);
+}
+
 std::unique_ptr<TreeDynamics> TreeDynamics::make(const RigidScene& scene) {
+  if (!serves(scene)) return nullptr;
   const int bodies = static_cast<int>(scene.bodies.size()), ground = bodies;
   std::vector<std::vector<int>> joints_of(bodies + 1);
   const auto vertex = [&](int body) { return body < 0 ? ground : body; };
@@ -98,20 +112,18 @@ std::unique_ptr<TreeDynamics> TreeDynamics::make(const RigidScene& scene) {
   };
   std::vector<Found> open;
   std::vector<char> seen(bodies + 1, 0);
-  // Depth first, so that a subtree lies in one stretch of memory; a body met twice closes a loop, which is no tree.
+  // Depth first, so that a subtree lies in one stretch of memory.
   const auto look_beyond = [&](int from, int by, int link) {  // by depth, so that subtrees lie in a row
     for (auto j = joints_of[from].rbegin(); j != joints_of[from].rend(); ++j) {
       if (*j == by) continue;
       const auto& joint = scene.joints[*j];
       const int other = vertex(joint.A.body) == from ? vertex(joint.B.body) : vertex(joint.A.body);
-      if (seen[other]) return false;
       seen[other] = 1;
       open.push_back({other, *j, link});
     }
-    return true;
   };
   seen[ground] = 1;
-  if (!look_beyond(ground, -1, -1)) return nullptr;
+  look_beyond(ground, -1, -1);
   for (int root = 0;;) {
     if (open.empty()) {  // what nothing holds
       while (root < bodies && seen[root]) ++root;
@@ -135,15 +147,13 @@ std::unique_ptr<TreeDynamics> TreeDynamics::make(const RigidScene& scene) {
       link.depth = found.parent < 0 ? 0 : tree->links_[found.parent].depth + 1;
       const bool any = joint.freedom.rotation == JointFreedom::Rotation::any;
       const bool turns = joint.freedom.rotation == JointFreedom::Rotation::about_z;
-      if (any && link.slides()) return nullptr;  // rare, left to the general form
       link.kind = any ? Kind::spherical : turns && !link.slides() ? Kind::revolute : Kind::other;
       const int count = joint.freedom.x + joint.freedom.y + joint.freedom.z + (any ? 3 : turns ? 1 : 0);
       tree->free_.resize(tree->free_.size() + count);
     }
     tree->links_.push_back(link);
-    if (!look_beyond(found.body, found.joint, static_cast<int>(tree->links_.size()) - 1)) return nullptr;
+    look_beyond(found.body, found.joint, static_cast<int>(tree->links_.size()) - 1);
   }
-  tree->motions_.resize(tree->links_.size() + 1, tree->motions_[0]);
   tree->divide();
   std::vector<BallTree::Link> balls;
   for (const Link& link : tree->links_)
@@ -154,6 +164,8 @@ std::unique_ptr<TreeDynamics> TreeDynamics::make(const RigidScene& scene) {
   if (balls.size() == tree->links_.size()) {
     tree->balls_.emplace(balls, tree->branches_, tree->trunk_, scene.gravity);
     tree->free_ = {};  // of the general recursion alone
+  } else {
+    tree->motions_.resize(tree->links_.size() + 1, tree->motions_[0]);
   }
   return tree;
 }

@@ -21,7 +21,9 @@ namespace lithe {
 /// shift between them, and their arms stay short beside their own size. Where all joints are balls, BallTree does it.
 class TreeDynamics final : public ForwardKernel {
  public:
-  /// Null if the joints close a loop.
+  /// Whether it can: the joints close no loop, and none both slides and turns about every axis.
+  static bool serves(const RigidScene& scene);
+  /// Null if it cannot.
   static std::unique_ptr<TreeDynamics> make(const RigidScene& scene);
 
   ForwardMethod method() const override { return ForwardMethod::tree; }
