@@ -93,7 +93,7 @@ double arm_off_axis(const MeasuredAngle& angle, const MarkerMotions& markers) {
 
 }  // namespace
 
-std::string find_lost_angle(Evaluator& evaluator, const State& state) {
+std::string find_lost_angle(Evaluator& evaluator, const State& state) try {
   constexpr double kLost = 1e-2;  // rad
   evaluator.recall(state.quarter_turns);
   evaluator.recall(state.contacts);
@@ -117,6 +117,8 @@ std::string find_lost_angle(Evaluator& evaluator, const State& state) {
   for (const auto& entry : graph.constraints()) look(*entry.constraint);
   for (const auto& entry : graph.forces()) look(*entry.force);
   return found;
+} catch (const std::exception&) {  // NOLINT: the failure that is looked into matters more
+  return "";
 }
 
 std::string find_failing_element(Evaluator& evaluator, const State& from, double until) {

@@ -13,8 +13,8 @@ namespace lithe {
 /// the true motion is not known. Reports what an element throws there, too. Leaves the evaluator at another state.
 std::string find_failing_element(Evaluator& evaluator, const State& from, double until);
 
-/// Where steps have become too short for time to tell: the angle of a connector that is lost in this state, since what
-/// it measures lies along the axis that it turns about, in words; empty if there is none.
+/// Where a step failed, or steps have become too short for time to tell: the angle of a connector that is lost in this
+/// state, since what it measures lies along the axis that it turns about, in words; empty if there is none.
 std::string find_lost_angle(Evaluator& evaluator, const State& state);
 
 }  // namespace lithe

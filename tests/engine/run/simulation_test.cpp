@@ -221,7 +221,7 @@ TEST(simulation, an_integrator_that_stands_still_or_throws_ends_the_run) {
 
 /// x of the link is 1e-3 off the axis that the angle turns about: it is lost there, and steps that turn with it end
 /// where they began.
-TEST(simulation, steps_that_vanish_where_an_angle_is_lost_name_its_joint) {
+TEST(simulation, steps_that_vanish_or_fail_where_an_angle_is_lost_name_its_joint) {
   SystemGraph graph;
   auto& link = graph.add<RigidBody>("link", {.orientation = rotation_about({0, 1, 0}, M_PI / 2 - 1e-3)});
   graph.add<CoordinateSpring>("closer",
@@ -238,6 +238,12 @@ TEST(simulation, steps_that_vanish_where_an_angle_is_lost_name_its_joint) {
   EXPECT_THAT(message, HasSubstr("measures jumps by half a turn"));
   EXPECT_THAT(message, HasSubstr("is 0.057 degrees from the axis that it turns about"));
   EXPECT_THAT(message, HasSubstr("fix:  keep the two apart"));
+
+  clock.trouble = Clock::Trouble::fails;
+  state = system.initial_state();
+  const std::string failed = message_of<SimulationError>([&] { simulation.run(state, 2.0); });
+  EXPECT_THAT(failed, HasSubstr("failed: it strikes thirteen; the angle that 'closer' ("));
+  EXPECT_THAT(failed, HasSubstr("fix:  keep the two apart"));
 }
 
 TEST(simulation, a_run_that_makes_no_sense_is_refused) {
