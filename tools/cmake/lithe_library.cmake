@@ -11,10 +11,11 @@ target_compile_options(lithe_flags INTERFACE -Wno-missing-field-initializers)
 # Registers of four numbers (engine/base/lanes.h) stay within one source: how they would be passed elsewhere is no matter.
 target_compile_options(lithe_flags INTERFACE -Wno-psabi)
 # GCC 12 reports false positives at -O3: the first two inside Eigen, the third inside std::string (GCC bug 105651), the
-# last three in its AVX-512 header.
+# last three in its AVX-512 header. In a unity build it takes every source but one for a header, whose classes must not
+# have members of types that are local to a source.
 target_compile_options(lithe_flags INTERFACE
                        $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized -Wno-array-bounds -Wno-restrict
-                       -Wno-stringop-overflow -Wno-stringop-overread>
+                       -Wno-stringop-overflow -Wno-stringop-overread -Wno-subobject-linkage>
                        $<$<AND:$<CXX_COMPILER_ID:GNU>,$<OR:$<BOOL:${LITHE_NATIVE}>,$<STREQUAL:${LITHE_ARCH},x86-64-v4>>>:-Wno-uninitialized>)
 
 function(lithe_library name)
