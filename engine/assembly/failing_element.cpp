@@ -23,8 +23,9 @@ MarkerMotions motions_of(Evaluator& evaluator, const std::vector<Marker>& marker
   return {markers, [&](const Marker& m) { return marker_kinematics(evaluator, m, Level::velocity); }};
 }
 
-bool is_finite(Evaluator& evaluator, const Constraint& joint, double time) {
-  const MarkerMotions views = motions_of(evaluator, joint.markers());
+/// Markers are those of the graph: in a simpler one joints are as drawn, but bodies have become one, or ground.
+bool is_finite(Evaluator& evaluator, const Constraint& joint, const std::vector<Marker>& markers, double time) {
+  const MarkerMotions views = motions_of(evaluator, markers);
   ConstraintRows rows(joint.marker_count());
   rows.recall(measured_turns(evaluator, joint));
   joint.evaluate(time, views, rows);
@@ -36,8 +37,8 @@ bool is_finite(Evaluator& evaluator, const Constraint& joint, double time) {
   return true;
 }
 
-bool is_finite(Evaluator& evaluator, const ForceElement& force, double time) {
-  const MarkerMotions views = motions_of(evaluator, force.markers());
+bool is_finite(Evaluator& evaluator, const ForceElement& force, const std::vector<Marker>& markers, double time) {
+  const MarkerMotions views = motions_of(evaluator, markers);
   ForceRows rows(force.marker_count());
   rows.recall(measured_turns(evaluator, force));
   rows.set_reaction({Vector3::Zero(), Vector3::Zero()});
@@ -75,9 +76,10 @@ std::string look_at(Evaluator& evaluator, const State& state) {
     if (slice.part == 0 && !is_finite(evaluator, slice, state.v_dot)) return in_words(*slice.body, state.time);
   const SystemGraph& graph = evaluator.system().graph();
   for (const auto& entry : graph.constraints())
-    if (!is_finite(evaluator, *entry.constraint, state.time)) return in_words(*entry.constraint, state.time);
+    if (!is_finite(evaluator, *entry.constraint, entry.markers, state.time))
+      return in_words(*entry.constraint, state.time);
   for (const auto& entry : graph.forces())
-    if (!is_finite(evaluator, *entry.force, state.time)) return in_words(*entry.force, state.time);
+    if (!is_finite(evaluator, *entry.force, entry.markers, state.time)) return in_words(*entry.force, state.time);
   if (!evaluator.workspace().load.allFinite()) return "a contact gives a value that is not finite";
   return "";
 }
@@ -100,8 +102,8 @@ std::string find_lost_angle(Evaluator& evaluator, const State& state) try {
   evaluator.evaluate(state.time, state.q, state.v, Level::velocity);
   std::string found;
   double nearest = kLost;
-  const auto look = [&](const Connector& connector) {
-    const MarkerMotions markers = motions_of(evaluator, connector.markers());
+  const auto look = [&](const Connector& connector, const std::vector<Marker>& on) {
+    const MarkerMotions markers = motions_of(evaluator, on);
     for (const MeasuredAngle& angle : connector.angles())
       if (const double off = arm_off_axis(angle, markers); off < nearest) {
         nearest = off;
@@ -114,8 +116,8 @@ std::string find_lost_angle(Evaluator& evaluator, const State& state) try {
       }
   };
   const SystemGraph& graph = evaluator.system().graph();
-  for (const auto& entry : graph.constraints()) look(*entry.constraint);
-  for (const auto& entry : graph.forces()) look(*entry.force);
+  for (const auto& entry : graph.constraints()) look(*entry.constraint, entry.markers);
+  for (const auto& entry : graph.forces()) look(*entry.force, entry.markers);
   return found;
 } catch (const std::exception&) {  // NOLINT: the failure that is looked into matters more
   return "";

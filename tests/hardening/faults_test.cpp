@@ -20,6 +20,7 @@
 #include "engine/output/hdf5_file.h"
 #include "engine/output/hdf5_table.h"
 #include "engine/output/vtu.h"
+#include "joints/fixed_joint.h"
 #include "joints/revolute_joint.h"
 #include "tests/bodies/bar_model.h"
 #include "tests/engine/output/output_scratch_folder.h"
@@ -206,6 +207,19 @@ const Case kNan[] = {{"nan", Trouble::not_a_number, false, generalized_alpha, "a
 
 std::string case_name(const testing::TestParamInfo<Case>& test) {
   return std::string(test.param.what) + "_" + test.param.method_name + (test.param.flexible ? "_flexible" : "_rigid");
+}
+
+/// The plate that the ball is on has become a part of the ground.
+TEST(SimplerScene, NamesTheJointThatGivesNoNumber) {
+  Pendulum pendulum;
+  auto& plate = pendulum.graph.add<RigidBody>("plate", {.position = {1, 0, 0}});
+  auto& rod = pendulum.graph.add<RigidBody>("rod 2", {.mass = 2, .inertia = {1e-2, 0.2, 0.2}, .position = {1.5, 0, 0}});
+  pendulum.graph.add<FixedJoint>("mount", {pendulum.graph.ground().marker({1, 0, 0}), plate.marker()});
+  pendulum.graph.add<TroubledBall>("ball", {plate.marker(), rod.marker({-0.5, 0, 0})}, When{Trouble::not_a_number});
+  Simulation simulation(pendulum.graph, [] { return index3(kStep); }, {.simplify = true, .sleep = false});
+  State state = simulation.start();
+  EXPECT_THAT(message<SimulationError>([&] { simulation.run(state, 0.6); }),
+              AllOf(HasSubstr("'ball' ("), HasSubstr("gives a value that is not finite")));
 }
 
 INSTANTIATE_TEST_SUITE_P(Throws, UsersCode, testing::ValuesIn(kThrows), case_name);

@@ -12,6 +12,7 @@
 #include "engine/observe/recorder.h"
 #include "engine/observe/stop_run.h"
 #include "integrators/generalized_alpha.h"
+#include "joints/fixed_joint.h"
 #include "joints/forces/coordinate_spring.h"
 #include "joints/revolute_joint.h"
 #include "tests/engine/output/output_scratch_folder.h"
@@ -244,6 +245,24 @@ TEST(simulation, steps_that_vanish_or_fail_where_an_angle_is_lost_name_its_joint
   const std::string failed = message_of<SimulationError>([&] { simulation.run(state, 2.0); });
   EXPECT_THAT(failed, HasSubstr("failed: it strikes thirteen; the angle that 'closer' ("));
   EXPECT_THAT(failed, HasSubstr("fix:  keep the two apart"));
+}
+
+/// A joint is as drawn, but the base that it is on has become a part of the ground.
+TEST(simulation, an_angle_that_is_lost_is_found_in_a_simpler_scene_too) {
+  SystemGraph graph;
+  auto& base = graph.add<RigidBody>("base");
+  auto& link = graph.add<RigidBody>("link", {.orientation = rotation_about({0, 1, 0}, M_PI / 2 - 1e-3)});
+  graph.add<FixedJoint>("mount", {graph.ground().marker(), base.marker()});
+  graph.add<CoordinateSpring>("closer", {JointCoordinate{JointCoordinate::Kind::angle, base.marker(), link.marker()}},
+                              {.stiffness = 1});
+  const auto make = [] {
+    auto clock = std::make_unique<Clock>();
+    clock->trouble = Clock::Trouble::stuck;
+    return clock;
+  };
+  Simulation simulation(graph, make, {.simplify = true, .sleep = false});
+  State state = simulation.start();
+  EXPECT_THAT(message_of<SimulationError>([&] { simulation.run(state, 2.0); }), HasSubstr("the angle that 'closer' ("));
 }
 
 TEST(simulation, a_run_that_makes_no_sense_is_refused) {
