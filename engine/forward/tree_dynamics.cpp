@@ -154,6 +154,7 @@ std::unique_ptr<TreeDynamics> TreeDynamics::make(const RigidScene& scene) {
     tree->links_.push_back(link);
     look_beyond(found.body, found.joint, static_cast<int>(tree->links_.size()) - 1);
   }
+  tree->motions_.resize(tree->links_.size() + 1, tree->motions_[0]);
   tree->divide();
   std::vector<BallTree::Link> balls;
   for (const Link& link : tree->links_)
@@ -164,8 +165,6 @@ std::unique_ptr<TreeDynamics> TreeDynamics::make(const RigidScene& scene) {
   if (balls.size() == tree->links_.size()) {
     tree->balls_.emplace(balls, tree->branches_, tree->trunk_, scene.gravity);
     tree->free_ = {};  // of the general recursion alone
-  } else {
-    tree->motions_.resize(tree->links_.size() + 1, tree->motions_[0]);
   }
   return tree;
 }
