@@ -14,6 +14,7 @@
 #include "joints/forces/joint_friction.h"
 #include "joints/forces/pid_controller.h"
 #include "joints/forces/point_force.h"
+#include "joints/gears/bevel_gear_pair.h"
 #include "joints/gears/sprocket_pair.h"
 #include "joints/gears/toothed_gear_pair.h"
 #include "joints/gears/toothed_rack.h"
@@ -140,6 +141,20 @@ TEST(MachineGradients, OfAToothedBelt) {
                                                    .polygon = false});
                         }),
                   kMeshed, kGears);
+}
+
+TEST(MachineGradients, OfBevelGears) {
+  const Matrix3 across = rotation_about({1, 0, 0}, -M_PI / 2);
+  expect_of_near_runs(gears("bevel gears", {0, 0, 0}, across,
+                            [](SystemGraph& graph, const SweepPoint& p, Marker A, Marker B) {
+                              graph.add<BevelGearPair>("mesh", {A, B},
+                                                       {.module = 3e-3,
+                                                        .teeth_A = 20,
+                                                        .teeth_B = 31,
+                                                        .face_width = 0.5 * p["width"],
+                                                        .teeth = {.material = {.youngs_modulus = p["E"]}}});
+                            }),
+                      kMeshed, kGears);
 }
 
 TEST(MachineGradients, OfAGearOnARack) {
