@@ -290,6 +290,31 @@ TEST(MachineGradients, OfAControlDiagramAndItsStates) {
   expect_gradient(servo(true, exact_alpha(3e-3)), end, kDiagram);
 }
 
+/// Five masses on slides, each pushed by what all do and by a filter of it: more than one element has room for.
+TEST(MachineGradients, OfALargeControlDiagram) {
+  const ParametricScene scene = machine("feedback", 0.3, 3e-3, [](SystemGraph& graph, const SweepPoint& p) {
+    ControlDiagram control;
+    std::vector<JointCoordinate> x;
+    ControlSignal sum = control.number(0);
+    for (int i = 0; i < 5; ++i) {
+      const Vector3 at(0, i, 0);
+      auto& mass = graph.add<RigidBody>(
+          "mass " + std::to_string(i),
+          {.mass = p["mass"] + 0.1 * i, .position = at, .velocity = {0, 0, p["speed"] * (1 - 0.4 * i)}});
+      x.push_back(graph.add<PrismaticJoint>("slide " + std::to_string(i), {graph.ground().marker(at), mass.marker()})
+                      .displacement());
+      sum = sum + control.value(x.back()) * control.rate(x.back());
+    }
+    for (int i = 0; i < 5; ++i)
+      control.push(x[i], control.lag(sum, p["lag"]) - p["gain"] * (control.value(x[i]) + 0.1 * control.rate(x[i])));
+    auto& states = graph.add<FirstOrderStates>("states", {.start = control.start()});
+    add_control(graph, "feedback", control, states);
+    return std::vector<Sensor>{coordinate(x[0], "first"), coordinate(x[4], "last")};
+  });
+  expect_gradient(scene, {value_at("first", 0.3), integral("last")},
+                  {{"mass", 1.2}, {"speed", 1}, {"lag", 0.1}, {"gain", 30}});
+}
+
 TEST(MachineGradients, OfAPidControllerAndItsMemory) {
   const std::vector<Quantity> end{value_at("angle", 0.3), value_at("memory", 0.2)};
   expect_gradient(servo(false, exact_alpha(3e-3)), end, kPid);

@@ -14,6 +14,8 @@
 #include "integrators/generalized_alpha.h"
 #include "integrators/moreau_jean.h"
 #include "joints/contact/contact.h"
+#include "joints/control/control_force.h"
+#include "joints/forces/first_order_states.h"
 #include "joints/forces/joint_coulomb_friction.h"
 #include "joints/forces/point_force.h"
 #include "joints/revolute_joint.h"
@@ -138,6 +140,36 @@ class PosesWithNodes final : public ContactPoses {
   void node(int, int marker, MarkerKinematics& out) const override { out.p = at + nodes[marker]; }
   std::span<const double> deformation(int) const override { return {}; }
 };
+
+TEST(Step, AllocatesNothingForALargeControlDiagram) {
+#ifdef LITHE_TEST_NO_COUNT
+  GTEST_SKIP() << "a sanitizer owns malloc";
+#endif
+  for (Method& method : std::array<Method, 5>{runge_kutta(1e-6), radau(1e-6), bdf(1e-6), index3(1e-3), index2(1e-3)}) {
+    ControlDiagram control;
+    Scene scene({0, 0, 0}, [&](SystemGraph& graph) {
+      std::vector<JointCoordinate> x;
+      for (int i = 0; i < 7; ++i) {
+        const std::string number = std::to_string(i);
+        const Vector3 at(0, i, 0);
+        auto& mass = graph.add<RigidBody>("mass " + number, {.mass = 1.0 + i, .position = at});
+        x.push_back(graph.add<RevoluteJoint>("hinge " + number, {graph.ground().marker(at), mass.marker()}).angle());
+      }
+      for (std::size_t i = 0; i < x.size(); ++i)
+        control.push(x[i], control.pid(control.law(harmonic(0.3, 9)) - control.value(x[(i + 1) % x.size()]),
+                                       {.proportional = 3, .integral = 1, .derivative = 0.1, .filter = 100}));
+      auto& states = graph.add<FirstOrderStates>("states", {.start = control.start()});
+      EXPECT_GT(add_control(graph, "control", control, states).part_count(), 1);
+    });
+    scene.run(*method, 0.05);
+    const long before = allocations;
+    bool ok = true;
+    while (scene.state.time < 0.3) ok &= method->step(scene.equations, scene.state, 0.3).ok();
+    const long counted = allocations - before;
+    EXPECT_TRUE(ok);
+    EXPECT_EQ(counted, 0) << method->name() << ", " << method->statistics().steps << " steps";
+  }
+}
 
 TEST(Contact, AllocatesNothingOnceItHasBeenThere) {
 #ifdef LITHE_TEST_NO_COUNT
