@@ -4,7 +4,7 @@
 #include "bodies/rigid_body.h"
 #include "integrators/explicit_runge_kutta.h"
 #include "integrators/radau.h"
-#include "joints/aerodynamics/airfoil_strip.h"
+#include "joints/aerodynamics/dynamic_airfoil_strip.h"
 #include "joints/bearings/ball_bearing.h"
 #include "joints/bearings/journal_bearing.h"
 #include "joints/bearings/roller_bearing.h"
@@ -250,6 +250,25 @@ TEST(MachineGradients, OfAnAirfoilStrip) {
   });
   expect_gradient(scene, {value_at("p_z", 0.3), integral("p_x")},
                   {{"mass", 1.5}, {"width", 0.6}, {"chord", 0.25}, {"twist", 0.05}});
+}
+
+/// The same in a flow that remembers, on the way into stall.
+TEST(MachineGradients, OfADynamicAirfoilStrip) {
+  const ParametricScene scene = machine("stalling wing", 0.3, 3e-3, [](SystemGraph& graph, const SweepPoint& p) {
+    const AirfoilLaw law = airfoil_table({-3.2, -0.4, -0.25, -0.1, 0, 0.1, 0.2, 0.3, 0.4, 0.6, 1, 1.6, 3.2},
+                                         {0, -0.8, -0.9, -0.6, 0, 0.6, 1.1, 1.15, 0.95, 0.9, 0.9, 0.1, 0});
+    auto& wing = graph.add<RigidBody>(
+        "wing",
+        {.mass = p["mass"], .inertia = {0.1, 0.2, 0.25}, .velocity = {8, 0, 0.4}, .angular_velocity = {0, -1, 0}});
+    auto& flow = graph.add<FirstOrderStates>("flow", {.start = DynamicAirfoilStrip::start()});
+    auto& strip = graph.add<DynamicAirfoilStrip>(
+        "strip", {wing.marker({0.1, 0, 0}, rotation_about({0, 0, 1}, -M_PI / 2)), flow.point(0), flow.point(1)},
+        {.strip = {.width = 0.6, .chord = p["chord"], .twist = p["twist"], .airfoil = law, .density = 1.2},
+         .lags = {.separation = p["lag"]}});
+    return std::vector<Sensor>{position(wing.marker(), "p"), strip.flow("flow")};
+  });
+  expect_gradient(scene, {value_at("p_z", 0.3), integral("flow_lift"), value_at("flow_separation", 0.2)},
+                  {{"mass", 1.5}, {"chord", 0.25}, {"twist", 0.15}, {"lag", 3}});
 }
 
 /// A hinge that a controller moves; what its filter and its integrator remember are states of the run.
