@@ -51,6 +51,7 @@ void GeneralizedAlpha::prepare(EquationsOfMotion& equations, State& state) {
   for (VectorX* x : {&a_, &a_before_, &v_, &v_dot_, &d_, &v_dot_last_, &jerk_, &delta_, &change_, &rv_, &magnitudes_})
     x->setZero(nv);
   for (VectorX* x : {&lambda_, &rl_, &rl2_}) x->setZero(rows);
+  projector_.emplace(equations);
   restart(equations, state);
 }
 
@@ -59,7 +60,7 @@ void GeneralizedAlpha::restart(EquationsOfMotion& equations, State& state, const
   q_ = state.q;
   if (state.v_dot.size() != nv) state.v_dot.setZero(nv);
   if (state.lambda.size() != rows) state.lambda.setZero(rows);
-  Projector(equations).accelerations(state.time, state.q, state.v, state.v_dot, state.lambda);
+  projector_->accelerations(state.time, state.q, state.v, state.v_dot, state.lambda);
   h_ = parameters_.step > 0 ? parameters_.step : first_step(state);
   begin(equations, state, h_);
   if (drift) a_ += h_ * *drift;
@@ -77,7 +78,7 @@ void GeneralizedAlpha::begin(EquationsOfMotion& equations, State& state, double 
     change_ = ahead * state.v + 0.5 * ahead * ahead * state.v_dot;
     equations.layout().retract(state.q, change_, q_);
     v_ = state.v + ahead * state.v_dot;
-    Projector(equations).accelerations(state.time + ahead, q_, v_, v_dot_, lambda_);
+    projector_->accelerations(state.time + ahead, q_, v_, v_dot_, lambda_);
     return (v_dot_ - state.v_dot) / ahead;
   };
   jerk_ = find_jerk(h);
@@ -128,7 +129,7 @@ void GeneralizedAlpha::change_step(EquationsOfMotion& equations, State& state, d
   if (std::abs(ratio - 1) < 1e-9) return;
   if (offset_before_ == 0) a_before_ = a_, offset_before_ = h_offset_;
   if (ratio > kLargestGrowth) {
-    Projector(equations).accelerations(state.time, state.q, state.v, state.v_dot, state.lambda);
+    projector_->accelerations(state.time, state.q, state.v, state.v_dot, state.lambda);
     return begin(equations, state, h);
   }
   a_ = state.v_dot + (a_ - state.v_dot) * ratio;

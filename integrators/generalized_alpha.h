@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "engine/motion/integrator.h"
 #include "engine/motion/projection.h"
 #include "engine/motion/step_derivative.h"
@@ -97,6 +99,7 @@ class GeneralizedAlpha : public Integrator, public DifferentiableSteps {
   VectorX a_before_;                    // the same, and its h_offset_, before a step of another length
   double offset_before_ = 0;            // 0: the last step was as long as the one before
   VectorX q_, v_, v_dot_, lambda_, d_;  // of the step being taken
+  std::optional<Projector> projector_;
   VectorX v_dot_last_, jerk_, delta_, change_, rl_, rl2_, rv_, magnitudes_;
 };
 

@@ -1,7 +1,7 @@
 #include "integrators/joint_friction_impulses.h"
 
-#include <Eigen/QR>
 #include <algorithm>
+#include <limits>
 #include <sstream>
 
 #include "engine/base/log.h"
@@ -33,6 +33,33 @@ void scatter(const From& from, const std::vector<int>& places, VectorX& to) {
 template <class From>
 void scatter_sum(double factor, const From& from, const std::vector<int>& places, VectorX& to) {
   for (std::size_t i = 0; i < places.size(); ++i) to[places[i]] += factor * from[static_cast<Eigen::Index>(i)];
+}
+/// Solves W x = b in their place by complete pivoting, and puts `places` in the order of x. Directions that depend on
+/// others get 0: they move nothing that those do not. An orthogonal decomposition would allocate in each step.
+void eliminate(MatrixX& W, VectorX& x, std::vector<int>& places) {
+  const Eigen::Index n = x.size();
+  Eigen::Index rank = 0;
+  double largest = 0;
+  for (; rank < n; ++rank) {
+    Eigen::Index row = 0, column = 0;
+    const double pivot = W.bottomRightCorner(n - rank, n - rank).cwiseAbs().maxCoeff(&row, &column);
+    largest = std::max(largest, pivot);
+    if (!(pivot > static_cast<double>(n) * std::numeric_limits<double>::epsilon() * largest)) break;
+    row += rank, column += rank;
+    W.row(rank).swap(W.row(row)), W.col(rank).swap(W.col(column));
+    std::swap(x[rank], x[row]),
+        std::swap(places[static_cast<std::size_t>(rank)], places[static_cast<std::size_t>(column)]);
+    for (Eigen::Index i = rank + 1; i < n; ++i) {
+      const double factor = W(i, rank) / W(rank, rank);
+      for (Eigen::Index j = rank + 1; j < n; ++j) W(i, j) -= factor * W(rank, j);
+      x[i] -= factor * x[rank];
+    }
+  }
+  x.tail(n - rank).setZero();
+  for (Eigen::Index i = rank - 1; i >= 0; --i) {
+    for (Eigen::Index j = i + 1; j < rank; ++j) x[i] -= W(i, j) * x[j];
+    x[i] /= W(i, i);
+  }
 }
 void set_zero_at(const std::vector<int>& places, VectorX& x) {
   for (const int place : places) x[place] = 0;
@@ -179,7 +206,8 @@ void JointFrictionImpulses::hold(VectorX& correction) {
   for (Eigen::Index i = 0; i < count; ++i) gather(problem_.W.col(held_[i]), held_, held_W_.col(i));
   gather(way_, held_, held_way_);
   x_.setZero(p_.size());
-  held_way_ = -held_W_.completeOrthogonalDecomposition().solve(held_way_);
+  held_way_ = -held_way_;
+  eliminate(held_W_, held_way_, held_);
   scatter(held_way_, held_, x_);
   add_moved(x_, correction);
 }

@@ -43,7 +43,10 @@ StepResult NonsmoothGeneralizedAlpha::advance(EquationsOfMotion& equations, Stat
   impulses_.leave_out_rigid(equations, state.contacts);
   friction_.leave_out(equations, state);
   start_ = state;
-  if (jumped_) state.v_dot = smooth_v_dot_, state.lambda = smooth_lambda_;
+  if (jumped_) {
+    if (state.lambda.size() == 0) state.lambda.swap(no_lambda_);
+    state.v_dot = smooth_v_dot_, state.lambda = smooth_lambda_;
+  }
   jumped_ = false;
   drift(state, drift_);
   rl_ = state.lambda;
@@ -59,7 +62,8 @@ StepResult NonsmoothGeneralizedAlpha::advance(EquationsOfMotion& equations, Stat
   layout.difference(start_.q, state.q, d_);
   v_ = state.v;
   q_ = start_.q;
-  layout.retract(start_.q, h / 2 * start_.v, q_);
+  rv_ = h / 2 * start_.v;  // an expression would be a vector of its own
+  layout.retract(start_.q, rv_, q_);
   equations.evaluate(start_.time + h / 2, q_, start_.v, Level::velocity);
   equations.factorize({h * h / 4, h / 2, 1}, state.v_dot, state.lambda, nullptr);
   rl_ = h / 2 * (rl_ + state.lambda);
@@ -114,7 +118,8 @@ StepResult NonsmoothGeneralizedAlpha::advance(EquationsOfMotion& equations, Stat
   jumped_ = true;
   state.v_dot = (state.v - start_.v) / h;
   friction_.keep(equations, h, state.v, state.v_dot);
-  state.lambda.resize(0);
+  no_lambda_.resize(0);
+  state.lambda.swap(no_lambda_);
   impulses_.remember(equations, v_, h, state.contacts);
   return result;
 }

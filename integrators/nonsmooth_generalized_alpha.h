@@ -41,6 +41,7 @@ class NonsmoothGeneralizedAlpha final : public GeneralizedAlpha {
   // Of the smooth motion at the end of a step that jumped: State has the mean over the step there.
   bool jumped_ = false;
   VectorX smooth_v_dot_, smooth_lambda_;
+  VectorX no_lambda_;  // the storage of State::lambda while that has none
 };
 
 }  // namespace lithe

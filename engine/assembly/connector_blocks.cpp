@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/assembly/batch_of.h"
+#include "engine/assembly/connector_outer.h"
 
 namespace lithe::connector {
 namespace {
@@ -47,6 +48,18 @@ Matrix6 jacobian(const MarkerKinematics& k, const MarkerSlot& slot) {
   J.topRightCorner<3, 3>() = -*k.A * skew(k.r);
   J.bottomRightCorner<3, 3>() = *k.A;
   return J;
+}
+
+/// Jᵀ w of it.
+Vector6 on_frame(const MarkerKinematics& k, const MarkerSlot& slot, const Wrench& w) {
+  Vector6 load;
+  if (slot.share >= 0) {
+    const Matrix6& J = k.between->shares[slot.share].J;
+    load = J.topRows<3>().transpose() * w.force + J.bottomRows<3>().transpose() * w.torque;
+  } else {
+    load << w.force, k.r.cross(k.A->transpose() * w.force) + k.A->transpose() * w.torque;
+  }
+  return load;
 }
 
 }  // namespace
@@ -150,6 +163,19 @@ void add_marker_stiffness(Workspace& work, const BlockStructure& blocks, const C
       const Eigen::Matrix<double, 3, 6> body_force = ki.A->transpose() * KJ.topRows<3>();
       S.topRows<3>() += weight * KJ.topRows<3>();
       S.bottomRows<3>() += weight * (skew(ki.r) * body_force + ki.A->transpose() * KJ.bottomRows<3>());
+    }
+  }
+}
+
+void add_outer(Workspace& work, const BlockStructure& blocks, std::span<const MarkerSlot> on, const Wrench& w,
+               std::span<const MarkerSlot> from, const Wrench& by) {
+  for (const MarkerSlot& si : on) {
+    if (si.frame < 0) continue;
+    const Vector6 load = on_frame(work.markers[si.marker], si, w);
+    for (const MarkerSlot& sj : from) {
+      if (sj.frame < 0) continue;
+      if (double* to = find_block(work, blocks, si.frame, sj.frame))
+        Frame(to) += load * on_frame(work.markers[sj.marker], sj, by).transpose();
     }
   }
 }

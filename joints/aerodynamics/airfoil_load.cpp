@@ -4,6 +4,7 @@
 
 #include "engine/base/checks.h"
 #include "engine/model/point_body.h"
+#include "joints/forces/first_order_states.h"
 #include "joints/forces/line_pieces.h"
 
 namespace lithe {
@@ -50,10 +51,15 @@ AirfoilStrip::Parameters strip_at(const AirfoilLoad& load, double arc) {
       .density = load.density};
 }
 
-}  // namespace
+/// A strip as it will be drawn.
+struct Planned {
+  Located name;
+  Marker marker;
+  AirfoilStrip::Parameters parameters;
+};
 
-std::vector<AirfoilStrip*> add_airfoil_load(SystemGraph& graph, const Located& name, const std::vector<double>& nodes,
-                                            const std::function<Marker(double arc)>& marker, const AirfoilLoad& load) {
+std::vector<Planned> plan(const Located& name, const std::vector<double>& nodes,
+                          const std::function<Marker(double arc)>& marker, const AirfoilLoad& load) {
   std::vector<LinePiece> stretches;
   try {
     check(load);
@@ -63,7 +69,7 @@ std::vector<AirfoilStrip*> add_airfoil_load(SystemGraph& graph, const Located& n
   } catch (const SceneError& error) {
     throw SceneError("'" + name.text + "': " + error.problem(), to_string(name.where), error.fix());
   }
-  std::vector<AirfoilStrip*> strips;
+  std::vector<Planned> strips;
   for (const auto& [arcs, half] : stretches)
     for (const double arc : arcs) {
       const Marker at = marker(arc);
@@ -72,9 +78,36 @@ std::vector<AirfoilStrip*> add_airfoil_load(SystemGraph& graph, const Located& n
                          to_string(name.where), "give the load of the wind on a cable as a LineLoad in world axes");
       AirfoilStrip::Parameters strip = strip_at(load, arc);
       strip.width = half;
-      strips.push_back(&graph.add<AirfoilStrip>({name.text + "." + std::to_string(strips.size()), name.where}, {at},
-                                                std::move(strip)));
+      strips.push_back({{name.text + "." + std::to_string(strips.size()), name.where}, at, std::move(strip)});
     }
+  return strips;
+}
+
+}  // namespace
+
+std::vector<AirfoilStrip*> add_airfoil_load(SystemGraph& graph, const Located& name, const std::vector<double>& nodes,
+                                            const std::function<Marker(double arc)>& marker, const AirfoilLoad& load) {
+  std::vector<AirfoilStrip*> strips;
+  for (Planned& strip : plan(name, nodes, marker, load))
+    strips.push_back(&graph.add<AirfoilStrip>(strip.name, {strip.marker}, std::move(strip.parameters)));
+  return strips;
+}
+
+std::vector<DynamicAirfoilStrip*> add_dynamic_airfoil_load(SystemGraph& graph, const Located& name,
+                                                           const std::vector<double>& nodes,
+                                                           const std::function<Marker(double arc)>& marker,
+                                                           const AirfoilLoad& load, const FlowLags& lags) {
+  std::vector<Planned> planned = plan(name, nodes, marker, load);
+  const auto count = static_cast<Eigen::Index>(planned.size());
+  auto& flow = graph.add<FirstOrderStates>({name.text + " flow", name.where},
+                                           {.start = DynamicAirfoilStrip::start().replicate(count, 1)});
+  std::vector<DynamicAirfoilStrip*> strips;
+  for (Planned& strip : planned) {
+    const int first = 2 * static_cast<int>(strips.size());
+    strips.push_back(&graph.add<DynamicAirfoilStrip>(strip.name,
+                                                     {strip.marker, flow.point(first), flow.point(first + 1)},
+                                                     {.strip = std::move(strip.parameters), .lags = lags}));
+  }
   return strips;
 }
 

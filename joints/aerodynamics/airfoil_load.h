@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/model/system_graph.h"
-#include "joints/aerodynamics/airfoil_strip.h"
+#include "joints/aerodynamics/dynamic_airfoil_strip.h"
 
 namespace lithe {
 
@@ -34,15 +34,32 @@ struct AirfoilLoad {
 std::vector<AirfoilStrip*> add_airfoil_load(SystemGraph& graph, const Located& name, const std::vector<double>& nodes,
                                             const std::function<Marker(double arc)>& marker, const AirfoilLoad& load);
 
+/// The same of strips whose flow has a memory, with the states "<name> flow"; they start attached, at zero lift.
+std::vector<DynamicAirfoilStrip*> add_dynamic_airfoil_load(SystemGraph& graph, const Located& name,
+                                                           const std::vector<double>& nodes,
+                                                           const std::function<Marker(double arc)>& marker,
+                                                           const AirfoilLoad& load, const FlowLags& lags = {});
+
+template <class Line>
+std::vector<double> arcs_of(const Line& line) {
+  std::vector<double> nodes;
+  for (int i = 0; i < line.node_count(); ++i) nodes.push_back(line.arc(i));
+  return nodes;
+}
+
 /// Throws SceneError for a stretch that is empty or leaves the beam, no station, stations that do not rise, a chord
 /// that is not positive, a station without airfoil, figures that are not finite.
 template <class Line>
 std::vector<AirfoilStrip*> add_airfoil_load(SystemGraph& graph, const Located& name, Line& line,
                                             const AirfoilLoad& load) {
-  std::vector<double> nodes;
-  for (int i = 0; i < line.node_count(); ++i) nodes.push_back(line.arc(i));
   return add_airfoil_load(
-      graph, name, nodes, [&](double arc) { return line.marker(arc); }, load);
+      graph, name, arcs_of(line), [&](double arc) { return line.marker(arc); }, load);
+}
+template <class Line>
+std::vector<DynamicAirfoilStrip*> add_dynamic_airfoil_load(SystemGraph& graph, const Located& name, Line& line,
+                                                           const AirfoilLoad& load, const FlowLags& lags = {}) {
+  return add_dynamic_airfoil_load(
+      graph, name, arcs_of(line), [&](double arc) { return line.marker(arc); }, load, lags);
 }
 
 }  // namespace lithe

@@ -32,27 +32,33 @@ double AirfoilStrip::angle_of_attack(double time, const MarkerView& marker) cons
   return u.isZero(0) ? 0 : std::atan2(u[1], -u[0]);
 }
 
-void AirfoilStrip::evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const {
-  const MarkerView& m = markers[0];
-  const Eigen::Vector2d u = flow(time, m);
-  const double speed = u.norm();
-  if (speed == 0) return;
-  const auto& [width, chord, twist, ahead, airfoil, wind, density] = parameters_;
-  const AirfoilCoefficients c = airfoil(std::atan2(u[1], -u[0]));
+Wrench AirfoilStrip::load(const MarkerView& m, const Eigen::Vector2d& u, const AirfoilCoefficients& c,
+                          double turning) const {
+  const double chord = parameters_.chord, speed = u.norm();
   // u × e_span has the parts (u_n, -u_c).
-  const double share = 0.5 * density * chord * width * speed;
+  const double share = 0.5 * parameters_.density * chord * parameters_.width * speed;
   const Vector3 force = share * ((c.lift * u[1] + c.drag * u[0]) * chord_ + (c.drag * u[1] - c.lift * u[0]) * normal_);
-  Vector3 torque = (ahead * chord_).cross(force);
-  torque[0] += share * chord * (speed * c.moment - M_PI / 8 * chord * m.w.dot(m.R.col(0)));
-  rows.add_load(m, {m.R * force, m.R * torque});
+  Vector3 torque = (parameters_.ahead * chord_).cross(force);
+  torque[0] += share * chord * (speed * c.moment - turning * chord * m.w.dot(m.R.col(0)));
+  return {m.R * force, m.R * torque};
+}
+
+void AirfoilStrip::evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const {
+  const Eigen::Vector2d u = flow(time, markers[0]);
+  if (u.isZero(0)) return;
+  rows.add_load(markers[0], load(markers[0], u, parameters_.airfoil(std::atan2(u[1], -u[0])), M_PI / 8));
+}
+
+DrawnShape AirfoilStrip::shape() const {
+  const double chord = parameters_.chord;
+  Matrix3 axes;
+  axes << Vector3::UnitX(), chord_, normal_;
+  return visual::box({parameters_.width, chord, 0.05 * chord}).at((parameters_.ahead - 0.25 * chord) * chord_, axes);
 }
 
 std::vector<DrawnShape> AirfoilStrip::drawn_shapes(int /*marker*/) const {
   if (dynamic_cast<const DrawableBody*>(markers()[0].body)) return {};
-  const double chord = parameters_.chord;
-  Matrix3 axes;
-  axes << Vector3::UnitX(), chord_, normal_;
-  return {visual::box({parameters_.width, chord, 0.05 * chord}).at((parameters_.ahead - 0.25 * chord) * chord_, axes)};
+  return {shape()};
 }
 
 template std::unique_ptr<ForceBatch> make_force_batch<AirfoilStrip>();

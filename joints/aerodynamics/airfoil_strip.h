@@ -13,8 +13,8 @@ namespace lithe {
 /// the section at three quarters of the chord, of which the part across the span counts, W = |u|, α = ∠(u, chord):
 ///   F = ½ ρ c b W (c_l u × e_span + c_d u),   M = ½ ρ c² b W (W c_m - (π/8) c ω_span) e_span
 /// at the aerodynamic centre. That point and the last term are thin-airfoil theory of a section that turns steadily:
-/// its motion is a flow with camber. No wake, induced flow, unsteady lift, dynamic stall or apparent mass. J. Katz, A.
-/// Plotkin, Low-Speed Aerodynamics, ch. 5 and 13.
+/// its motion is a flow with camber. No wake, induced flow or apparent mass; unsteady lift and dynamic stall:
+/// DynamicAirfoilStrip. J. Katz, A. Plotkin, Low-Speed Aerodynamics, ch. 5 and 13.
 ///   graph.add<AirfoilStrip>("fin", {glider.marker({-2, 0, 0.4}, upright)}, {.width = 0.6, .chord = 0.3, .airfoil =
 ///   law});
 class AirfoilStrip final : public Force</*markers=*/1, /*rows=*/0>, public DrawableConnector {
@@ -36,13 +36,16 @@ class AirfoilStrip final : public Force</*markers=*/1, /*rows=*/0>, public Drawa
   /// α, rad, -π to π; positive where the air comes from below. 0 without flow.
   double angle_of_attack(double time, const MarkerView& marker) const;
 
-  /// A flat box of its size, where the body does not draw itself.
-  std::vector<DrawnShape> drawn_shapes(int marker) const override;
-
- private:
   /// The flow across the span: along the chord (to the leading edge) and along its normal (to the upper side), m/s.
   Eigen::Vector2d flow(double time, const MarkerView& marker) const;
+  /// F and M of coefficients in that flow u ≠ 0 at the marker; `turning`: the factor of M's last term, π/8 above.
+  Wrench load(const MarkerView& marker, const Eigen::Vector2d& u, const AirfoilCoefficients& c, double turning) const;
 
+  /// A flat box of its size, where the body does not draw itself.
+  std::vector<DrawnShape> drawn_shapes(int marker) const override;
+  DrawnShape shape() const;
+
+ private:
   const Parameters parameters_;
   Vector3 chord_, normal_;  // in the marker's axes
 };

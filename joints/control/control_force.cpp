@@ -2,23 +2,60 @@
 
 #include <algorithm>
 
-#include "engine/assembly/linearized_batch.h"
 #include "engine/base/number_text.h"
 #include "engine/model/marker_motions.h"
+#include "engine/model/system_graph.h"
 #include "engine/run/simulation.h"
 #include "joints/forces/coordinate_effort.h"
 
 namespace lithe {
+namespace {
+
+// What one part of a large diagram pushes, by two markers each, and how many states it drives.
+constexpr int kOutputsOfPart = kMaxMarkers / 2, kStatesOfPart = kMaxRows;
+
+int parts_for(int count, int of_part) { return (count + of_part - 1) / of_part; }
+
+}  // namespace
 
 ControlForce::ControlForce(Parameters parameters)
     : program_(parameters.diagram.program()),
       coordinates_(program_.coordinates),
-      points_(FirstOrderStates::points_for(static_cast<int>(program_.states.size()))) {
+      points_(FirstOrderStates::points_for(static_cast<int>(program_.states.size()))),
+      part_(parameters.part) {
   program_.sort();
-  if (marker_count() > kMaxMarkers)
-    throw SceneError(std::to_string(coordinates_.count()) + " coordinates and " +
-                         std::to_string(program_.states.size()) + " states are more than there is room for",
-                     "", "draw several diagrams: one coordinate and up to 18 states, two and 12, three and 6");
+  const int outputs = static_cast<int>(program_.outputs.size()), states = static_cast<int>(program_.states.size());
+  const std::string size =
+      std::to_string(coordinates_.count()) + " coordinates and " + std::to_string(states) + " states are more than ";
+  if (marker_count() > kMostMarkers)
+    throw SceneError(size + "there is room for", "", "draw several diagrams, each with at most 128 coordinates");
+  if (part_ < 0) {
+    if (part_count() > 1)
+      throw SceneError(size + "one element has room for", "",
+                       "draw the diagram by add_control(graph, name, diagram, states)");
+    outputs_.count = outputs, states_.count = states;
+    return;
+  }
+  const auto range = [](int part, int of_part, int all) {
+    const int first = std::min(part * of_part, all);
+    return Range{first, std::min(of_part, all - first)};
+  };
+  const int by_outputs = parts_for(outputs, kOutputsOfPart);
+  if (part_ < by_outputs)
+    outputs_ = range(part_, kOutputsOfPart, outputs);
+  else
+    states_ = range(part_ - by_outputs, kStatesOfPart, states);
+  if (part_ == 0) return;  // it has the sensors, and looks at all signals
+  std::vector<int> nodes;
+  for (int k = outputs_.first; k < outputs_.first + outputs_.count; ++k) nodes.push_back(program_.outputs[k].node);
+  for (int i = states_.first; i < states_.first + states_.count; ++i) nodes.push_back(program_.states[i].rate);
+  program_.keep(nodes);
+}
+
+int ControlForce::part_count() const {
+  if (marker_count() <= kMaxMarkers) return 1;
+  return std::max(2, parts_for(static_cast<int>(program_.outputs.size()), kOutputsOfPart) +
+                         parts_for(static_cast<int>(program_.states.size()), kStatesOfPart));
 }
 
 void ControlForce::measure(std::span<const MarkerView> markers, const AngleMemory& memory, double* z, double* x) const {
@@ -45,15 +82,47 @@ void ControlForce::act(std::span<const MarkerView> markers, const double* rates,
                     rows);
 }
 
+void ControlForce::act(const Point& at, std::span<const MarkerView> markers, ForceRows& rows) const {
+  // 1. The markers that it acts on.
+  int acting[kMaxMarkers], count = 0;
+  const int of_points = 2 * outputs_.count;
+  for (int k = outputs_.first; k < outputs_.first + outputs_.count; ++k) {
+    acting[count++] = 2 * program_.outputs[k].coordinate;
+    acting[count++] = 2 * program_.outputs[k].coordinate + 1;
+  }
+  for (int i = 0; i < states_.count; i += 3) acting[count++] = 2 * coordinates_.count() + (states_.first + i) / 3;
+  rows.act_on({acting, static_cast<std::size_t>(count)});
+  const auto open = [&] {
+    Wrench* W = rows.open();
+    std::fill_n(W, count, Wrench{Vector3::Zero(), Vector3::Zero()});
+    return W;
+  };
+  // 2. A row for each number.
+  double slopes[kMostInputs];
+  for (int k = 0; k < outputs_.count; ++k) {
+    const auto& [coordinate, node] = program_.outputs[outputs_.first + k];
+    program_.differentiate(at.signals, node, slopes);
+    const MeasuredCoordinate x = coordinates_.measure(coordinate, markers, rows);
+    Wrench* W = open() + 2 * k;
+    W[0] = x.on_A, W[1] = x.on_B;
+    rows.finish(-at.signals.value[node], -slopes[2 * coordinate], -slopes[2 * coordinate + 1]);
+  }
+  for (int i = 0; i < states_.count; ++i) {
+    open()[of_points + i / 3] = force(Vector3::Unit(i % 3));
+    rows.finish(-at.signals.value[program_.states[states_.first + i].rate], 0, 0);
+  }
+}
+
 void ControlForce::evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const {
   Point at;
   read(time, markers, rows, at);
-  if (!joined_ && time > 0)
+  if (!joined_ && part_ <= 0 && time > 0)
     for (const ControlProgram::Relay& relay : program_.relays)
       if (program_.is_due(relay, at.signals))
         throw SimulationError("relay '" + program_.nodes[relay.node].name + "' has to switch at " + time_text(time) +
                                   ", and no simulation looks for that.",
                               "", "call join(simulation, state) of this element before the run.");
+  if (part_ >= 0) return act(at, markers, rows);
   double rates[3 * kMaxMarkers], efforts[kMaxMarkers], own[2 * kMaxMarkers], slopes[5 * kMaxMarkers];
   for (std::size_t i = 0; i < program_.states.size(); ++i) rates[i] = at.signals.value[program_.states[i].rate];
   for (std::size_t k = 0; k < program_.outputs.size(); ++k) {
@@ -63,59 +132,6 @@ void ControlForce::evaluate(double time, std::span<const MarkerView> markers, Fo
     own[2 * k] = slopes[2 * coordinate], own[2 * k + 1] = slopes[2 * coordinate + 1];
   }
   act(markers, rates, efforts, own, rows);
-}
-
-// ---- Newton's matrix ----
-
-/// The element with its signals made linear at one state: differences over it are exact, and do not evaluate blocks.
-class LinearControl final : public ForceElement {
- public:
-  LinearControl(const ControlForce& control, double time, std::span<const MarkerView> markers,
-                const AngleMemory& memory)
-      : control_(control) {
-    const ControlProgram& program = control.program_;
-    ControlForce::Point at;
-    control.read(time, markers, memory, at);
-    states_ = static_cast<int>(program.states.size()), in_ = 2 * control.coordinates_.count();
-    std::copy_n(at.x, in_, inputs_);
-    std::copy_n(at.z, states_, inputs_ + in_);
-    for (const ControlProgram::State& state : program.states) add(program, at, state.rate);
-    for (std::size_t k = 0; k < program.outputs.size(); ++k) {
-      const auto& [coordinate, node] = program.outputs[k];
-      const double* slopes = add(program, at, node);
-      own_[2 * k] = slopes[2 * coordinate], own_[2 * k + 1] = slopes[2 * coordinate + 1];
-    }
-  }
-
-  int marker_count() const override { return control_.marker_count(); }
-  int row_count() const override { return control_.row_count(); }
-  void evaluate(double, std::span<const MarkerView> markers, ForceRows& rows) const override {
-    double moved[kWidth], out[kWidth];
-    control_.measure(markers, rows, moved + in_, moved);
-    for (int k = 0; k < in_ + states_; ++k) moved[k] -= inputs_[k];
-    for (int i = 0; i < count_; ++i) {
-      out[i] = value_[i];
-      for (int k = 0; k < in_ + states_; ++k) out[i] += slopes_[i][k] * moved[k];
-    }
-    control_.act(markers, out, out + states_, own_, rows);
-  }
-
- private:
-  static constexpr int kWidth = 5 * kMaxMarkers;
-  const double* add(const ControlProgram& program, const ControlForce::Point& at, int node) {
-    value_[count_] = at.signals.value[node];
-    program.differentiate(at.signals, node, slopes_[count_]);
-    return slopes_[count_++];
-  }
-
-  const ControlForce& control_;
-  int states_ = 0, in_ = 0, count_ = 0;
-  double inputs_[kWidth], value_[kWidth], slopes_[kWidth][kWidth], own_[2 * kMaxMarkers];
-};
-
-template <>
-std::unique_ptr<ForceBatch> make_force_batch<ControlForce>() {
-  return std::make_unique<LinearizedForceBatch<ControlForce, LinearControl>>();
 }
 
 // ---- what a run sees ----
@@ -194,6 +210,19 @@ void ControlForce::settle(const System& system, State& state, const ControlProgr
   }
   throw SimulationError("its relays set one another off without end at " + time_text(state.time) + ".", where(),
                         "give them hysteresis: lower below upper.");
+}
+
+// ---- of any size ----
+
+ControlForce& add_control(SystemGraph& graph, const Located& name, const ControlDiagram& diagram,
+                          const FirstOrderStates& states) {
+  const std::vector<Marker> markers = diagram.markers(states);
+  const bool large = static_cast<int>(markers.size()) > kMaxMarkers;
+  auto& first = graph.add<ControlForce>(name, markers, {diagram, large ? 0 : -1});
+  for (int part = 1; part < first.part_count(); ++part)
+    graph.add<ControlForce>(Located(name.text + " part " + std::to_string(part + 1), name.where), markers,
+                            {diagram, part});
+  return first;
 }
 
 }  // namespace lithe

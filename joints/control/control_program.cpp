@@ -50,6 +50,15 @@ void ControlProgram::sort() {
                      "", "draw several diagrams");
 }
 
+void ControlProgram::keep(const std::vector<int>& kept) {
+  std::vector<char> needed(nodes.size(), 0);
+  for (const int i : kept) needed[i] = 1;
+  for (auto at = order.rbegin(); at != order.rend(); ++at)
+    if (needed[*at])
+      for (const int input : nodes[*at].inputs) needed[input] = 1;
+  std::erase_if(order, [&](int i) { return !needed[i]; });
+}
+
 void ControlProgram::evaluate(double time, const double* z, const double* x, Signals& signals) const {
   double in[kMostSlopes];
   for (const int i : order) {
@@ -85,7 +94,8 @@ void ControlProgram::evaluate(double time, const double* z, const double* x, Sig
 void ControlProgram::differentiate(const Signals& signals, int node, double* slopes) const {
   const int n = 2 * static_cast<int>(coordinates.size());
   std::fill_n(slopes, n + static_cast<int>(states.size()), 0.0);
-  double by[kMostSignals] = {};  // ∂node/∂signal
+  double by[kMostSignals];  // ∂node/∂signal
+  std::fill_n(by, nodes.size(), 0.0);
   by[node] = 1;
   for (auto at = order.rbegin(); at != order.rend(); ++at) {
     const ControlNode& here = nodes[*at];

@@ -33,7 +33,7 @@ struct ControlNode {
 
 /// A control diagram in an order in which it can be computed.
 struct ControlProgram {
-  static constexpr int kMostSignals = 160, kMostSlopes = 400;
+  static constexpr int kMostSignals = 2000, kMostSlopes = 8000;  // kept on the stack
 
   struct State {
     int node, rate;  // rate: the node of its derivative; -1: not said
@@ -62,6 +62,8 @@ struct ControlProgram {
   /// Throws SceneError for an algebraic loop, naming its blocks, for what is not closed or derived, and for more
   /// signals than there is room for.
   void sort();
+  /// Leaves out of the order what none of these needs.
+  void keep(const std::vector<int>& nodes);
   /// `x`: value and rate of each coordinate, `z`: the states. Throws SimulationError, naming the block, where a signal
   /// is not finite.
   void evaluate(double time, const double* z, const double* x, Signals& signals) const;

@@ -60,7 +60,7 @@ BevelGearPair::BevelGearPair(Parameters parameters)
       geometry_(virtual_gears(parameters_, cone_A_)),
       mesh_(geometry_, parameters_.teeth) {}
 
-void BevelGearPair::evaluate(double, std::span<const MarkerView> markers, ForceRows& rows) const {
+std::array<ToothMesh::Flank, 2> BevelGearPair::flanks(std::span<const MarkerView> markers, const AngleMemory&) const {
   const Parameters& p = parameters_;
   const auto& [A, B] = by_residual::moved<2, 12>(markers);
   const double cosine = std::cos(p.pressure_angle), sine = std::sin(p.pressure_angle);
@@ -80,12 +80,15 @@ void BevelGearPair::evaluate(double, std::span<const MarkerView> markers, ForceR
 
   const Vector3 along = ToothMesh::value(t), away = ToothMesh::value(m), on_line = ToothMesh::value(line).normalized();
   const Vector3 pitch_point = markers[0].p + apex_A_ * markers[0].z() + R * on_line;
-  const auto add = [&](double way, const S& on) {
+  const auto flank = [&](double way, const S& on) -> ToothMesh::Flank {
     const Vector3 n = way * cosine * along + sine * away;
-    mesh_.add({lead * way - play, 0, on, pitch_point, n, on_line.cross(n)}, markers[0], markers[1], rows);
+    return {lead * way - play, 0, on, pitch_point, n, on_line.cross(n)};
   };
-  add(1, phase);
-  add(-1, mesh_.back_phase(phase));
+  return {flank(1, phase), flank(-1, mesh_.back_phase(phase))};
+}
+
+void BevelGearPair::evaluate(double, std::span<const MarkerView> markers, ForceRows& rows) const {
+  for (const ToothMesh::Flank& flank : flanks(markers, rows)) mesh_.add(flank, markers[0], markers[1], rows);
 }
 
 void BevelGearPair::initialize(std::span<const MarkerView> m) {
@@ -119,5 +122,14 @@ std::vector<DrawnShape> BevelGearPair::drawn_shapes(int marker) const {
 }
 
 template std::unique_ptr<ForceBatch> make_force_batch<BevelGearPair>();
+
+double critical_damping(const BevelGearPair::Parameters& gears, double inertia_A, double inertia_B) {
+  require::positive(inertia_A, "inertia_A");
+  require::positive(inertia_B, "inertia_B");
+  const BevelGearPair pair(gears);
+  const double arm = 0.5 * gears.module * std::cos(gears.pressure_angle);  // on the line of action, by a tooth
+  return pair.mesh().critical_damping(
+      arm * arm * (gears.teeth_A * gears.teeth_A / inertia_A + gears.teeth_B * gears.teeth_B / inertia_B));
+}
 
 }  // namespace lithe

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "engine/assembly/batch.h"
 #include "engine/model/appearance.h"
 #include "joints/gears/tooth_mesh.h"
@@ -32,8 +34,13 @@ class BevelGearPair final : public Force</*markers=*/2, ToothMesh::kRows>, publi
 
   /// Of the virtual spur gears.
   const GearGeometry& geometry() const { return geometry_; }
+  const ToothMesh& mesh() const { return mesh_; }
   double cone_angle_A() const { return cone_A_; }  // δ_A, rad
   double cone_angle_B() const { return parameters_.shaft_angle - cone_A_; }
+
+  /// The sides of the teeth that touch where A drives with a torque about +z and about -z. Its angles are taken within
+  /// half a base pitch: no memory is read.
+  std::array<ToothMesh::Flank, 2> flanks(std::span<const MarkerView> markers, const AngleMemory& memory) const;
 
   bool depends_on_time() const override { return false; }
   void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const override;
@@ -51,5 +58,9 @@ class BevelGearPair final : public Force</*markers=*/2, ToothMesh::kRows>, publi
 };
 
 extern template std::unique_ptr<ForceBatch> make_force_batch<BevelGearPair>();
+
+/// As of ToothedGearPair: 1/m = cos²α (r_A²/J_A + r_B²/J_B), the radii in the middle of the face. Throws SceneError as
+/// BevelGearPair does, and for an inertia that is not positive.
+double critical_damping(const BevelGearPair::Parameters& gears, double inertia_A, double inertia_B);
 
 }  // namespace lithe

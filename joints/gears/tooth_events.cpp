@@ -3,8 +3,10 @@
 #include "engine/model/marker_motions.h"
 
 namespace lithe {
+namespace {
 
-std::vector<Event> tooth_contact_events(const ToothedGearPair& mesh, Event::Action action) {
+template <class Teeth>
+std::vector<Event> contact_events_of(const Teeth& mesh, Event::Action action) {
   std::vector<Event> events;
   for (const std::size_t side : {0, 1}) {
     const auto depth = [&mesh, side](Snapshot& now) {
@@ -20,6 +22,18 @@ std::vector<Event> tooth_contact_events(const ToothedGearPair& mesh, Event::Acti
         {.name = name + "parts", .function = depth, .direction = Event::Direction::falling, .action = action});
   }
   return events;
+}
+
+}  // namespace
+
+std::vector<Event> tooth_contact_events(const ToothedGearPair& mesh, Event::Action action) {
+  return contact_events_of(mesh, action);
+}
+std::vector<Event> tooth_contact_events(const ToothedRack& mesh, Event::Action action) {
+  return contact_events_of(mesh, action);
+}
+std::vector<Event> tooth_contact_events(const BevelGearPair& mesh, Event::Action action) {
+  return contact_events_of(mesh, action);
 }
 
 }  // namespace lithe

@@ -133,4 +133,11 @@ void ToothMesh::add_friction(const Flank& flank, double force, const MarkerView&
   }
 }
 
+double ToothMesh::critical_damping(double mobility) const {
+  constexpr int kSamples = 256;
+  double mean = 0;
+  for (int i = 0; i < kSamples; ++i) mean += stiffness_(i / double{kSamples}).value / kSamples;
+  return 2 * std::sqrt(mean / mobility);
+}
+
 }  // namespace lithe

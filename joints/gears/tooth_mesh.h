@@ -51,6 +51,8 @@ class ToothMesh {
   Coordinate back_phase(const Coordinate& phase) const;
   /// Over the mesh cycle, N/m.
   const MeshCycle& stiffness() const { return stiffness_; }
+  /// 2 √(k m), N s/m: k the mean of the mesh cycle, 1/m = `mobility` of the approach, 1/kg.
+  double critical_damping(double mobility) const;
 
  private:
   void add_friction(const Flank& flank, double force, const MarkerView& A, const MarkerView& B, ForceRows& rows) const;

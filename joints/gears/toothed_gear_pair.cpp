@@ -88,15 +88,11 @@ std::vector<DrawnShape> ToothedGearPair::drawn_shapes(int marker) const {
 template std::unique_ptr<ForceBatch> make_force_batch<ToothedGearPair>();
 
 double critical_damping(const ToothedGearPair::Parameters& gears, double inertia_A, double inertia_B) {
-  constexpr int kSamples = 256;
   require::positive(inertia_A, "inertia_A");
   require::positive(inertia_B, "inertia_B");
   const ToothedGearPair pair(gears);
-  double stiffness = 0;
-  for (int i = 0; i < kSamples; ++i) stiffness += pair.mesh().stiffness()(i / double{kSamples}).value / kSamples;
-  const GearGeometry& g = pair.geometry();
-  const double mobility = g.A.base_radius * g.A.base_radius / inertia_A + g.B.base_radius * g.B.base_radius / inertia_B;
-  return 2 * std::sqrt(stiffness / mobility);
+  const double r_A = pair.geometry().A.base_radius, r_B = pair.geometry().B.base_radius;
+  return pair.mesh().critical_damping(r_A * r_A / inertia_A + r_B * r_B / inertia_B);
 }
 
 }  // namespace lithe

@@ -41,13 +41,14 @@ struct RackPlace {
 ToothedRack::ToothedRack(Parameters parameters)
     : parameters_(std::move(parameters)), geometry_(on_rack(parameters_.gears)), mesh_(geometry_, parameters_.teeth) {}
 
-void ToothedRack::evaluate(double, std::span<const MarkerView> markers, ForceRows& rows) const {
+std::array<ToothMesh::Flank, 2> ToothedRack::flanks(std::span<const MarkerView> markers,
+                                                    const AngleMemory& memory) const {
   const GearGeometry& g = geometry_;
   const auto& [A, B] = by_residual::moved<2, 12>(markers);
   const double r = g.A.pitch_radius, cosine = std::cos(g.working_pressure_angle),
                sine = std::sin(g.working_pressure_angle);
   RackPlace<S, PoseOf<S>> at(A, B, r);
-  at.angle.value = rows.wound(0, at.angle.value);
+  at.angle.value = memory.wound(0, at.angle.value);
   const S turned = (at.angle - angle_) * r, moved = at.along - place_;
   const S lead = (moved - turned) * cosine + (at.axial - axial_) * std::tan(g.base_helix_angle);
   const S play = g.half_play(at.height);
@@ -55,14 +56,16 @@ void ToothedRack::evaluate(double, std::span<const MarkerView> markers, ForceRow
 
   const Eigen::Matrix<S, 3, 1> tilted = B.z() - A.z();
   const S tilt_along = B.x().dot(tilted) * cosine, tilt_away = B.y().dot(tilted) * -sine;
-  const auto add = [&](double way, const S& on) {
+  const auto flank = [&](double way, const S& on) -> ToothMesh::Flank {
     const Vector3 n = way * cosine * markers[1].x() - sine * markers[1].y();
-    mesh_.add({lead * way - play, tilt_along * way + tilt_away, on, markers[0].p - r * markers[1].y(), n,
-               markers[1].z().cross(n)},
-              markers[0], markers[1], rows);
+    return {lead * way - play,      tilt_along * way + tilt_away, on, markers[0].p - r * markers[1].y(), n,
+            markers[1].z().cross(n)};
   };
-  add(1, phase);
-  add(-1, mesh_.back_phase(phase));
+  return {flank(1, phase), flank(-1, mesh_.back_phase(phase))};
+}
+
+void ToothedRack::evaluate(double, std::span<const MarkerView> markers, ForceRows& rows) const {
+  for (const ToothMesh::Flank& flank : flanks(markers, rows)) mesh_.add(flank, markers[0], markers[1], rows);
 }
 
 void ToothedRack::initialize(std::span<const MarkerView> m) {
@@ -88,5 +91,13 @@ std::vector<DrawnShape> ToothedRack::drawn_shapes(int marker) const {
 }
 
 template std::unique_ptr<ForceBatch> make_force_batch<ToothedRack>();
+
+double critical_damping(const ToothedRack::Parameters& gear, double inertia_A, double mass_B) {
+  require::positive(inertia_A, "inertia_A");
+  require::positive(mass_B, "mass_B");
+  const ToothedRack rack(gear);
+  const double r = rack.geometry().A.pitch_radius, cosine = std::cos(rack.geometry().working_pressure_angle);
+  return rack.mesh().critical_damping(cosine * cosine * (r * r / inertia_A + 1 / mass_B));
+}
 
 }  // namespace lithe

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "engine/assembly/batch.h"
 #include "engine/model/appearance.h"
 #include "joints/gears/tooth_mesh.h"
@@ -22,6 +24,10 @@ class ToothedRack final : public Force</*markers=*/2, ToothMesh::kRows>, public 
   explicit ToothedRack(Parameters parameters);
 
   const GearGeometry& geometry() const { return geometry_; }
+  const ToothMesh& mesh() const { return mesh_; }
+
+  /// The sides of the teeth that touch where the gear drives with a torque about +z and about -z.
+  std::array<ToothMesh::Flank, 2> flanks(std::span<const MarkerView> markers, const AngleMemory& memory) const;
 
   std::vector<MeasuredAngle> angles() const override { return {{.A = 0, .B = 1, .axis = 2}}; }
   bool depends_on_time() const override { return false; }
@@ -40,5 +46,9 @@ class ToothedRack final : public Force</*markers=*/2, ToothMesh::kRows>, public 
 };
 
 extern template std::unique_ptr<ForceBatch> make_force_batch<ToothedRack>();
+
+/// As of ToothedGearPair, for the gear's inertia about its axis (kg m²) and the mass that moves along the rack (kg):
+/// 1/m = cos²α (r²/J_A + 1/m_B). Throws SceneError as ToothedRack does, and for one that is not positive.
+double critical_damping(const ToothedRack::Parameters& gear, double inertia_A, double mass_B);
 
 }  // namespace lithe

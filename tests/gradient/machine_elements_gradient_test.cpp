@@ -4,7 +4,7 @@
 #include "bodies/rigid_body.h"
 #include "integrators/explicit_runge_kutta.h"
 #include "integrators/radau.h"
-#include "joints/aerodynamics/airfoil_strip.h"
+#include "joints/aerodynamics/dynamic_airfoil_strip.h"
 #include "joints/bearings/ball_bearing.h"
 #include "joints/bearings/journal_bearing.h"
 #include "joints/bearings/roller_bearing.h"
@@ -14,6 +14,7 @@
 #include "joints/forces/joint_friction.h"
 #include "joints/forces/pid_controller.h"
 #include "joints/forces/point_force.h"
+#include "joints/gears/bevel_gear_pair.h"
 #include "joints/gears/sprocket_pair.h"
 #include "joints/gears/toothed_gear_pair.h"
 #include "joints/gears/toothed_rack.h"
@@ -142,6 +143,20 @@ TEST(MachineGradients, OfAToothedBelt) {
                   kMeshed, kGears);
 }
 
+TEST(MachineGradients, OfBevelGears) {
+  const Matrix3 across = rotation_about({1, 0, 0}, -M_PI / 2);
+  expect_of_near_runs(gears("bevel gears", {0, 0, 0}, across,
+                            [](SystemGraph& graph, const SweepPoint& p, Marker A, Marker B) {
+                              graph.add<BevelGearPair>("mesh", {A, B},
+                                                       {.module = 3e-3,
+                                                        .teeth_A = 20,
+                                                        .teeth_B = 31,
+                                                        .face_width = 0.5 * p["width"],
+                                                        .teeth = {.material = {.youngs_modulus = p["E"]}}});
+                            }),
+                      kMeshed, kGears);
+}
+
 TEST(MachineGradients, OfAGearOnARack) {
   const ParametricScene scene = machine("rack", 2e-3, 2e-5, [](SystemGraph& graph, const SweepPoint& p) {
     auto& pinion =
@@ -237,6 +252,25 @@ TEST(MachineGradients, OfAnAirfoilStrip) {
                   {{"mass", 1.5}, {"width", 0.6}, {"chord", 0.25}, {"twist", 0.05}});
 }
 
+/// The same in a flow that remembers, on the way into stall.
+TEST(MachineGradients, OfADynamicAirfoilStrip) {
+  const ParametricScene scene = machine("stalling wing", 0.3, 3e-3, [](SystemGraph& graph, const SweepPoint& p) {
+    const AirfoilLaw law = airfoil_table({-3.2, -0.4, -0.25, -0.1, 0, 0.1, 0.2, 0.3, 0.4, 0.6, 1, 1.6, 3.2},
+                                         {0, -0.8, -0.9, -0.6, 0, 0.6, 1.1, 1.15, 0.95, 0.9, 0.9, 0.1, 0});
+    auto& wing = graph.add<RigidBody>(
+        "wing",
+        {.mass = p["mass"], .inertia = {0.1, 0.2, 0.25}, .velocity = {8, 0, 0.4}, .angular_velocity = {0, -1, 0}});
+    auto& flow = graph.add<FirstOrderStates>("flow", {.start = DynamicAirfoilStrip::start()});
+    auto& strip = graph.add<DynamicAirfoilStrip>(
+        "strip", {wing.marker({0.1, 0, 0}, rotation_about({0, 0, 1}, -M_PI / 2)), flow.point(0), flow.point(1)},
+        {.strip = {.width = 0.6, .chord = p["chord"], .twist = p["twist"], .airfoil = law, .density = 1.2},
+         .lags = {.separation = p["lag"]}});
+    return std::vector<Sensor>{position(wing.marker(), "p"), strip.flow("flow")};
+  });
+  expect_gradient(scene, {value_at("p_z", 0.3), integral("flow_lift"), value_at("flow_separation", 0.2)},
+                  {{"mass", 1.5}, {"chord", 0.25}, {"twist", 0.15}, {"lag", 3}});
+}
+
 /// A hinge that a controller moves; what its filter and its integrator remember are states of the run.
 ParametricScene servo(bool diagram, MakeIntegrator method) {
   ParametricScene scene = machine("servo", 0.3, 3e-3, [=](SystemGraph& graph, const SweepPoint& p) {
@@ -273,6 +307,31 @@ const std::vector<DesignParameter> kPid{{"mass", 1.2}, {"target", 0.4}, {"gain",
 TEST(MachineGradients, OfAControlDiagramAndItsStates) {
   const std::vector<Quantity> end{value_at("angle", 0.3), value_at("effort", 0.2), integral("angle")};
   expect_gradient(servo(true, exact_alpha(3e-3)), end, kDiagram);
+}
+
+/// Five masses on slides, each pushed by what all do and by a filter of it: more than one element has room for.
+TEST(MachineGradients, OfALargeControlDiagram) {
+  const ParametricScene scene = machine("feedback", 0.3, 3e-3, [](SystemGraph& graph, const SweepPoint& p) {
+    ControlDiagram control;
+    std::vector<JointCoordinate> x;
+    ControlSignal sum = control.number(0);
+    for (int i = 0; i < 5; ++i) {
+      const Vector3 at(0, i, 0);
+      auto& mass = graph.add<RigidBody>(
+          "mass " + std::to_string(i),
+          {.mass = p["mass"] + 0.1 * i, .position = at, .velocity = {0, 0, p["speed"] * (1 - 0.4 * i)}});
+      x.push_back(graph.add<PrismaticJoint>("slide " + std::to_string(i), {graph.ground().marker(at), mass.marker()})
+                      .displacement());
+      sum = sum + control.value(x.back()) * control.rate(x.back());
+    }
+    for (int i = 0; i < 5; ++i)
+      control.push(x[i], control.lag(sum, p["lag"]) - p["gain"] * (control.value(x[i]) + 0.1 * control.rate(x[i])));
+    auto& states = graph.add<FirstOrderStates>("states", {.start = control.start()});
+    add_control(graph, "feedback", control, states);
+    return std::vector<Sensor>{coordinate(x[0], "first"), coordinate(x[4], "last")};
+  });
+  expect_gradient(scene, {value_at("first", 0.3), integral("last")},
+                  {{"mass", 1.2}, {"speed", 1}, {"lag", 0.1}, {"gain", 30}});
 }
 
 TEST(MachineGradients, OfAPidControllerAndItsMemory) {

@@ -13,9 +13,13 @@
 #include "integrators/explicit_runge_kutta.h"
 #include "integrators/generalized_alpha.h"
 #include "integrators/moreau_jean.h"
+#include "integrators/nonsmooth_generalized_alpha.h"
 #include "joints/contact/contact.h"
+#include "joints/control/control_force.h"
+#include "joints/forces/first_order_states.h"
 #include "joints/forces/joint_coulomb_friction.h"
 #include "joints/forces/point_force.h"
+#include "joints/prismatic_joint.h"
 #include "joints/revolute_joint.h"
 #include "tests/joints/contact_pairs.h"
 #include "tests/support/methods.h"
@@ -127,6 +131,44 @@ TEST(Step, AllocatesNothingForFrictionInAJoint) {
   EXPECT_EQ(allocations - before, 0);
 }
 
+/// A pin that sticks under a torque, a slide on a slope that does, and a rod on two pins of which each would hold it:
+/// steps that hold what sticks; and a slide that begins to slide.
+TEST(Step, AllocatesNothingForJointsThatStick) {
+#ifdef LITHE_TEST_NO_COUNT
+  GTEST_SKIP() << "a sanitizer owns malloc";
+#endif
+  const auto draw = [](SystemGraph& graph) {
+    const Matrix3 along_y = rotation_about({1, 0, 0}, -M_PI / 2), slope = rotation_about({0, 1, 0}, 1.2);
+    auto& rod = graph.add<RigidBody>("rod", {.mass = 1, .inertia = {0.01, 0.02, 0.02}, .position = {0.1, 0, 0}});
+    auto& pin =
+        graph.add<RevoluteJoint>("pin", {graph.ground().marker({0, 0, 0}, along_y), rod.marker({-0.1, 0, 0}, along_y)});
+    for (const char* name : {"rub", "rub too"})
+      add_joint_coulomb_friction(graph, name, {pin.angle()}, {.joint = &pin, .coefficient = 0.9, .radius = 0.2});
+    for (const auto& [name, coefficient] : {std::pair("sticks", 0.9), std::pair("slides", 0.1)}) {
+      auto& block = graph.add<RigidBody>(name, {.mass = 2, .inertia = {0.01, 0.02, 0.02}});
+      auto& slide = graph.add<PrismaticJoint>(
+          std::string(name) + " on a slope", {graph.ground().marker({0, 0, 0}, slope), block.marker({0, 0, 0}, slope)});
+      add_joint_coulomb_friction(graph, std::string(name) + " rub", {slide.displacement()},
+                                 {.joint = &slide, .coefficient = coefficient});
+    }
+  };
+  MoreauJean moreau{{.step = 1e-3}};
+  NonsmoothGeneralizedAlpha alpha{{.step = 1e-3}};
+  for (Integrator* method : std::initializer_list<Integrator*>{&moreau, &alpha}) {
+    Scene scene({0, 0, -9.81}, draw);
+    const VectorX start = scene.state.q;
+    scene.run(*method, 0.02);
+    const long before = allocations;
+    bool ok = true;
+    while (scene.state.time < 0.3) ok &= method->step(scene.equations, scene.state, 0.3).ok();
+    const long counted = allocations - before;
+    EXPECT_TRUE(ok);
+    EXPECT_EQ(counted, 0) << method->name();
+    EXPECT_LT((scene.state.q - start).head(14).lpNorm<Eigen::Infinity>(), 1e-9) << "it does not stick";
+    EXPECT_GT((scene.state.q - start).lpNorm<Eigen::Infinity>(), 0.1);
+  }
+}
+
 /// Colliders where they are put; the nodes of the last, a surface, at their points on it.
 class PosesWithNodes final : public ContactPoses {
  public:
@@ -138,6 +180,36 @@ class PosesWithNodes final : public ContactPoses {
   void node(int, int marker, MarkerKinematics& out) const override { out.p = at + nodes[marker]; }
   std::span<const double> deformation(int) const override { return {}; }
 };
+
+TEST(Step, AllocatesNothingForALargeControlDiagram) {
+#ifdef LITHE_TEST_NO_COUNT
+  GTEST_SKIP() << "a sanitizer owns malloc";
+#endif
+  for (Method& method : std::array<Method, 5>{runge_kutta(1e-6), radau(1e-6), bdf(1e-6), index3(1e-3), index2(1e-3)}) {
+    ControlDiagram control;
+    Scene scene({0, 0, 0}, [&](SystemGraph& graph) {
+      std::vector<JointCoordinate> x;
+      for (int i = 0; i < 7; ++i) {
+        const std::string number = std::to_string(i);
+        const Vector3 at(0, i, 0);
+        auto& mass = graph.add<RigidBody>("mass " + number, {.mass = 1.0 + i, .position = at});
+        x.push_back(graph.add<RevoluteJoint>("hinge " + number, {graph.ground().marker(at), mass.marker()}).angle());
+      }
+      for (std::size_t i = 0; i < x.size(); ++i)
+        control.push(x[i], control.pid(control.law(harmonic(0.3, 9)) - control.value(x[(i + 1) % x.size()]),
+                                       {.proportional = 3, .integral = 1, .derivative = 0.1, .filter = 100}));
+      auto& states = graph.add<FirstOrderStates>("states", {.start = control.start()});
+      EXPECT_GT(add_control(graph, "control", control, states).part_count(), 1);
+    });
+    scene.run(*method, 0.05);
+    const long before = allocations;
+    bool ok = true;
+    while (scene.state.time < 0.3) ok &= method->step(scene.equations, scene.state, 0.3).ok();
+    const long counted = allocations - before;
+    EXPECT_TRUE(ok);
+    EXPECT_EQ(counted, 0) << method->name() << ", " << method->statistics().steps << " steps";
+  }
+}
 
 TEST(Contact, AllocatesNothingOnceItHasBeenThere) {
 #ifdef LITHE_TEST_NO_COUNT

@@ -22,7 +22,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-ControlForce& add_control(SystemGraph& graph, const ControlDiagram& diagram) {
+ControlForce& add_small(SystemGraph& graph, const ControlDiagram& diagram) {
   auto& states = graph.add<FirstOrderStates>("states", {.start = diagram.start()});
   return graph.add<ControlForce>("control", diagram.markers(states), {diagram});
 }
@@ -31,8 +31,7 @@ ControlForce& add_control(SystemGraph& graph, const ControlDiagram& diagram) {
 struct Alone {
   template <class Draw>
   explicit Alone(Draw draw)
-      : signal(draw(diagram)),
-        scene({0, 0, 0}, [this](SystemGraph& graph) { control = &add_control(graph, diagram); }) {}
+      : signal(draw(diagram)), scene({0, 0, 0}, [this](SystemGraph& graph) { control = &add_small(graph, diagram); }) {}
   double value() { return read(scene, control->sensor(signal, "y")); }
   double at(Integrator& method, double t) {
     scene.run(method, t);
@@ -114,7 +113,7 @@ TEST(ControlDiagram, HasTheFrequencyResponseOfItsBlocks) {
   const ControlSignal u = diagram.law(input);
   const ControlSignal y[] = {diagram.transfer_function(u, numerator, denominator),
                              diagram.state_space({u}, A, B, C, D)[0], diagram.lag(diagram.integral(u), 0.2)};
-  auto& control = add_control(graph, diagram);
+  auto& control = add_small(graph, diagram);
   const System system = assemble(graph);
   const StateSpace linear =
       linearize(system, system.initial_state(), {&input},
@@ -143,7 +142,7 @@ struct Servo {
       : scene({0, 0, 0}, [&](SystemGraph& graph) {
           shaft = draw_shaft(graph, "shaft", kInertia);
           diagram.push(shaft.angle(), diagram.pid(kGoal - diagram.value(shaft.angle()), pid));
-          control = &add_control(graph, diagram);
+          control = &add_small(graph, diagram);
         }) {}
   double angle() { return read(scene, coordinate(shaft.angle(), "phi")); }
 
@@ -323,7 +322,7 @@ TEST(ControlForce, IsExactInNewtonsMatrixBetweenAllBodies) {
     const ControlSignal x = d.value(length), slow = d.lag(x * d.rate(along), 0.3);
     d.push(length, d.transfer_function(x - 0.4, {2, 30}, {1, 5, 40}) - 3 * d.rate(length) - 5 * x);
     d.push(along, d.function(slow + d.value(along), [](double u) { return std::sin(u); }) * x);
-    auto& control = add_control(graph, d);
+    auto& control = add_small(graph, d);
     check_force(graph, control, {.conservative = false, .tolerance = 1e-7});
   }
 }
@@ -384,7 +383,12 @@ TEST(ControlDiagram, SaysWhatIsWrongAndHowToFixIt) {
   expect_says(refused([](ControlDiagram& d) {
                 for (int i = 0; i < 25; ++i) d.lag(d.number(1), 1);
               }),
-              {"25 states", "several diagrams"});
+              {"25 states", "one element", "add_control"});
+  expect_says(refused([](ControlDiagram& d) {
+                ControlSignal y = d.number(1);
+                for (int i = 0; i < ControlProgram::kMostSignals; ++i) y = 2 * y;
+              }),
+              {"2001 signals", "several diagrams"});
   // A loop through a state is none, and a signal that is not a number names its block.
   Alone loop([](ControlDiagram& d) {
     const ControlSignal y = d.later("y");

@@ -148,7 +148,7 @@ void check_joint(SystemGraph& graph, const Constraint& joint, const JointExpecta
 void check_force(SystemGraph& graph, const ForceElement& force, const ForceExpectation& expected) {
   SCOPED_TRACE("force '" + force.name() + "'");
   Probe p(graph, 11);
-  ASSERT_EQ(graph.forces().size(), 1u) << "one force element a scene, so that its own share can be told";
+  ASSERT_EQ(graph.forces().size(), expected.parts) << "one force element a scene, so that its own share can be told";
   ASSERT_EQ(graph.forces()[0].force, &force);
 
   // Generalized force and potential of the element alone.

@@ -31,6 +31,7 @@ struct ForceExpectation {
   bool exact_damping = true;  // false: the tangent knows part of ∂f/∂v alone
   double tolerance = 1e-8;    // relative
   double difference = 7e-4;   // step of the differences
+  std::size_t parts = 1;      // an element that is drawn as several: how many; `force` is the first
 };
 
 /// At random states near the drawing:
