@@ -114,6 +114,9 @@ void ContactImpulses::act(EquationsOfMotion& equations, const State& start, doub
     const RigidContacts::Point& point = contacts.points()[i];
     gaps_[i] = point.gap - h / 2 * point.before[0];
     closings_.push_back(closing(point, gaps_[i], u_[point.first] - brought_[point.first], h));
+    const Closing& met = closings_.back();
+    if (met.speed * (h - met.time) > parameters_.position_tolerance && contacts.is_held(i))
+      contacts.refuse_held(i, start, met.speed);
   }
   held_until_.setConstant(n, -1);
   if (parameters_.impacts == Impacts::sequential)

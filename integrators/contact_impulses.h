@@ -55,7 +55,8 @@ class ContactImpulses {
     const VectorX &moved, &brought;
   };
   /// `v_end` and `d` come without contact and leave with it. After one find() any number of times, each from v_end and
-  /// d without contact. `others`: null, there are none.
+  /// d without contact. `others`: null, there are none. Throws SimulationError where surfaces meet that no impulse can
+  /// stop, since drives and joints hold their bodies.
   void act(EquationsOfMotion& equations, const State& start, double h, VectorX& v_end, VectorX& d,
            const Others* others = nullptr);
   /// Both. False where no point was near.

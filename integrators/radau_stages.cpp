@@ -12,6 +12,9 @@ namespace {
 // Of the tolerance, for the last correction of Newton. A tenth of what RADAU5 takes: where stiff forces turn,
 // corrections err the same way step after step (R05: a tenth of the drift of the angular momentum for a third more
 // iterations).
+// Least of a measured rate, too: the last correction itself is then within the tolerance. A rate is the mean of how far
+// the factor is off along the first correction; where that one, of a step far too long, led through regions of no
+// concern, it says nothing of where it ended (1e5 m and then 0.02 m: a rate of 1e-7).
 constexpr double kShare = 0.003;
 constexpr double kFarthest = 8;      // steps of the last length that its polynomial is trusted ahead
 constexpr int kKinematicPasses = 2;  // of d = h A Jr⁻¹(d) v + c, an iteration
@@ -218,7 +221,7 @@ bool RadauStages::solve(EquationsOfMotion& equations, const State& start, double
   worst_rate_ = 0;
   // No correction reaches them: what was extrapolated for them would grow from step to step.
   for (int row : equations.redundant_rows()) lambda_.row(row).setZero();
-  double allowance = std::pow(std::max(allowance_, 1e-16), 0.8), last = 0;
+  double allowance = std::max(kShare, std::pow(allowance_, 0.8)), last = 0;
   for (int k = 0; k < kMaxNewton; ++k) {
     evaluate(equations, start, time, h);
     statistics.evaluations += 3;
@@ -236,7 +239,7 @@ bool RadauStages::solve(EquationsOfMotion& equations, const State& start, double
     if (k > 0) {
       rate_ = now / last;
       worst_rate_ = std::max(worst_rate_, rate_);
-      allowance = rate_ < 1 ? rate_ / (1 - rate_) : std::numeric_limits<double>::infinity();
+      allowance = rate_ < 1 ? std::max(kShare, rate_ / (1 - rate_)) : std::numeric_limits<double>::infinity();
     }
     if (allowance * now <= 1 || now == 0 || (k > 0 && rate_ > kSlow && at_round_off(h, gap_before, now, target))) {
       // The next step's first correction: the slowest rate of this step's. The last one of an iteration that goes ever

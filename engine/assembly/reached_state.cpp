@@ -77,6 +77,9 @@ int ReachedState::find_row() {
 }
 
 void ReachedState::check(const State& state) {
+  // By forward dynamics nothing was evaluated, and nothing can be off: it takes lower pairs alone, which no drive
+  // moves, closes their loops itself, and keeps bodies in the planes across which rows are left out.
+  if (evaluator_.evaluations() == evaluations_ && evaluator_.parts().forward_dynamics) return;
   const bool evaluated = evaluator_.evaluations() != evaluations_ && evaluator_.velocity_rows().empty();
   evaluations_ = evaluator_.evaluations();
   const auto is_beyond = [&](const Limited& limited) { return !beyond_limit(limited).empty(); };

@@ -22,7 +22,7 @@ class ReachedState {
 
   /// A row that is left out may be off by 1e-6, in its units (m, rad; rows on velocities: of 1 and the fastest
   /// velocity), and by a thousand times what the others are off by. Looked at where the step evaluated last, beside the
-  /// state; at the state itself only where something is off there, or nothing was evaluated.
+  /// state; at the state itself only where something is off there. Not after a step by forward dynamics.
   void check(const State& state);
   /// Of the start, with its accelerations: whether the rates and accelerations of those rows agree with the others'.
   /// Throws SceneError.

@@ -10,6 +10,7 @@ namespace lithe {
 namespace {
 
 constexpr int kMostContactRows = 1200;  // whose couplings are solved for exactly
+constexpr double kDoubt = 1e-5;         // of a row's pivot beside its compliance: it may be round-off of long loops
 
 }  // namespace
 
@@ -185,7 +186,42 @@ std::vector<int> TangentFactors::find_dependent_rows(double tolerance) {
   VectorX reference = row_compliances(blocks_, work_.values);
   // Rows of forces give way, so that they depend on none: not even those that move no body as drawn.
   reference.tail(reference.size() - no_load.size()).setOnes();
-  return factor_.factorize_revealing(work_.values, reference, tolerance);
+  std::vector<int> doubtful;
+  std::vector<int> dependent = factor_.factorize_revealing(work_.values, reference, tolerance, kDoubt, doubtful);
+  std::erase_if(doubtful, [&](int row) { return row >= no_load.size(); });
+  add_confirmed(doubtful, reference, tolerance, dependent);
+  return dependent;
+}
+
+/// A pivot is the difference of large numbers: around a loop of a thousand hinges, 1e-8 is left where it should be
+/// zero. The motion x that a row's impulse makes while the other rows hold, M x + Gᵀ z = g, G x = 0, gives the same
+/// pivot as xᵀ M x, in which round-off counts squared.
+void TangentFactors::add_confirmed(const std::vector<int>& doubtful, const VectorX& reference, double tolerance,
+                                   std::vector<int>& dependent) {
+  std::vector<int> left_out = dependent;
+  left_out.insert(left_out.end(), doubtful.begin(), doubtful.end());
+  const VectorX no_load = VectorX::Zero(work_.residual.size());
+  VectorX row = no_load, motion(blocks_.velocity_count), resting = motion, moving = motion;
+  for (const int d : doubtful) {
+    std::sort(left_out.begin(), left_out.end());
+    factor_.drop_rows(left_out);
+    factor_.factorize(work_.values);
+    row.setZero(), motion.setZero();
+    row[d] = 1;
+    add_row_forces(blocks_, work_.values, static_cast<int>(row.size()), row.data(), nullptr, motion.data());
+    row.setZero();
+    solve(motion, row);
+    evaluator_.residual(VectorX::Zero(motion.size()), no_load, resting);
+    evaluator_.residual(motion, no_load, moving);
+    if (motion.dot(moving - resting) > tolerance * reference[d])
+      std::erase(left_out, d);
+    else
+      dependent.push_back(d);
+  }
+  if (doubtful.empty()) return;
+  std::sort(dependent.begin(), dependent.end());
+  factor_.drop_rows(dependent);
+  factor_.factorize(work_.values);
 }
 
 }  // namespace lithe

@@ -63,6 +63,8 @@ class TangentFactors final : public ComplexFactor {
                     const VectorX* increment);
   void add_contact_diagonals(const TangentWeights& weights);
   void exchange_weak_rows();
+  void add_confirmed(const std::vector<int>& doubtful, const VectorX& reference, double tolerance,
+                     std::vector<int>& dependent);
   int unknown_count() const { return static_cast<int>(unknowns_.size()); }
 
   Evaluator& evaluator_;

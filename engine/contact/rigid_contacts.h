@@ -8,6 +8,7 @@
 #include "engine/contact/joint_surfaces.h"
 #include "engine/factor/block_structure.h"
 #include "engine/model/rigid_frame_body.h"
+#include "engine/model/state.h"
 
 namespace lithe {
 
@@ -73,6 +74,11 @@ class RigidContacts {
   void add_response(ConstVectorRef r, const VectorX* weights, VectorRef dv) const;
   /// Whether a group has a body that deforms.
   bool deforms(int group) const { return components_[used_[group]].deforms; }
+  /// Whether joints and drives hold what a point is on, so that no impulse along its normal moves it.
+  bool is_held(int point) const;
+  /// Throws SimulationError that names the contact, the bodies and what holds them. The equations are left at `start`,
+  /// at rest.
+  [[noreturn]] void refuse_held(int point, const State& start, double speed);
   /// a·b of a group's velocities.
   double dot(int group, ConstVectorRef a, ConstVectorRef b) const;
   /// Of the last step, over `h`, where it was of these points: impulses r, from which a solver may start, and by how
@@ -103,6 +109,7 @@ class RigidContacts {
   void add_groups();
   void respond_alone(const ContactRows::Row& row, const ContactRows::Side& side, ConeProblem::Side& to);
   void respond_together();
+  double mobility_alone(const ContactRows::Side& side, int rows) const;
 
   const Scene scene_;
   // Bodies that joints or springs tie are one component.

@@ -417,7 +417,8 @@ void BlockFactorOf<Scalar>::guard(const Step& s) {
 
 template <class Scalar>
 std::vector<int> BlockFactorOf<Scalar>::factorize_revealing(const std::vector<Scalar>& values, const VectorX& reference,
-                                                            double tolerance) {
+                                                            double tolerance, double doubt,
+                                                            std::vector<int>& doubtful) {
   using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
   load_first(values);
   std::vector<int> dependent;
@@ -448,6 +449,7 @@ std::vector<int> BlockFactorOf<Scalar>::factorize_revealing(const std::vector<Sc
           bad = open;
           break;
         }
+        if (!(ratio(p) > doubt)) doubtful.push_back(s.first_row + p);
         open.erase(best);
         for (int i : open) {
           const Scalar f = A(i, p) / A(p, p);

@@ -32,8 +32,10 @@ class BlockFactorOf {
   void solve(Scalar* x) const;
 
   /// Factorises with the rows tested one by one: a row whose pivot falls below `tolerance` times its compliance
-  /// `reference[row]` depends on rows eliminated before it. Drops those rows and returns them, sorted.
-  std::vector<int> factorize_revealing(const std::vector<Scalar>& values, const VectorX& reference, double tolerance);
+  /// `reference[row]` depends on rows eliminated before it. Drops those rows and returns them, sorted. Others whose
+  /// pivot falls below `doubt` times it are added to `doubtful`.
+  std::vector<int> factorize_revealing(const std::vector<Scalar>& values, const VectorX& reference, double tolerance,
+                                       double doubt, std::vector<int>& doubtful);
 
  private:
   struct Neighbour {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/study/inertia_left_out.h"
+
 namespace lithe::solving {
 namespace {
 
@@ -23,7 +25,8 @@ ModelJudge::ModelJudge(const Asked& asked, const RigidMotion& rigid, const Choic
       untold_(choice.untold),
       judgement_{rigid.change, rigid.bounds, {}, choice.effects},
       carried_(rigid.amplification),
-      deformed_(asked.count(), 0) {
+      deformed_(asked.count(), 0),
+      by_inertia_(asked.count(), 0) {
   judgement_.change.resize(asked.count(), 0);
 }
 
@@ -63,6 +66,7 @@ void ModelJudge::find_rest(const ModelRun& run, Deflection order) {
     else if (!untold_)
       *at = c;
   }
+  find_by_inertia(run);
   if (!rigid_.reached()) return;
   deformed_ = sample_differences(asked_.sensors, run.samples, rigid_.run().samples);
   for (std::size_t w = 0; w < asked_.count(); ++w) {
@@ -70,6 +74,29 @@ void ModelJudge::find_rest(const ModelRun& run, Deflection order) {
     if (rigid_.deformation[w] > 0)
       carried_[w] = rigid_.amplification[w] * std::clamp(deformed_[w] / rigid_.deformation[w], 1.0, 10.0);
   }
+}
+
+/// The part that modes beyond the candidates have in a deformation: of each body by its inertia, which loads them too,
+/// as far as that body counts.
+void ModelJudge::find_by_inertia(const ModelRun& run) {
+  by_inertia_.assign(asked_.count(), 0);
+  const std::vector<double> beyond = inertia_left_out(asked_.graph, asked_.bodies, run);
+  std::vector<double> sums(asked_.count(), 0);
+  for (std::size_t b = 0; b < beyond.size(); ++b) {
+    double candidates = 0;
+    std::vector<double> effect(asked_.count(), 0);
+    for (const auto& c : judgement_.effects.modes) {
+      if (c.body != static_cast<int>(b)) continue;
+      candidates += c.amplitude * c.amplitude;
+      for (std::size_t w = 0; w < asked_.count(); ++w) effect[w] += c.effect[w] * c.effect[w];
+    }
+    if (!(candidates > 0)) continue;
+    for (std::size_t w = 0; w < asked_.count(); ++w) {
+      by_inertia_[w] += std::sqrt(effect[w]) * beyond[b] / std::sqrt(candidates);
+      sums[w] += std::sqrt(effect[w]);
+    }
+  }
+  for (std::size_t w = 0; w < asked_.count(); ++w) by_inertia_[w] = sums[w] > 0 ? by_inertia_[w] / sums[w] : 0;
 }
 
 void ModelJudge::note_order(const ModelRun& run) {
@@ -129,14 +156,14 @@ double ModelJudge::beyond(std::size_t w) const {
   return kBeyond * next + kFieldsLeftOut * second;
 }
 
-/// By the modes that neither has, or that steps hide.
+/// By the modes that neither has, or that steps hide, and by those beyond the candidates.
 double ModelJudge::unseen(const Models& models, std::size_t w) const {
   double sum = 0;
   for (const auto& c : judgement_.effects.modes) {
     const bool hidden = 2 * M_PI * c.frequency * pace_.step > kUnresolved;
     if (!has(models, c) && (hidden || !has(rich_.models, c))) sum += carried_[w] * c.effect[w];
   }
-  return kCaution * sum + (asked_.contacts ? kCandidatesTouched : kCandidates) * deformed_[w];
+  return kCaution * sum + ((asked_.contacts ? kCandidatesTouched : kCandidates) + by_inertia_[w]) * deformed_[w];
 }
 
 double ModelJudge::apart(const Table& samples, const Table& others) const {

@@ -45,6 +45,7 @@ class ModelJudge {
  private:
   /// What a motion of these changes is to be taken by where the answer changes less, a number a quantity.
   std::vector<double> scaled(std::vector<double> change) const;
+  void find_by_inertia(const ModelRun& run);
   void measure_off(const Ladder& ladder);
   double left_out(const std::vector<Fidelity>& models, std::size_t w) const;
   double beyond(std::size_t w) const;
@@ -58,6 +59,7 @@ class ModelJudge {
   Pace pace_;                             // of the richer run
   std::vector<double> carried_;           // what the motion at large makes of a deformation, at least 1
   std::vector<double> deformed_;          // change by deformation, as a run has it
+  std::vector<double> by_inertia_;        // part of modes beyond the candidates in it, along the run looked at last
   std::map<Deflection, Table> by_order_;  // of the same modes at one pace
   bool known_fourth_ = false;
   std::vector<double> off_;  // beside the richer model

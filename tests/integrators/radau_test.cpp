@@ -263,6 +263,35 @@ TEST(RadauStep, TakesNoFirstCorrectionByARateThatOnlyLaterOnesHave) {
 
 // ---- trouble ----
 
+TEST(RadauStep, TakesNoSecondCorrectionByARateFromFarOff) {
+  // A light mass on a stiff spring, in a step of seventy periods: the first correction of Newton is of 1e5 m, the
+  // second of centimetres, and their ratio no rate. What the step leaves must be no more than Newton may leave.
+  Scene scene({0, 0, -9.81}, [](SystemGraph& graph) {
+    auto& mass = graph.add<RigidBody>("mass", {.mass = 0.047714549525426385,
+                                               .inertia = {0.01, 0.01, 0.01},
+                                               .position = {0.92983888226153799, 0, 0},
+                                               .velocity = {2.4468307160681144, 0, 0}});
+    graph.add<SpringDamper>("spring", {graph.ground().marker(), mass.marker()},
+                            {.stiffness = 59258.494338215118, .damping = 2.2662435949235453, .natural_length = 1});
+  });
+  Evaluator equations(scene.system), again(scene.system);
+  State state = scene.state;
+  again.evaluate(0, state.q, state.v, Level::acceleration);
+  Radau radau({.step = 0.065550323316806922});
+  radau.start(equations, state);
+  for (const double end : {0.049789197126977207, 0.12243892850227989})
+    while (state.time < end) {
+      const State from = state;
+      ASSERT_TRUE(radau.step(equations, state, end, Multipliers::later).ok());
+      const auto record = radau.step_record();
+      const auto repeated = radau.repeated_step(again);  // to round-off, from where this one ended
+      State to = state;
+      MatrixX history = repeated->history(from, record.get());
+      repeated->take(from, record.get(), history, to);
+      EXPECT_LT((state.q - to.q).lpNorm<Eigen::Infinity>(), 1e-7) << state.time;
+    }
+}
+
 TEST(RadauStep, SplitsAFixedStepThatDoesNotConverge) {
   // A fast top at a fifth of a turn a step.
   const auto top = [] { return heavy_top(15, 1, 0.234375, 0.46875, {0, 150, -4.61538}); };
