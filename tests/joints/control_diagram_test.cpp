@@ -388,7 +388,7 @@ TEST(ControlDiagram, SaysWhatIsWrongAndHowToFixIt) {
                 ControlSignal y = d.number(1);
                 for (int i = 0; i < ControlProgram::kMostSignals; ++i) y = 2 * y;
               }),
-              {"2001 signals", "several diagrams"});
+              {"2002 signals", "several diagrams"});
   // A loop through a state is none, and a signal that is not a number names its block.
   Alone loop([](ControlDiagram& d) {
     const ControlSignal y = d.later("y");

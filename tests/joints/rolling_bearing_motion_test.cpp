@@ -185,6 +185,35 @@ TEST(BallBearing, BallsAtSpeedLowerTheNaturalFrequency) {
   EXPECT_LT(nearest, 1e-5 * expected);
 }
 
+/// Across the axis, with balls at speed, about rest without load and under one that some balls do not carry: small
+/// oscillations have the frequency of the linearization there.
+TEST(BallBearing, RingsAtSpeedAsItIsLinearizedAboutItsRest) {
+  for (const double gravity : {0.0, 20.0, 60.0}) {
+    Spindle spindle(50, {0, -gravity, 0}, 2000);
+    const State drawn = spindle.system.initial_state();
+    const State rest = gravity == 0 ? drawn : find_equilibrium(spindle.system, drawn).state;
+    State state = rest;
+    state.v[1] = 1e-6;
+    Recorder recorder{{position(spindle.shaft.marker(), "p")}};
+    const Method method = runge_kutta8(1e-13);
+    Simulation simulation{spindle.system, *method};
+    simulation.observe(recorder, every(2e-5));
+    simulation.run(state, 0.02);
+    const auto t = recorder.table().column("t"), y = recorder.table().column("p_y");
+    std::vector<double> crossings;
+    for (std::size_t i = 1; i < t.size(); ++i) {
+      const double a = y[i - 1] - rest.q[1], b = y[i] - rest.q[1];
+      if (a < 0 && b >= 0) crossings.push_back(t[i - 1] - a * (t[i] - t[i - 1]) / (b - a));
+    }
+    ASSERT_GT(crossings.size(), 3u);
+    const double found = static_cast<double>(crossings.size() - 1) / (crossings.back() - crossings.front());
+    double nearest = 1e9;
+    for (const Mode& mode : linearize(spindle.system, rest, {.step = 1e-7}).modes)
+      nearest = std::min(nearest, std::abs(mode.frequency() - found));
+    expect_below("at " + std::to_string(gravity) + " m/s²", nearest / found, 1e-6);
+  }
+}
+
 TEST(BallBearing, StandsInEquilibriumUnderItsWeight) {
   Spindle spindle(100, {0, -9.81, 0});
   const Equilibrium found = find_equilibrium(spindle.system, spindle.system.initial_state());

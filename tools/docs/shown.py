@@ -30,7 +30,7 @@ EXCEPTIONS = {
     "what contact and its detection hand to each other": """
         ContactSide ContactPoses ContactDetector ContactTrace CompliantMemory CapsulePiece""",
     "elements that a function or a body draws: the page of that shows it": """
-        BeamElement LineLoadPiece LinePiece RailCurve RailMarkers RollingBearing HertzPoint SpinningBall
+        BeamElement LineLoadPiece LinePiece RailCurve RailMarkers RollingBearing HertzPoint SpinningBall SeparatedLift
         GearGeometry GearPhase InvoluteGear BevelCone SprocketRun ControlProgram""",
     "what a flexible body is made of; make_basis() and the readers fill it": """
         BeamMesh DeflectionMap FlexibleInertia ModalInertia NodalInertia FramePlacement FreeMotions
