@@ -85,8 +85,8 @@ void RigidContacts::refuse_held(int point, const State& start, double speed) {
                pairs_[static_cast<std::size_t>(points_[static_cast<std::size_t>(point)].pair)].element)]
            .element;
   throw SimulationError("rigid surfaces of '" + contact.name() + "' meet at " + speed_text(speed) +
-                            ", and no impulse can stop " + bodies + ": " + holding +
-                            (driving.empty() ? " hold" : " prescribe") + " the motion of it",
+                            ", and no impulse can stop " + bodies +
+                            (driving.empty() ? ": held by " : ": motion prescribed by ") + holding,
                         contact.where() + ", " + time_text(start.time),
                         "let the motion end before the surfaces meet, drive it by a spring, motor or controller of "
                         "limited effort, or give the contact a compliant law: {.law = Compliance{...}}");
