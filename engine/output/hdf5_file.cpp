@@ -219,6 +219,28 @@ struct OpenSet {
   std::vector<hsize_t> extent;
 };
 
+/// Whether all of a data set lies within the file, which may be cut short: HDF5 takes what is beyond the end for zeros.
+bool is_whole(const OpenSet& open, std::uintmax_t file_size) {
+  const auto is_there = [&](haddr_t first, hsize_t size) { return first <= file_size && size <= file_size - first; };
+  const Handle layout(H5Dget_create_plist(open.set), H5Pclose);
+  if (H5Pget_layout(layout) != H5D_CHUNKED) {
+    const haddr_t first = H5Dget_offset(open.set);
+    return first == HADDR_UNDEF || is_there(first, H5Dget_storage_size(open.set));
+  }
+  const size_t dimensions = open.extent.size();
+  std::vector<hsize_t> chunk(dimensions), at(dimensions, 0);
+  if (H5Pget_chunk(layout, static_cast<int>(dimensions), chunk.data()) < 0) return false;
+  for (size_t k = 0; k < dimensions;) {
+    unsigned filters = 0;
+    haddr_t first = HADDR_UNDEF;
+    hsize_t size = 0;
+    if (H5Dget_chunk_info_by_coord(open.set, at.data(), &filters, &first, &size) < 0) return false;
+    if (!is_there(first, size)) return false;  // HADDR_UNDEF, too, is beyond any file
+    for (k = 0; k < dimensions && (at[k] += std::max<hsize_t>(chunk[k], 1)) >= open.extent[k]; ++k) at[k] = 0;
+  }
+  return true;
+}
+
 OpenSet open_set(const Hdf5Reader& reader, hid_t file, const std::string& name, H5T_class_t kind, size_t dimensions) {
   OpenSet open{Handle(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose), {}};
   if (!open.set.valid()) reader.refuse(name, "is missing");
@@ -233,7 +255,9 @@ OpenSet open_set(const Hdf5Reader& reader, hid_t file, const std::string& name, 
   hsize_t room = stored / std::max<hsize_t>(H5Tget_size(type), 1);
   if (std::find(open.extent.begin(), open.extent.end(), 0) != open.extent.end()) return open;
   for (hsize_t size : open.extent) room /= size;
-  if (room == 0) reader.refuse(name, "is larger than what the file holds");
+  std::error_code why;
+  if (room == 0 || !is_whole(open, std::filesystem::file_size(reader.path(), why)))
+    reader.refuse(name, "is larger than what the file holds");
   return open;
 }
 
