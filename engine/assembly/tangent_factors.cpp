@@ -198,6 +198,7 @@ std::vector<int> TangentFactors::find_dependent_rows(double tolerance) {
 /// pivot as xᵀ M x, in which round-off counts squared.
 void TangentFactors::add_confirmed(const std::vector<int>& doubtful, const VectorX& reference, double tolerance,
                                    std::vector<int>& dependent) {
+  if (doubtful.empty()) return;
   std::vector<int> left_out = dependent;
   left_out.insert(left_out.end(), doubtful.begin(), doubtful.end());
   const VectorX no_load = VectorX::Zero(work_.residual.size());
@@ -218,7 +219,6 @@ void TangentFactors::add_confirmed(const std::vector<int>& doubtful, const Vecto
     else
       dependent.push_back(d);
   }
-  if (doubtful.empty()) return;
   std::sort(dependent.begin(), dependent.end());
   factor_.drop_rows(dependent);
   factor_.factorize(work_.values);

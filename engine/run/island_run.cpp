@@ -165,13 +165,13 @@ void IslandRun::advance(State& state, double stop) {
     const std::string found = find_failing_element(equations_, last_, inside ? until : stop);
     return found.empty() ? "" : "; " + found;
   };
-  constexpr const char* keep_apart =
+  constexpr const char* kKeepApart =
       "keep the two apart: measure an angle about an axis that the joint keeps, or hold the bodies in the plane of the "
       "joint";
   if (!result.ok()) {
     const std::string element = failing_element(stop);
     if (const std::string lost = element.empty() ? find_lost_angle(equations_, last_) : ""; !lost.empty())
-      fail(state, step() + " failed: " + result.why + "; " + lost, keep_apart);
+      fail(state, step() + " failed: " + result.why + "; " + lost, kKeepApart);
     fail(state, step() + " failed: " + result.why + element,
          "give a smaller step or another tolerance; if neither helps, look for what happens there: a locked mechanism, "
          "an impact, a force that grows without bound");
@@ -182,7 +182,7 @@ void IslandRun::advance(State& state, double stop) {
          "look for a force that divides by zero or overflows near there, or give a smaller step");
   if (!(state.time > last_.time && state.time <= stop)) {
     if (const std::string lost = state.time == last_.time ? find_lost_angle(equations_, last_) : ""; !lost.empty())
-      fail(state, step() + " became shorter than time can tell: " + lost, keep_apart);
+      fail(state, step() + " became shorter than time can tell: " + lost, kKeepApart);
     fail(state, step() + " to " + time_text(stop) + " ended at " + time_text(state.time) + failing_element(stop),
          "give a looser tolerance if steps became smaller than time can resolve; else fix the integrator: a step moves "
          "time, never past its stop");

@@ -59,6 +59,15 @@ void* realloc(void* at, std::size_t size) noexcept {
 namespace lithe::test::allocation_test {
 namespace {
 
+void expect_no_allocation(Integrator& method, Scene& scene, double end) {
+  const long before = allocations;
+  bool ok = true;
+  while (scene.state.time < end) ok &= method.step(scene.equations, scene.state, end).ok();
+  const long counted = allocations - before;
+  EXPECT_TRUE(ok);
+  EXPECT_EQ(counted, 0) << method.name() << ", " << method.statistics().steps << " steps";
+}
+
 TEST(Step, AllocatesNothing) {
 #ifdef LITHE_TEST_NO_COUNT
   GTEST_SKIP() << "a sanitizer owns malloc";
@@ -75,12 +84,7 @@ TEST(Step, AllocatesNothing) {
     for (bool revolute : {false, true}) {
       Scene scene = box_chain(8, revolute);
       scene.run(*method, 0.01);
-      const long before = allocations;
-      bool ok = true;
-      while (scene.state.time < 0.2) ok &= method->step(scene.equations, scene.state, 0.2).ok();
-      const long counted = allocations - before;
-      EXPECT_TRUE(ok);
-      EXPECT_EQ(counted, 0) << method->name() << ", " << method->statistics().steps << " steps";
+      expect_no_allocation(*method, scene, 0.2);
     }
   }
 }
@@ -101,11 +105,7 @@ TEST(Step, AllocatesNothingForALoadedFlexibleBody) {
         graph.add<PointForce>("push", {body.average(rod.node_set("root_face"))}, {.force = {0, 0, 1}});
       });
       scene.run(*method, 0.01);
-      const long before = allocations;
-      bool ok = true;
-      while (scene.state.time < 0.03) ok &= method->step(scene.equations, scene.state, 0.03).ok();
-      EXPECT_TRUE(ok);
-      EXPECT_EQ(allocations - before, 0) << method->name();
+      expect_no_allocation(*method, scene, 0.03);
     }
   }
 }
@@ -124,11 +124,7 @@ TEST(Step, AllocatesNothingForFrictionInAJoint) {
   });
   MoreauJean method{{.step = 1e-3}};
   scene.run(method, 0.02);
-  const long before = allocations;
-  bool ok = true;
-  while (scene.state.time < 0.3) ok &= method.step(scene.equations, scene.state, 0.3).ok();
-  EXPECT_TRUE(ok);
-  EXPECT_EQ(allocations - before, 0);
+  expect_no_allocation(method, scene, 0.3);
 }
 
 /// A pin that sticks under a torque, a slide on a slope that does, and a rod on two pins of which each would hold it:
@@ -158,12 +154,7 @@ TEST(Step, AllocatesNothingForJointsThatStick) {
     Scene scene({0, 0, -9.81}, draw);
     const VectorX start = scene.state.q;
     scene.run(*method, 0.02);
-    const long before = allocations;
-    bool ok = true;
-    while (scene.state.time < 0.3) ok &= method->step(scene.equations, scene.state, 0.3).ok();
-    const long counted = allocations - before;
-    EXPECT_TRUE(ok);
-    EXPECT_EQ(counted, 0) << method->name();
+    expect_no_allocation(*method, scene, 0.3);
     EXPECT_LT((scene.state.q - start).head(14).lpNorm<Eigen::Infinity>(), 1e-9) << "it does not stick";
     EXPECT_GT((scene.state.q - start).lpNorm<Eigen::Infinity>(), 0.1);
   }
@@ -202,12 +193,7 @@ TEST(Step, AllocatesNothingForALargeControlDiagram) {
       EXPECT_GT(add_control(graph, "control", control, states).part_count(), 1);
     });
     scene.run(*method, 0.05);
-    const long before = allocations;
-    bool ok = true;
-    while (scene.state.time < 0.3) ok &= method->step(scene.equations, scene.state, 0.3).ok();
-    const long counted = allocations - before;
-    EXPECT_TRUE(ok);
-    EXPECT_EQ(counted, 0) << method->name() << ", " << method->statistics().steps << " steps";
+    expect_no_allocation(*method, scene, 0.3);
   }
 }
 
