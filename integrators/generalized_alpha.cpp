@@ -1,11 +1,13 @@
 #include "integrators/generalized_alpha.h"
 
 #include <algorithm>
+#include <array>
 
 #include "engine/archive/archive.h"
 #include "engine/base/checks.h"
 #include "engine/base/error.h"
 #include "engine/base/lane_rotations.h"
+#include "engine/motion/share_bodies.h"
 
 namespace lithe {
 namespace {
@@ -158,14 +160,17 @@ double GeneralizedAlpha::natural_step(const State& state, double t_stop) const {
 void GeneralizedAlpha::predict(EquationsOfMotion& equations, const State& state, double h, bool steady) {
   lambda_ = state.lambda;
   const double scale = 1 / (1 - am_);
-  for (Eigen::Index i = 0; i < d_.size(); ++i) {
-    const double a = a_[i];
-    const double next = steady ? (1 - 0.5 / beta_) * a : scale * (state.v_dot[i] - am_ * a);  // a'
-    v_dot_[i] = steady ? ((1 - am_) * next + am_ * a - af_ * state.v_dot[i]) / (1 - af_) : state.v_dot[i];
-    d_[i] = h * state.v[i] + h * h * ((0.5 - beta_) * a + beta_ * next);
-    v_[i] = state.v[i] + h * ((1 - gamma_) * a + gamma_ * next);
-  }
-  equations.layout().retract(state.q, d_, q_);
+  const Layout& layout = equations.layout();
+  share_bodies(layout, equations.facts().team, [&](int, int first, int last) {
+    for (int i = velocity_at(layout, first), end = velocity_at(layout, last); i < end; ++i) {
+      const double a = a_[i];
+      const double next = steady ? (1 - 0.5 / beta_) * a : scale * (state.v_dot[i] - am_ * a);  // a'
+      v_dot_[i] = steady ? ((1 - am_) * next + am_ * a - af_ * state.v_dot[i]) / (1 - af_) : state.v_dot[i];
+      d_[i] = h * state.v[i] + h * h * ((0.5 - beta_) * a + beta_ * next);
+      v_[i] = state.v[i] + h * ((1 - gamma_) * a + gamma_ * next);
+    }
+    layout.retract(first, last, state.q, d_, q_);
+  });
 }
 
 /// With the prediction that serves at present; where it fails with a fixed step, once more with the other one.
@@ -184,7 +189,18 @@ GeneralizedAlpha::Newton GeneralizedAlpha::take(EquationsOfMotion& equations, co
 
 /// Takes the Newton correction -rv_ over: d, v, v̇ and q, body by body in one pass over memory. The size of the largest
 /// entry of the chart's change; not finite if one is not.
-double GeneralizedAlpha::correct(const Layout& layout, const VectorX& q_start, double of_v, double of_v_dot) {
+double GeneralizedAlpha::correct(EquationsOfMotion& equations, const VectorX& q_start, double of_v, double of_v_dot) {
+  std::array<double, kMostRanges> sizes{};
+  share_bodies(equations.layout(), equations.facts().team, [&](int range, int first, int last) {
+    sizes[range] = correct(equations.layout(), first, last, q_start, of_v, of_v_dot);
+  });
+  double size = 0, finite = 0;
+  for (double of_range : sizes) size = std::max(size, of_range), finite += 0 * of_range;
+  return size + finite;
+}
+
+double GeneralizedAlpha::correct(const Layout& layout, int first, int last, const VectorX& q_start, double of_v,
+                                 double of_v_dot) {
   using lanes::load3;
   using lanes::store3;
   double *d = d_.data(), *v = v_.data(), *v_dot = v_dot_.data(), *q = q_.data(), *delta = delta_.data();
@@ -201,7 +217,8 @@ double GeneralizedAlpha::correct(const Layout& layout, const VectorX& q_start, d
     all_finite += 0.0 * change;
     return moved;
   };
-  for (const Layout::BodySlice& b : layout.bodies()) {
+  for (int body = first; body < last; ++body) {
+    const Layout::BodySlice& b = layout.bodies()[body];
     int iq = b.q, iv = b.v;
     if (b.frame) {
       const Lanes turn = -lanes::chart_rate(load3(d + iv + 3), load3(x + iv + 3));
@@ -263,7 +280,7 @@ GeneralizedAlpha::Newton GeneralizedAlpha::solve(EquationsOfMotion& equations, c
       for (int row : rolling) rl_[row] = rl2_[row] / g1;  // their increment is that of the velocity
       equations.solve(rv_, rl_);
       lambda_ -= rl_;
-      size = correct(equations.layout(), start.q, g1, b1);
+      size = correct(equations, start.q, g1, b1);
     } else {
       rv_ = -rv_;
       // Velocities first: G v' + ∂g/∂t = 0; then positions alone, along the same factor: g(q') = 0.
@@ -338,6 +355,16 @@ bool GeneralizedAlpha::keep(Archive& archive, EquationsOfMotion& /*equations*/, 
   return true;
 }
 
+/// a' from v̇' by the method's own relation.
+void GeneralizedAlpha::take_over(EquationsOfMotion& equations, const State& state) {
+  const double scale = 1 / (1 - am_);
+  const Layout& layout = equations.layout();
+  share_bodies(layout, equations.facts().team, [&](int, int first, int last) {
+    for (int i = velocity_at(layout, first), end = velocity_at(layout, last); i < end; ++i)
+      a_[i] = scale * ((1 - af_) * v_dot_[i] + af_ * state.v_dot[i] - am_ * a_[i]);
+  });
+}
+
 StepResult GeneralizedAlpha::advance(EquationsOfMotion& equations, State& state, double t_stop) {
   if (!(t_stop > state.time)) return {};
   const bool automatic = parameters_.step == 0;
@@ -351,10 +378,7 @@ StepResult GeneralizedAlpha::advance(EquationsOfMotion& equations, State& state,
     double ratio = 0;
     if (newton == Newton::converged && automatic) ratio = error(equations.layout(), state, h);
     if (newton == Newton::converged && !(ratio > 1)) {
-      // a' from v̇' by the method's own relation.
-      const double scale = 1 / (1 - am_);
-      for (Eigen::Index i = 0; i < a_.size(); ++i)
-        a_[i] = scale * ((1 - af_) * v_dot_[i] + af_ * state.v_dot[i] - am_ * a_[i]);
+      take_over(equations, state);
       v_dot_last_.swap(state.v_dot);
       has_last_ = true;
       h_last_ = h;

@@ -81,7 +81,9 @@ class GeneralizedAlpha : public Integrator, public DifferentiableSteps {
   void shift_velocity(EquationsOfMotion& equations, State& state, double h_squared);
   void predict(EquationsOfMotion& equations, const State& state, double h, bool steady);
   Newton take(EquationsOfMotion& equations, const State& state, double time, double h);
-  double correct(const Layout& layout, const VectorX& q_start, double of_v, double of_v_dot);
+  double correct(EquationsOfMotion& equations, const VectorX& q_start, double of_v, double of_v_dot);
+  double correct(const Layout& layout, int first, int last, const VectorX& q_start, double of_v, double of_v_dot);
+  void take_over(EquationsOfMotion& equations, const State& state);
   Newton solve(EquationsOfMotion& equations, const State& start, double time, double h);
   double error(const Layout& layout, const State& start, double h);
 

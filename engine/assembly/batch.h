@@ -8,6 +8,7 @@
 #include "engine/model/batch_factories.h"
 #include "engine/model/body.h"
 #include "engine/model/constraint.h"
+#include "engine/model/element_error.h"
 #include "engine/model/force_element.h"
 #include "engine/model/rigid_rows.h"
 
@@ -22,10 +23,21 @@ struct BodyRecord {
   std::vector<std::pair<int, int>> loaded;   // of these, those that force elements use
 };
 
-/// All bodies of one type; the loop knows the type, so its calls are inlined.
-class BodyBatch {
+/// All elements of one type: those of one part of the scene (System::parts()) lie together, those between parts last.
+class Batch {
  public:
-  virtual ~BodyBatch() = default;
+  virtual ~Batch() = default;
+  BatchRange part(std::size_t i) const { return {i == 0 ? 0 : ends_[i - 1], ends_[i]}; }
+  /// Where each part ends, then those between parts.
+  void set_ends(std::vector<int> ends) { ends_ = std::move(ends); }
+
+ private:
+  std::vector<int> ends_;
+};
+
+/// All bodies of one type; the loop knows the type, so its calls are inlined.
+class BodyBatch : public Batch {
+ public:
   /// Caches of all bodies of the batch, contiguous.
   class Caches {
    public:
@@ -35,12 +47,12 @@ class BodyBatch {
   virtual void add(const Body& body, BodyRecord record) = 0;
   virtual std::unique_ptr<Caches> make_caches() const = 0;
   /// Bodies to `level`, and their markers to `markers`: all of them, or those alone that force elements use.
-  virtual void evaluate(Workspace&, Caches&, Level level, Level markers) const = 0;
-  virtual void evaluate_loaded(Workspace&, Caches&, Level level) const = 0;
-  virtual void add_residual(Workspace&, Caches&, const double* v_dot, double* r) const = 0;
+  virtual void evaluate(Workspace&, Caches&, BatchRange, Level level, Level markers) const = 0;
+  virtual void evaluate_loaded(Workspace&, Caches&, BatchRange, Level level) const = 0;
+  virtual void add_residual(Workspace&, Caches&, BatchRange, const double* v_dot, double* r) const = 0;
   /// Writes the bodies' own blocks of S. `increment`: of the chart in which S is to act, or null.
-  virtual void write_tangent(Workspace&, Caches&, const BlockStructure&, const double* v_dot, const TangentWeights&,
-                             const double* increment) const = 0;
+  virtual void write_tangent(Workspace&, Caches&, BatchRange, const BlockStructure&, const double* v_dot,
+                             const TangentWeights&, const double* increment) const = 0;
 };
 
 struct ConnectorRecord {
@@ -54,15 +66,15 @@ struct ConnectorRecord {
 };
 
 /// All constraints of one type.
-class ConstraintBatch {
+class ConstraintBatch : public Batch {
  public:
-  virtual ~ConstraintBatch() = default;
   virtual void add(const Constraint& constraint, ConnectorRecord record) = 0;
   /// Null unless the type says that its rows are such.
   virtual const RigidRows* rigid_rows() const = 0;
-  virtual void evaluate(Workspace&, const BlockStructure&, Level) const = 0;
+  virtual void evaluate(Workspace&, BatchRange, const BlockStructure&, Level) const = 0;
   /// Adds weight · ∂(Gᵀ lambda)/∂q to the bodies' blocks: the stiffness of loaded joints.
-  virtual void add_stiffness(Workspace&, const BlockStructure&, double weight, const double* lambda) const = 0;
+  virtual void add_stiffness(Workspace&, BatchRange, const BlockStructure&, double weight,
+                             const double* lambda) const = 0;
 };
 
 /// The joint whose reaction a force element wants.
@@ -73,13 +85,14 @@ struct ReactionRecord {
 };
 
 /// All force elements of one type.
-class ForceBatch {
+class ForceBatch : public Batch {
  public:
-  virtual ~ForceBatch() = default;
   virtual void add(const ForceElement& force, ConnectorRecord record, ReactionRecord reaction) = 0;
-  virtual void evaluate(Workspace&, const BlockStructure&) const = 0;
+  virtual void evaluate(Workspace&, BatchRange, const BlockStructure&) const = 0;
   /// Adds the derivatives of loads by positions and velocities, and of the directions of loaded rows, as weighted.
-  virtual void add_tangent(Workspace&, const BlockStructure&, const TangentWeights&) const = 0;
+  virtual void add_tangent(Workspace&, BatchRange, const BlockStructure&, const TangentWeights&) const = 0;
+  /// Whether threads may share its elements; else they all count as between parts.
+  virtual bool shares() const { return true; }
   /// Tensions that joints' reactions make (friction), for these multipliers.
   virtual void react(Workspace&, const BlockStructure&, const double* lambda) const = 0;
   /// Their derivatives by the multipliers; the diagonals of the rows' compliance are there.

@@ -36,8 +36,8 @@ class BodyBatchOf final : public BodyBatch {
     return caches;
   }
 
-  void evaluate(Workspace& work, Caches& caches, Level level, Level markers) const override {
-    for_each_named(bodies_, work.time, [&](std::size_t i) {
+  void evaluate(Workspace& work, Caches& caches, BatchRange range, Level level, Level markers) const override {
+    for_each_named(bodies_, range, work.time, [&](std::size_t i) {
       const BodyRecord& record = records_[i];
       if constexpr (requires(const T& body) { body.prefetch_markers(); }) {
         if (i + 8 < bodies_.size()) bodies_[i + 8]->prefetch(), bodies_[i + 4]->prefetch_markers();
@@ -49,8 +49,8 @@ class BodyBatchOf final : public BodyBatch {
     });
   }
 
-  void evaluate_loaded(Workspace& work, Caches& caches, Level level) const override {
-    for_each_named(bodies_, work.time, [&](std::size_t i) {
+  void evaluate_loaded(Workspace& work, Caches& caches, BatchRange range, Level level) const override {
+    for_each_named(bodies_, range, work.time, [&](std::size_t i) {
       const BodyRecord& record = records_[i];
       if (record.loaded.empty()) return;
       const BodyState state = state_of(work, caches, i);
@@ -60,16 +60,16 @@ class BodyBatchOf final : public BodyBatch {
     });
   }
 
-  void add_residual(Workspace& work, Caches& caches, const double* v_dot, double* r) const override {
-    for_each_named(bodies_, work.time, [&](std::size_t i) {
+  void add_residual(Workspace& work, Caches& caches, BatchRange range, const double* v_dot, double* r) const override {
+    for_each_named(bodies_, range, work.time, [&](std::size_t i) {
       bodies_[i]->T::add_residual(state_of(work, caches, i), v_dot + records_[i].v, work.gravity, r + records_[i].v);
     });
   }
 
-  void write_tangent(Workspace& work, Caches& caches, const BlockStructure& blocks, const double* v_dot,
-                     const TangentWeights& weights, const double* increment) const override {
+  void write_tangent(Workspace& work, Caches& caches, BatchRange range, const BlockStructure& blocks,
+                     const double* v_dot, const TangentWeights& weights, const double* increment) const override {
     double* values = work.values.data();
-    for_each_named(bodies_, work.time, [&](std::size_t i) {
+    for_each_named(bodies_, range, work.time, [&](std::size_t i) {
       const BodyRecord& record = records_[i];
       if constexpr (kRigidTangent<T>) {
         const auto& [mass, inertia] = bodies_[i]->rigid_inertia();
@@ -206,9 +206,9 @@ class ConstraintBatchOf final : public ConstraintBatch {
     return nullptr;
   }
 
-  void evaluate(Workspace& work, const BlockStructure& blocks, Level level) const override {
+  void evaluate(Workspace& work, BatchRange range, const BlockStructure& blocks, Level level) const override {
     constexpr int kRows = connector::kRowsOf<T>;
-    for_each_named(constraints_, work.time, [&](std::size_t i) {
+    for_each_named(constraints_, range, work.time, [&](std::size_t i) {
       const ConnectorRecord& record = records_[i];
       if constexpr (connector::kHasRigidRows<T>)
         if (record.rigid && level != Level::acceleration)
@@ -251,10 +251,10 @@ class ConstraintBatchOf final : public ConstraintBatch {
     });
   }
 
-  void add_stiffness(Workspace& work, const BlockStructure& blocks, double weight,
+  void add_stiffness(Workspace& work, BatchRange range, const BlockStructure& blocks, double weight,
                      const double* lambda) const override {
     constexpr int kRows = connector::kRowsOf<T>;
-    for_each_named(constraints_, work.time, [&](std::size_t i) {
+    for_each_named(constraints_, range, work.time, [&](std::size_t i) {
       const ConnectorRecord& record = records_[i];
       const int markers = connector::marker_count<T>(record);
       if (markers > kMaxMarkers) return;  // left out: Newton finds its way without
@@ -311,11 +311,12 @@ class ForceBatchOf final : public ForceBatch {
     reacting_.push_back(static_cast<int>(forces_.size()) - 1);
     reactions_.push_back(reaction);
   }
+  BatchRange all() const { return {0, static_cast<int>(forces_.size())}; }
 
-  void evaluate(Workspace& work, const BlockStructure& blocks) const override {
+  void evaluate(Workspace& work, BatchRange range, const BlockStructure& blocks) const override {
     constexpr int kRows = connector::kRowsOf<T>;
     const int constraints = static_cast<int>(work.residual.size());
-    for_each_named(forces_, work.time, [&](std::size_t i) {
+    for_each_named(forces_, range, work.time, [&](std::size_t i) {
       const ConnectorRecord& record = records_[i];
       ForceRows rows(record.marker_count);
       if (!reactions_.empty()) rows.set_reaction({Vector3::Zero(), Vector3::Zero()});  // until react()
@@ -338,8 +339,9 @@ class ForceBatchOf final : public ForceBatch {
     });
   }
 
-  void add_tangent(Workspace& work, const BlockStructure& blocks, const TangentWeights& weights) const override {
-    for_each_named(forces_, work.time,
+  void add_tangent(Workspace& work, BatchRange range, const BlockStructure& blocks,
+                   const TangentWeights& weights) const override {
+    for_each_named(forces_, range, work.time,
                    [&](std::size_t i) { add_tangent_of(*forces_[i], records_[i], work, blocks, weights); });
   }
   /// The same for one element.

@@ -10,6 +10,7 @@
 #include "engine/assembly/reached_state.h"
 #include "engine/assembly/tangent_factors.h"
 #include "engine/base/error.h"
+#include "engine/base/thread_team.h"
 #include "engine/contact/rigid_contacts.h"
 #include "engine/factor/block_products.h"
 
@@ -32,7 +33,8 @@ bool is_of(const std::vector<ContactRecord>& contacts, const ContactTrace& trace
 
 }  // namespace
 
-Evaluator::Evaluator(const System& system) : system_(system) {
+Evaluator::Evaluator(const System& system)
+    : system_(system), team_(std::make_unique<ThreadTeam>(system.parts().size() > 1 ? system.threads_ : 1)) {
   const auto& layout = system.layout();
   const int rows = layout.row_count(), compliant = system.compliant_count_;
   work_.q.setZero(layout.q_count());
@@ -55,12 +57,18 @@ Evaluator::Evaluator(const System& system) : system_(system) {
             .redundant_rows = {},
             .velocity_rows = system.velocity_rows(),
             .reacts = system.reacts_,
-            .has_loops = factors_->has_loops()};
+            .has_loops = factors_->has_loops(),
+            .team = team_.get()};
   for (const RedundantRow& r : system.redundant_) facts_.redundant_rows.push_back(r.row);
   factors_->drop_rows(facts_.redundant_rows);
   if (system.forward_method_ != ForwardMethod::constraints)
-    forward_ = std::make_unique<ForwardPart>(system, system.forward_threads_, *this);
+    forward_ = std::make_unique<ForwardPart>(system, system.threads_, *this);
   reached_ = ReachedState::make(*this);
+}
+
+template <class Job>
+void Evaluator::for_each_part(const Job& job) {
+  team_->run(static_cast<int>(system_.parts().size()), [&](int i) { job(static_cast<std::size_t>(i)); });
 }
 
 /// Here, where the parts are complete types.
@@ -122,8 +130,12 @@ const double* Evaluator::applied_forces(double time, ConstVectorRef q, ConstVect
   work_.time = time;
   work_.q = q;
   work_.v = v;
-  for (std::size_t b = 0; b < caches_.size(); ++b)
-    system_.batches_.bodies[b]->evaluate_loaded(work_, *caches_[b], Level::velocity);
+  for_each_part([&](std::size_t part) {
+    for (std::size_t b = 0; b < caches_.size(); ++b) {
+      const BodyBatch& batch = *system_.batches_.bodies[b];
+      batch.evaluate_loaded(work_, *caches_[b], batch.part(part), Level::velocity);
+    }
+  });
   add_applied_forces();
   if (work_.tension.size() > 0) {
     work_.tension = -work_.tension;
@@ -136,16 +148,28 @@ const double* Evaluator::applied_forces(double time, ConstVectorRef q, ConstVect
 
 /// Loads, tensions and contacts of the state whose markers are evaluated.
 void Evaluator::add_applied_forces() {
-  work_.load.setZero();
-  for (const auto& batch : system_.batches_.forces) batch->evaluate(work_, system_.blocks_);
+  const auto evaluate = [&](std::size_t part) {
+    for (const auto& batch : system_.batches_.forces)
+      if (const BatchRange range = batch->part(part); !range.empty()) batch->evaluate(work_, range, system_.blocks_);
+  };
+  for_each_part([&](std::size_t part) {
+    const System::Part& of = system_.parts()[part];
+    work_.load.segment(of.first_v, of.last_v - of.first_v).setZero();
+    evaluate(part);
+  });
+  evaluate(system_.parts().size());
   if (contacts_) contacts_->evaluate(work_.load, work_.force_energy);
 }
 
 void Evaluator::place_measured_angles(ConstVectorRef q) {
   if (system_.angles_.empty()) return;
   work_.q = q;
-  for (std::size_t b = 0; b < caches_.size(); ++b)
-    system_.batches_.bodies[b]->evaluate(work_, *caches_[b], Level::position, Level::position);
+  for_each_part([&](std::size_t part) {
+    for (std::size_t b = 0; b < caches_.size(); ++b) {
+      const BodyBatch& batch = *system_.batches_.bodies[b];
+      batch.evaluate(work_, *caches_[b], batch.part(part), Level::position, Level::position);
+    }
+  });
 }
 
 void Evaluator::recall(const VectorX& quarter_turns) {
@@ -187,29 +211,57 @@ void Evaluator::react(ConstVectorRef lambda) {
 void Evaluator::evaluate(double time, ConstVectorRef q, ConstVectorRef v, Level level) {
   ++evaluations_;
   work_.time = time;
-  work_.q = q;
-  work_.v = v;
   // Joints ask for the velocities of markers where the velocity terms of g̈ or rows on velocities are wanted.
   const bool no_velocities = level == Level::velocity && !has_forces() && system_.velocity_rows_.empty();
   const Level markers = no_velocities ? Level::position : level;
-  for (std::size_t b = 0; b < caches_.size(); ++b)
-    system_.batches_.bodies[b]->evaluate(work_, *caches_[b], level, markers);
   if (least_norm_) least_norm_->forget();
-  for (const auto& batch : system_.batches_.constraints) batch->evaluate(work_, system_.blocks_, level);
+  // Joints of a part right after its bodies, whose markers are still in the cache; ground's markers before all.
+  const auto& bodies = system_.batches_.bodies;
+  const auto& joints = system_.batches_.constraints;
+  bodies.front()->evaluate(work_, *caches_.front(), bodies.front()->part(0), level, markers);
+  for_each_part([&](std::size_t part) {
+    const System::Part& of = system_.parts()[part];
+    const int q_count = of.last_q - of.first_q, v_count = of.last_v - of.first_v;
+    work_.q.segment(of.first_q, q_count) = q.segment(of.first_q, q_count);
+    work_.v.segment(of.first_v, v_count) = v.segment(of.first_v, v_count);
+    for (std::size_t b = 1; b < caches_.size(); ++b)
+      bodies[b]->evaluate(work_, *caches_[b], bodies[b]->part(part), level, markers);
+    for (const auto& batch : joints)
+      if (const BatchRange range = batch->part(part); !range.empty())
+        batch->evaluate(work_, range, system_.blocks_, level);
+  });
+  // Those between parts write rows and blocks of their own.
+  const std::size_t parts = system_.parts().size();
+  for_each_part([&](std::size_t share) {
+    for (const auto& batch : joints) {
+      const BatchRange between = batch->part(parts);
+      const auto at = [&](std::size_t i) {
+        return between.first + static_cast<int>(static_cast<std::size_t>(between.last - between.first) * i / parts);
+      };
+      if (at(share) < at(share + 1)) batch->evaluate(work_, {at(share), at(share + 1)}, system_.blocks_, level);
+    }
+  });
   if (level != Level::position && has_forces()) add_applied_forces();
   if (held_->any()) held_->release_from_joints();
 }
 
 void Evaluator::residual(ConstVectorRef v_dot, ConstVectorRef lambda, VectorRef r) {
-  if (!has_forces())
-    r.setZero();
-  else
-    r = -work_.load;
-  for (std::size_t b = 0; b < caches_.size(); ++b)
-    system_.batches_.bodies[b]->add_residual(work_, *caches_[b], v_dot.data(), r.data());
   react(lambda);
-  add_row_forces(system_.blocks_, work_.values, static_cast<int>(work_.residual.size()), lambda.data(),
-                 work_.tension.data(), r.data());
+  const bool loaded = has_forces();
+  for_each_part([&](std::size_t part) {
+    const System::Part& of = system_.parts()[part];
+    const int count = of.last_v - of.first_v;
+    if (loaded)
+      r.segment(of.first_v, count) = -work_.load.segment(of.first_v, count);
+    else
+      r.segment(of.first_v, count).setZero();
+    for (std::size_t b = 0; b < caches_.size(); ++b) {
+      const BodyBatch& batch = *system_.batches_.bodies[b];
+      batch.add_residual(work_, *caches_[b], batch.part(part), v_dot.data(), r.data());
+    }
+    add_row_forces(system_.blocks_, work_.values, of.jacobians, static_cast<int>(work_.residual.size()), lambda.data(),
+                   work_.tension.data(), r.data());
+  });
   held_->write_residual(v_dot, r);
 }
 
@@ -230,16 +282,18 @@ void Evaluator::write_tangent(const TangentWeights& weights, ConstVectorRef v_do
                               const VectorX* increment) {
   const auto& blocks = system_.blocks_;
   double* values = work_.values.data();
-  for (const auto& c : blocks.couplings) std::fill_n(values + c.ab, 36, 0.0), std::fill_n(values + c.ba, 36, 0.0);
-  for (std::size_t b = 0; b < caches_.size(); ++b)
-    system_.batches_.bodies[b]->write_tangent(work_, *caches_[b], blocks, v_dot.data(), weights,
-                                              increment ? increment->data() : nullptr);
-  if (weights.position != 0) {
-    for (const auto& batch : system_.batches_.constraints)
-      batch->add_stiffness(work_, blocks, weights.position, lambda.data());
-  }
-  if (weights.position != 0 || weights.velocity != 0)
-    for (const auto& batch : system_.batches_.forces) batch->add_tangent(work_, blocks, weights);
+  for_each_part([&](std::size_t part) {
+    const System::Part& of = system_.parts()[part];
+    for (int i = of.first_coupling; i < of.last_coupling; ++i)
+      std::fill_n(values + blocks.couplings[i].ab, 36, 0.0), std::fill_n(values + blocks.couplings[i].ba, 36, 0.0);
+    for (std::size_t b = 0; b < caches_.size(); ++b) {
+      const BodyBatch& batch = *system_.batches_.bodies[b];
+      batch.write_tangent(work_, *caches_[b], batch.part(part), blocks, v_dot.data(), weights,
+                          increment ? increment->data() : nullptr);
+    }
+    add_part_tangent(part, weights, lambda);
+  });
+  add_part_tangent(system_.parts().size(), weights, lambda);
   const int rows = static_cast<int>(work_.residual.size());
   for (const auto& row : blocks.rows) {
     if (row.compliant < 0) continue;
@@ -254,6 +308,18 @@ void Evaluator::write_tangent(const TangentWeights& weights, ConstVectorRef v_do
     for (const auto& batch : system_.batches_.forces) batch->write_reaction_tangent(work_, blocks, felt);
   }
   held_->write_tangent(weights.acceleration);
+}
+
+/// Of the joints and forces of a part, or of those between parts.
+void Evaluator::add_part_tangent(std::size_t part, const TangentWeights& weights, ConstVectorRef lambda) {
+  const auto& blocks = system_.blocks_;
+  if (weights.position != 0)
+    for (const auto& batch : system_.batches_.constraints)
+      if (const BatchRange range = batch->part(part); !range.empty())
+        batch->add_stiffness(work_, range, blocks, weights.position, lambda.data());
+  if (weights.position != 0 || weights.velocity != 0)
+    for (const auto& batch : system_.batches_.forces)
+      if (const BatchRange range = batch->part(part); !range.empty()) batch->add_tangent(work_, range, blocks, weights);
 }
 
 void Evaluator::factorize(const TangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,

@@ -14,6 +14,7 @@ class HeldBlocks;
 class LeastNorm;
 class ReachedState;
 class TangentFactors;
+class ThreadTeam;
 
 /// Evaluates one state of a system: walks the batches and writes the blocks of M, f, g, G and of the tangent in place.
 /// One a thread. Bodies and markers that no connector uses: evaluated.h; what sensors ask: Snapshot.
@@ -51,6 +52,7 @@ class Evaluator final : public EquationsOfMotion, public StepMemory {
   /// Null: the scene has no contacts.
   ContactForces* contacts() { return contacts_.get(); }
   TangentFactors& factors() { return *factors_; }
+  ThreadTeam& team() { return *team_; }
 
   /// Writes S, the weighted derivative of the residual, and the compliances of force rows; as for factorize().
   void write_tangent(const TangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
@@ -68,10 +70,14 @@ class Evaluator final : public EquationsOfMotion, public StepMemory {
   void make_contacts();
   bool has_forces() const { return !system_.batches_.forces.empty() || contacts_; }
   void add_applied_forces();
+  void add_part_tangent(std::size_t part, const TangentWeights& weights, ConstVectorRef lambda);
+  template <class Job>
+  void for_each_part(const Job& job);
   const double* as_felt(ConstVectorRef lambda);
 
   const System& system_;
   Workspace work_;
+  std::unique_ptr<ThreadTeam> team_;  // null never
   long evaluations_ = 0;
   std::vector<std::unique_ptr<BodyBatch::Caches>> caches_;
   Facts facts_;

@@ -16,9 +16,13 @@ class LinearizedForceBatch final : public ForceBatch {
     forces_.push_back(static_cast<const T*>(&force));
     records_.push_back(record);
   }
-  void evaluate(Workspace& work, const BlockStructure& blocks) const override { exact_.evaluate(work, blocks); }
-  void add_tangent(Workspace& work, const BlockStructure& blocks, const TangentWeights& weights) const override {
-    for_each_named(forces_, work.time, [&](std::size_t i) {
+  void evaluate(Workspace& work, BatchRange range, const BlockStructure& blocks) const override {
+    exact_.evaluate(work, range, blocks);
+  }
+  BatchRange all() const { return exact_.all(); }
+  void add_tangent(Workspace& work, BatchRange range, const BlockStructure& blocks,
+                   const TangentWeights& weights) const override {
+    for_each_named(forces_, range, work.time, [&](std::size_t i) {
       ForceRows memory(records_[i].marker_count);
       memory.recall(work.quarter_turns.data() + records_[i].first_angle);
       connector::Views<T> views(work.markers.data(), records_[i]);

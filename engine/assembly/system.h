@@ -34,6 +34,14 @@ class System {
   int degrees_of_freedom() const { return layout_.v_count() - rank(); }
   /// As drawn. Where the pose changes which rows repeat others, EquationsOfMotion::redundant_rows() follows.
   const std::vector<RedundantRow>& redundant_rows() const { return redundant_; }
+  /// Bodies that follow each other in the graph, with what lies between them alone: threads may share parts. Their
+  /// number depends on the scene alone, and so do the bits.
+  struct Part {
+    int first_q = 0, last_q = 0, first_v = 0, last_v = 0;
+    int first_coupling = 0, last_coupling = 0;  // of BlockStructure, of its frames to those after them
+    std::vector<int> jacobians;                 // of BlockStructure, on its bodies
+  };
+  const std::vector<Part>& parts() const { return parts_; }
   /// Whether State::left_out may be this: empty, or as many rows as at the start, in order.
   bool may_leave_out(const std::vector<int>& rows) const;
   /// Rows on velocities alone (rolling), sorted numbers in lambda.
@@ -73,6 +81,7 @@ class System {
   Layout layout_;
   BlockStructure blocks_;
   Batches batches_;
+  std::vector<Part> parts_;
   struct Place {
     int batch, index;
     int slice;  // index into Layout::bodies(), -1: ground
@@ -95,7 +104,7 @@ class System {
   bool reacts_ = false;            // a force element wants the reaction of a joint
   State initial_;
   ForwardMethod forward_method_ = ForwardMethod::constraints;
-  int forward_threads_ = 1;
+  int threads_ = 1;
 };
 
 struct AssembleOptions {
@@ -109,8 +118,9 @@ struct AssembleOptions {
   /// are such (System::forward_method() tells); else all scenes are bodies with constraints. Answers agree to round-off
   /// of the accelerations and to the integrator's own error of the motion.
   bool forward_dynamics = true;
-  /// That explicit integrators may use on one rigid tree, for its branches and islands; worth it from some hundred
-  /// bodies on. The bits do not depend on it. Many scenes at once are the business of sweep().
+  /// That may work on this one scene: they share parts of it, branches of its factor, and branches and islands of rigid
+  /// trees. Worth it from some hundred bodies on. The bits do not depend on it. Laws and elements of your own are then
+  /// called by several threads at once. Many scenes at once are the business of sweep().
   int threads = 1;
 };
 

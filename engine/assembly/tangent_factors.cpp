@@ -22,7 +22,7 @@ TangentFactors::TangentFactors(Evaluator& evaluator, Workspace& work, std::vecto
       work_(work),
       redundant_rows_(redundant_rows),
       contacts_(contacts),
-      factor_(blocks_) {
+      factor_(blocks_, &evaluator.team()) {
   unknowns_.setZero(blocks_.velocity_count + work.residual.size() + work.tension.size());
   if (contacts_) contact_correction_ = std::make_unique<ContactCorrection<double>>();
 }
@@ -111,7 +111,7 @@ void TangentFactors::solve(VectorRef rv, VectorRef rl) const {
 void TangentFactors::form_complex(const ComplexTangentWeights& weights, ConstVectorRef v_dot, ConstVectorRef lambda,
                                   const VectorX* increment) {
   if (!complex_) {
-    complex_ = std::make_unique<ComplexPart>(blocks_);
+    complex_ = std::make_unique<ComplexPart>(blocks_, &evaluator_.team());
     complex_->unknowns.setZero(unknowns_.size());
     complex_->values.resize(work_.values.size());
   }

@@ -77,7 +77,7 @@ class TangentFactors final : public ComplexFactor {
   std::unique_ptr<ContactCorrection<double>> contact_correction_;  // null: the scene has no contacts
   /// Of factorize_complex().
   struct ComplexPart {
-    explicit ComplexPart(const BlockStructure& structure) : factor(structure) {}
+    ComplexPart(const BlockStructure& structure, ThreadTeam* team) : factor(structure, team) {}
     ComplexBlockFactor factor;
     std::vector<std::complex<double>> values;
     ComplexVectorX unknowns;

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <atomic>
+#include <exception>
+#include <mutex>
 #include <thread>
 #include <vector>
 
@@ -14,7 +16,10 @@ class ThreadTeam {
   ~ThreadTeam();
   ThreadTeam(const ThreadTeam&) = delete;
 
-  /// Calls job(i) for 0 <= i < count, in no order, and returns when all are done. Jobs must not throw.
+  int size() const { return 1 + static_cast<int>(threads_.size()); }
+
+  /// Calls job(i) for 0 <= i < count, in no order, and returns when all are done. Rethrows what the job of the lowest i
+  /// threw, as one thread would that takes them in turn.
   template <class Job>
   void run(int count, const Job& job) {
     const Call call = [](const void* data, int i) { (*static_cast<const Job*>(data))(i); };
@@ -25,6 +30,7 @@ class ThreadTeam {
   using Call = void (*)(const void*, int);
   void run(int count, Call call, const void* data);
   void work();
+  void keep_error(int i);
   void wait_for_work();
   void close();
 
@@ -34,6 +40,9 @@ class ThreadTeam {
   std::atomic<int> next_{0}, at_work_{0};
   std::atomic<unsigned> round_{0};
   std::atomic<bool> over_{false};
+  std::mutex mutex_;  // of what failed
+  std::exception_ptr error_;
+  int failed_ = 0;
   std::vector<std::thread> threads_;
 };
 

@@ -20,25 +20,32 @@ void add_to_plain_frame(const double* G, int rows, int point, const double* y, d
   lanes::store3(torque, force + 3);
 }
 
+inline void add_row_force(const BlockStructure& blocks, const std::vector<double>& values,
+                          const BlockStructure::Jacobian& G, int constraint_rows, const double* lambda,
+                          const double* tension, double* force) {
+  const auto& row = blocks.rows[G.rows];
+  if (row.first >= constraint_rows ? !tension : !lambda) return;
+  const double* y = row.first < constraint_rows ? lambda + row.first : tension + row.first - constraint_rows;
+  double* to = force + G.velocity;
+  if (G.frame >= 0 && blocks.frames[G.frame].plain)
+    return add_to_plain_frame(values.data() + G.values, row.count, G.point, y, to);
+  if (G.frame >= 0) kernels::add_transposed(to, values.data() + G.values, y, row.count, 6);
+  if (G.linear >= 0) {
+    const auto& L = blocks.linears[G.linear];
+    kernels::add_transposed(force + L.v, values.data() + G.linear_values, y, row.count, L.size);
+  }
+}
+
 }  // namespace
 
 void add_row_forces(const BlockStructure& blocks, const std::vector<double>& values, int constraint_rows,
                     const double* lambda, const double* tension, double* force) {
-  for (const auto& G : blocks.jacobians) {
-    const auto& row = blocks.rows[G.rows];
-    if (row.first >= constraint_rows ? !tension : !lambda) continue;
-    const double* y = row.first < constraint_rows ? lambda + row.first : tension + row.first - constraint_rows;
-    double* to = force + G.velocity;
-    if (G.frame >= 0 && blocks.frames[G.frame].plain) {
-      add_to_plain_frame(values.data() + G.values, row.count, G.point, y, to);
-      continue;
-    }
-    if (G.frame >= 0) kernels::add_transposed(to, values.data() + G.values, y, row.count, 6);
-    if (G.linear >= 0) {
-      const auto& L = blocks.linears[G.linear];
-      kernels::add_transposed(force + L.v, values.data() + G.linear_values, y, row.count, L.size);
-    }
-  }
+  for (const auto& G : blocks.jacobians) add_row_force(blocks, values, G, constraint_rows, lambda, tension, force);
+}
+
+void add_row_forces(const BlockStructure& blocks, const std::vector<double>& values, std::span<const int> jacobians,
+                    int constraint_rows, const double* lambda, const double* tension, double* force) {
+  for (int i : jacobians) add_row_force(blocks, values, blocks.jacobians[i], constraint_rows, lambda, tension, force);
 }
 
 void add_rates(const BlockStructure& blocks, const std::vector<double>& values, const double* v, VectorRef rates) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "engine/base/math.h"
@@ -13,6 +14,10 @@ namespace lithe {
 /// each compliant row. Null: those rows are left out.
 void add_row_forces(const BlockStructure& blocks, const std::vector<double>& values, int constraint_rows,
                     const double* lambda, const double* tension, double* force);
+
+/// The same of some Jacobians, by their index.
+void add_row_forces(const BlockStructure& blocks, const std::vector<double>& values, std::span<const int> jacobians,
+                    int constraint_rows, const double* lambda, const double* tension, double* force);
 
 /// Adds G v of the constraint rows to `rates`.
 void add_rates(const BlockStructure& blocks, const std::vector<double>& values, const double* v, VectorRef rates);

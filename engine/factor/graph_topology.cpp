@@ -6,6 +6,7 @@
 #include <boost/graph/connected_components.hpp>
 #include <boost/graph/depth_first_search.hpp>
 #include <boost/graph/graphviz.hpp>
+#include <cmath>
 #include <queue>
 #include <set>
 #include <sstream>
@@ -134,9 +135,51 @@ bool has_loops(const Topology& t) {
   return static_cast<int>(boost::num_edges(graph) + components) > static_cast<int>(boost::num_vertices(graph));
 }
 
+std::vector<int> centres(const Topology& t, const std::vector<int>& dimensions) {
+  constexpr double kLarge =
+      4e4;  // multiplications to invert its bodies' blocks, from which on threads can share a tree
+  const int n = t.body_count + static_cast<int>(t.ties.size());
+  std::vector<std::vector<int>> around(n);
+  for (int c = t.body_count; c < n; ++c)
+    for (int body : t.ties[c - t.body_count])
+      if (body >= 0) around[body].push_back(c), around[c].push_back(body);
+  std::vector<int> found, parent(n, -2), bodies(n, 0);  // parent: -2 not met, -1 a root; bodies at and beyond a vertex
+  for (int root = 0; root < t.body_count; ++root) {
+    if (parent[root] != -2) continue;
+    std::vector<int> order{root};
+    parent[root] = -1;
+    std::size_t edges = 0;
+    double work = 0;
+    for (std::size_t i = 0; i < order.size(); ++i)
+      for (int next : around[order[i]]) {
+        ++edges;
+        if (parent[next] != -2) continue;
+        parent[next] = order[i];
+        order.push_back(next);
+      }
+    if (edges != 2 * (order.size() - 1)) continue;  // each edge was met from both sides
+    for (auto v = order.rbegin(); v != order.rend(); ++v) {
+      if (*v < t.body_count) ++bodies[*v], work += std::pow(dimensions[*v], 3);
+      if (parent[*v] >= 0) bodies[parent[*v]] += bodies[*v];
+    }
+    const int all = bodies[root];
+    if (work < kLarge) continue;
+    int best = root, largest = all;
+    for (int v : order) {
+      if (v >= t.body_count) continue;
+      int part = all - bodies[v];
+      for (int next : around[v])
+        if (next != parent[v]) part = std::max(part, bodies[next]);
+      if (part < largest) best = v, largest = part;
+    }
+    found.push_back(best);
+  }
+  return found;
+}
+
 Elimination plan_elimination(const Topology& t, const std::vector<int>& dimensions,
                              const std::vector<std::pair<int, int>>& couplings,
-                             const std::vector<std::vector<int>>& first) {
+                             const std::vector<std::vector<int>>& first, const std::vector<int>& last) {
   const int bodies = t.body_count, others = bodies + static_cast<int>(t.ties.size()),
             n = others + static_cast<int>(first.size());
   std::vector<int> discovered;
@@ -163,9 +206,11 @@ Elimination plan_elimination(const Topology& t, const std::vector<int>& dimensio
     for (int w : neighbours[v]) sum += dimensions[w];
     return sum;
   };
-  // (cost, bodies of six numbers after constraints, number): those of three wait for nothing. Entries outdated by later
-  // elimination are skipped when they come up.
-  using Entry = std::tuple<int, int, int>;
+  std::vector<bool> waits(n, false);
+  for (int v : last) waits[v] = true;
+  // (last ones after all, cost, bodies of six numbers after constraints, number): those of three wait for nothing.
+  // Entries outdated by later elimination are skipped when they come up.
+  using Entry = std::tuple<bool, int, int, int>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
   std::vector<int> queued(n, -1);
   const auto enqueue = [&](int v) {
@@ -173,7 +218,7 @@ Elimination plan_elimination(const Topology& t, const std::vector<int>& dimensio
     const int c = cost(v);
     if (queued[v] == c) return;
     queued[v] = c;
-    queue.emplace(c, v < bodies && dimensions[v] > 3, v);
+    queue.emplace(waits[v], c, v < bodies && dimensions[v] > 3, v);
   };
   Elimination elimination{{}, std::vector<std::vector<int>>(n)};
   std::vector<bool> done(n, false);
@@ -189,7 +234,7 @@ Elimination plan_elimination(const Topology& t, const std::vector<int>& dimensio
   for (int v = others - 1; v >= 0; --v) enqueue(v);
 
   while (!queue.empty()) {
-    const auto [c, unused, v] = queue.top();
+    const auto [waited, c, unused, v] = queue.top();
     queue.pop();
     if (done[v] || c != queued[v]) continue;
     done[v] = true;

@@ -18,6 +18,11 @@ std::vector<int> islands(const Topology& topology);
 /// Whether any constraints close a loop (through ground counts too): only then can rows depend on each other's.
 bool has_loops(const Topology& topology);
 
+/// The body in the middle of each large tree: without it no part has more than half of the tree's bodies. Eliminated
+/// last, it leaves branches that do not know each other. None of small trees, nor of what closes loops. `dimensions`:
+/// of the bodies, then the constraints.
+std::vector<int> centres(const Topology& topology, const std::vector<int>& dimensions);
+
 /// Gaussian elimination as symbols.
 struct Elimination {
   std::vector<int> order;                    // of the vertices
@@ -29,11 +34,12 @@ struct Elimination {
 /// block of their own. A constraint is eliminated after all its bodies, or, where it alone holds a part of the graph
 /// that does not touch ground, after that part: in both cases its pivot block is minus a compliance, definite if its
 /// rows are independent. Among the eligible, the one with the smallest remaining neighbourhood goes first.
-/// `first`: the neighbours of further vertices, numbered after the constraints, that go before all others.
-/// The order is such that what depends on each other follows each other: a factorisation passes over memory once.
+/// `first`: the neighbours of further vertices, numbered after the constraints, that go before all others. `last`:
+/// bodies that wait until nothing else can go. The order is such that what depends on each other follows each other: a
+/// factorisation passes over memory once.
 Elimination plan_elimination(const Topology& topology, const std::vector<int>& dimensions,
                              const std::vector<std::pair<int, int>>& couplings,
-                             const std::vector<std::vector<int>>& first = {});
+                             const std::vector<std::vector<int>>& first = {}, const std::vector<int>& last = {});
 
 /// Graphviz text: bodies are boxes, connectors ellipses, edges carry marker names.
 struct GraphDrawing {

@@ -43,9 +43,14 @@ Layout::LinearSlice Layout::linear_slice(const BodySlice& of) const {
 }
 
 void Layout::retract(ConstVectorRef q, ConstVectorRef d, VectorRef out) const {
+  retract(0, static_cast<int>(bodies_.size()), q, d, out);
+}
+
+void Layout::retract(int first, int last, ConstVectorRef q, ConstVectorRef d, VectorRef out) const {
   const double *from = q.data(), *by = d.data();
   double* to = out.data();
-  for (const BodySlice& b : bodies_) {
+  for (int body = first; body < last; ++body) {
+    const BodySlice& b = bodies_[body];
     int iq = b.q, iv = b.v;
     if (b.frame) {
       lanes::store3(lanes::load3(from + iq) + lanes::load3(by + iv), to + iq);

@@ -47,6 +47,8 @@ class Layout {
 
   /// out = q ⊕ d: positions move by d, quaternions turn by d (body axes), linear coordinates move. out may be q.
   void retract(ConstVectorRef q, ConstVectorRef d, VectorRef out) const;
+  /// The same of the bodies from `first` to before `last`.
+  void retract(int first, int last, ConstVectorRef q, ConstVectorRef d, VectorRef out) const;
   /// d_dot of the chart q_n ⊕ d along velocities v: Jr⁻¹(psi) omega for rotations, v elsewhere.
   void chart_rates(ConstVectorRef d, ConstVectorRef v, VectorRef d_dot) const;
   /// d with q_to = q_from ⊕ d.

@@ -12,6 +12,7 @@
 namespace lithe {
 
 class RigidContacts;
+class ThreadTeam;
 struct State;
 
 /// Weights of an iteration matrix at a complex point (stages of implicit Runge-Kutta methods).
@@ -89,6 +90,7 @@ class EquationsOfMotion {
     std::vector<int> velocity_rows;  // on velocities alone (rolling), sorted: their g is zero always
     bool reacts = false;             // f depends on lambda (friction by reactions)
     bool has_loops = false;          // joints close loops: only then can constraints lose rank on the way
+    ThreadTeam* team = nullptr;      // for a method's own loops over bodies (share_bodies()); null: no threads
   };
   virtual const Facts& facts() const = 0;
   const Layout& layout() const { return *facts().layout; }

@@ -190,13 +190,16 @@ class ControlBatch final : public ForceBatch {
     first_.push_back(&control);
     wide_.emplace_back(control, record);
   }
-  void evaluate(Workspace& work, const BlockStructure& blocks) const override {
-    whole_.evaluate(work, blocks);
-    parts_.evaluate(work, blocks);
+  bool shares() const override { return false; }
+  void evaluate(Workspace& work, BatchRange, const BlockStructure& blocks) const override {
+    whole_.evaluate(work, whole_.all(), blocks);
+    parts_.evaluate(work, parts_.all(), blocks);
   }
-  void add_tangent(Workspace& work, const BlockStructure& blocks, const TangentWeights& weights) const override {
-    whole_.add_tangent(work, blocks, weights);
-    for_each_named(first_, work.time, [&](std::size_t i) { wide_[i].add_tangent(work, blocks, weights); });
+  void add_tangent(Workspace& work, BatchRange, const BlockStructure& blocks,
+                   const TangentWeights& weights) const override {
+    whole_.add_tangent(work, whole_.all(), blocks, weights);
+    for_each_named(first_, {0, static_cast<int>(first_.size())}, work.time,
+                   [&](std::size_t i) { wide_[i].add_tangent(work, blocks, weights); });
   }
   void react(Workspace&, const BlockStructure&, const double*) const override {}
   void write_reaction_tangent(Workspace&, const BlockStructure&, const double*) const override {}

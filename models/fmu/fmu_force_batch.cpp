@@ -107,13 +107,15 @@ class FmuForceBatch final : public ForceBatch {
     first_.push_back(&fmu);
     records_.push_back(record);
   }
-  void evaluate(Workspace& work, const BlockStructure& blocks) const override {
-    whole_.evaluate(work, blocks);
-    parts_.evaluate(work, blocks);
+  bool shares() const override { return false; }
+  void evaluate(Workspace& work, BatchRange, const BlockStructure& blocks) const override {
+    whole_.evaluate(work, whole_.all(), blocks);
+    parts_.evaluate(work, parts_.all(), blocks);
   }
-  void add_tangent(Workspace& work, const BlockStructure& blocks, const TangentWeights& weights) const override {
-    whole_.add_tangent(work, blocks, weights);
-    for_each_named(first_, work.time, [&](std::size_t i) {
+  void add_tangent(Workspace& work, BatchRange, const BlockStructure& blocks,
+                   const TangentWeights& weights) const override {
+    whole_.add_tangent(work, whole_.all(), blocks, weights);
+    for_each_named(first_, {0, static_cast<int>(first_.size())}, work.time, [&](std::size_t i) {
       ForceRows memory(records_[i].marker_count);
       memory.recall(work.quarter_turns.data() + records_[i].first_angle);
       connector::Views<FmuForce> views(work.markers.data(), records_[i]);

@@ -42,6 +42,7 @@ def measure(programs, counted, quick):
         "quick": quick,
         "sizes": SIZES,
         "fixed": steps.fixed_costs(programs, rounds, say),
+        "threads": steps.threads(programs, say),
         "bytes_per_link": steps.bytes_per_link(programs, say),
         "same_answers": steps.same_answers(programs),
         "by_size": steps.by_size(programs, quick, 2 if quick else 3, say),

@@ -31,12 +31,12 @@ class Programs:
                 return path
         return None
 
-    def lines(self, name, *arguments, timeout=120):
-        """The JSON lines of one call. Raises Refused with the program's last words."""
+    def lines(self, name, *arguments, timeout=120, pinned=True):
+        """The JSON lines of one call, on one core unless it is not pinned. Raises Refused with the program's last words."""
         path = self.find(name)
         if path is None:
             raise Refused("not built: its package is missing" if name.endswith("_driver") else "not built")
-        command = [*self.pin, *([self.python] if path.suffix == ".py" else []), str(path), *map(str, arguments)]
+        command = [*(self.pin if pinned else []), *([self.python] if path.suffix == ".py" else []), str(path), *map(str, arguments)]
         try:
             done = subprocess.run(command, capture_output=True, text=True, timeout=timeout)
         except subprocess.TimeoutExpired:
@@ -47,8 +47,8 @@ class Programs:
             raise Refused(words[-1] if words else f"{name} ended with code {done.returncode}")
         return [json.loads(line) for line in lines]
 
-    def run(self, name, *arguments, timeout=120):
-        return self.lines(name, *arguments, timeout=timeout)[-1]
+    def run(self, name, *arguments, timeout=120, pinned=True):
+        return self.lines(name, *arguments, timeout=timeout, pinned=pinned)[-1]
 
 
 def repeats_of(seconds):

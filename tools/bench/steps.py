@@ -1,5 +1,6 @@
 """Fixed implicit steps: chains, closed structures and the flexible pendulum, and the hand-written programs."""
 import math
+import os
 
 from programs import by_turns
 
@@ -78,6 +79,14 @@ def fixed_costs(programs, rounds, say):
         "beam_consistent": ("beam", (*beam, "--as", "consistent")),
         "cable": ("beam", (*beam, "--as", "cable")),
     }, cost, rounds)
+
+
+def threads(programs, say):
+    """One scene on two threads against one, beside two scenes at once, by the clock: {scene: row}; none on one processor."""
+    if len(os.sched_getaffinity(0)) < 2:
+        return {}
+    say("one scene on two threads")
+    return {scene: programs.run("threads", "--scene", scene, "--repeat", 9, pinned=False) for scene in ("chain", "flexible")}
 
 
 def bytes_per_link(programs, say):

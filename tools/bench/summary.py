@@ -46,6 +46,10 @@ def summary(measured):
         "robots_compiled_over_best": robots.over_best(measured.get("robots", {}), "compiled"),
         "lanes8": robots.lanes8(measured.get("robots", {})),
     }
+    for scene in ("chain", "flexible"):
+        row = measured.get("threads", {}).get(scene, {})
+        out[f"threads2_{scene}"] = row.get("times_faster")
+        out[f"threads2_{scene}_by_machine"] = row.get("times_by_machine")
     out["ratio_exudyn"], out["ratios_exudyn"] = exudyn_peer.ratios(measured.get("exudyn", []))
     for target, name in zip(chains.TARGETS, ("1e4", "1e6")):
         found = chains.ratios(rows, sizes, target)
