@@ -6,10 +6,13 @@
 
 #include "engine/analysis/rest_stability.h"
 #include "engine/analysis/static_equations.h"
+#include "engine/assembly/evaluated.h"
 #include "engine/assembly/least_norm.h"
 #include "engine/base/error.h"
 #include "engine/base/log.h"
 #include "engine/base/number_text.h"
+#include "engine/model/internal_loads.h"
+#include "engine/model/marker_motions.h"
 #include "engine/motion/projection.h"
 #include "engine/observe/observer.h"
 
@@ -39,6 +42,31 @@ std::string short_number(double x) {
   char text[32];
   std::snprintf(text, sizeof text, "%.3g", x);
   return text;
+}
+
+/// Of all force elements at the state evaluated last: loads, tensions along rows, and what balances within an element.
+double largest_element_force(Evaluator& equations, double time) {
+  double largest = 0;
+  const auto add = [&](const Wrench& w, double scale) {
+    largest =
+        std::max({largest, scale * w.force.lpNorm<Eigen::Infinity>(), scale * w.torque.lpNorm<Eigen::Infinity>()});
+  };
+  for (const auto& entry : equations.system().graph().forces()) {
+    const ForceElement& element = *entry.force;
+    const MarkerMotions markers(entry.markers,
+                                [&](const Marker& m) { return marker_kinematics(equations, m, Level::velocity); });
+    ForceRows rows(element.marker_count());
+    rows.recall(equations.workspace().quarter_turns.data() + equations.system().first_angle(element));
+    rows.set_reaction({Vector3::Zero(), Vector3::Zero()});
+    element.evaluate(time, markers, rows);
+    for (int m = 0; m < element.marker_count(); ++m) {
+      add(rows.load(m), 1);
+      for (int r = 0; r < rows.count(); ++r) add(rows.wrench(r, m), std::abs(rows.tension(r)));
+    }
+    if (const auto* internal = dynamic_cast<const InternalLoads*>(&element))
+      largest = std::max(largest, internal->internal_load(markers, rows));
+  }
+  return largest;
 }
 
 void tell_stability(const Layout& layout, const Equilibrium& found) {
@@ -268,8 +296,8 @@ Equilibrium find_equilibrium(const System& system, const State& start, const Equ
   equations.recall(start.quarter_turns);
   Projector projector(equations);
 
-  // 1. Rest at the start: positions on the constraints; the scale of forces from the loads, and from the reactions that
-  // they would cause in motion.
+  // 1. Rest at the start: positions on the constraints; the scale of forces from the loads, from the reactions that
+  // they would cause in motion, and from what elements preload each other with.
   Equilibrium found;
   State& state = found.state;
   state = start;
@@ -280,9 +308,11 @@ Equilibrium find_equilibrium(const System& system, const State& start, const Equ
   VectorX unloaded = state.v;
   equations.evaluate(state.time, state.q, state.v, Level::velocity);
   equations.residual(state.v, state.lambda, unloaded);
+  const double of_elements = largest_element_force(equations, state.time);
   projector.accelerations(state.time, state.q, state.v, state.v_dot, state.lambda);
-  const double force_scale = std::max({unloaded.lpNorm<Eigen::Infinity>(),
-                                       state.lambda.size() > 0 ? state.lambda.lpNorm<Eigen::Infinity>() : 0.0, 1e-12});
+  const double force_scale =
+      std::max({unloaded.lpNorm<Eigen::Infinity>(),
+                state.lambda.size() > 0 ? state.lambda.lpNorm<Eigen::Infinity>() : 0.0, of_elements, 1e-12});
   state.lambda.setZero();  // so that what is held back is a share of the loads alone
 
   // 2. Newton, until the balance is as good as round-off lets it be.

@@ -9,8 +9,8 @@
 namespace lithe {
 
 struct EquilibriumOptions {
-  double tolerance = 1e-9;  // out-of-balance force, of the largest force or weight at play; it continues below it
-                            // as far as round-off allows
+  double tolerance = 1e-9;  // out-of-balance force, of the largest force or weight at play, preloads included; it
+                            // continues below it as far as round-off allows
   int max_load_steps = 1000;
 };
 

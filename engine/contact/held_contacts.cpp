@@ -53,9 +53,26 @@ bool RigidContacts::is_held(int point) const {
 
 void RigidContacts::refuse_held(int point, const State& start, double speed) {
   constexpr double kHolds = 1e-6;  // of the largest reaction to a push along the normal
+  constexpr double kLight = 3e8;   // m/s
   EquationsOfMotion& equations = scene_.equations;
   const Layout& layout = equations.layout();
   const ContactRows::Row& row = rows_.points()[static_cast<std::size_t>(point)];
+  const ContactElement& contact =
+      *scene_
+           .records[static_cast<std::size_t>(
+               pairs_[static_cast<std::size_t>(points_[static_cast<std::size_t>(point)].pair)].element)]
+           .element;
+  // 0. Round-off of such numbers tells nothing of what holds a body.
+  if (!(speed < kLight)) {
+    Eigen::Index fastest = 0;
+    start.v.cwiseAbs().maxCoeff(&fastest);
+    throw SimulationError("the motion has left all bounds: surfaces of '" + contact.name() + "' meet at " +
+                              speed_text(speed) + "; the largest velocity is " +
+                              layout.velocity_name(static_cast<int>(fastest)),
+                          contact.where() + ", " + time_text(start.time),
+                          "look for what drives it before: a force that feeds energy in, a step that is too long for a "
+                          "stiff one");
+  }
   // 1. What takes up a push, and of that what prescribes motion.
   std::string bodies;
   VectorX reactions = VectorX::Zero(layout.row_count()), rate = reactions;
@@ -79,11 +96,6 @@ void RigidContacts::refuse_held(int point, const State& start, double speed) {
   }
   const std::string& holding = driving.empty() ? all : driving;
   // 2. The refusal.
-  const ContactElement& contact =
-      *scene_
-           .records[static_cast<std::size_t>(
-               pairs_[static_cast<std::size_t>(points_[static_cast<std::size_t>(point)].pair)].element)]
-           .element;
   throw SimulationError("rigid surfaces of '" + contact.name() + "' meet at " + speed_text(speed) +
                             ", and no impulse can stop " + bodies +
                             (driving.empty() ? ": held by " : ": motion prescribed by ") + holding,

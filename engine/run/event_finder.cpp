@@ -59,6 +59,12 @@ void EventFinder::start(const Integrator& integrator, const State& state) {
   }
 }
 
+double EventFinder::time_left(int watched, double h) const {
+  const Watched& w = watched_[watched];
+  const double nearer = std::abs(w.middle) - std::abs(w.end);
+  return w.middle * w.end > 0 && nearer > 0 ? 0.5 * h * std::abs(w.end) / nearer : 0;
+}
+
 void EventFinder::accept() {
   for (Watched& w : watched_) {
     w.start = w.end;

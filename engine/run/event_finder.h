@@ -29,6 +29,9 @@ class EventFinder {
   /// Whether a function lay below its level as the step began.
   bool below(int watched) const { return watched_[watched].start < 0; }
   void dealt_with(int watched) { watched_[watched].by_trend = true; }
+  /// After find() in a step of h seconds: how long a function that has not passed its level takes to get there, by its
+  /// change over the second half of the step; 0 where it does not come nearer.
+  double time_left(int watched, double h) const;
 
   struct Crossing {
     int watched;  // in the order of add()

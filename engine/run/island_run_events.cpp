@@ -91,6 +91,12 @@ void IslandRun::look_for_events(State& state) {
   met_.clear();
   if (end == crossings.end()) {
     if (approach_.watched < 0 || state.time < approach_.time) return finder_->accept();
+    // The spoilt step told too early a time: on from here, or surfaces would count as met that do not touch yet.
+    const double left = finder_->time_left(approach_.watched, h);
+    if (approach_.tries < kMaxApproaches && left > kSameTime * std::abs(state.time)) {
+      approach_ = left < h ? Approach{approach_.watched, approach_.tries + 1, state.time + left} : Approach{};
+      return finder_->accept();
+    }
     met_.push_back({approach_.watched, state.time, finder_->below(approach_.watched)});  // round-off before its switch
   } else {
     // 3. To the event, with all others that happen then.

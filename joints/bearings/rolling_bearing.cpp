@@ -185,6 +185,14 @@ void RollingBearing::evaluate(double, std::span<const MarkerView> markers, Force
   add_growth(along, s > 0 ? -1 : 0, 0);
 }
 
+double RollingBearing::internal_load(std::span<const MarkerView> markers, const AngleMemory& memory) const {
+  std::vector<RollingElementLoad> each;
+  loads(rings(markers[0], markers[1], memory).at, &each);
+  double sum = 0;
+  for (const RollingElementLoad& element : each) sum += element.force;
+  return sum;
+}
+
 std::vector<DrawnShape> RollingBearing::drawn_shapes(int marker) const {
   const double middle = 0.5 * layout_.pitch_diameter, D = layout_.diameter, side = marker == 0 ? -1 : 1;
   const double groove = middle + side * 0.35 * D, back = middle + side * 0.8 * D;

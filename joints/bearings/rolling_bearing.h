@@ -5,6 +5,7 @@
 #include "engine/assembly/batch.h"
 #include "engine/model/appearance.h"
 #include "engine/model/force_element.h"
+#include "engine/model/internal_loads.h"
 #include "engine/observe/sensors.h"
 
 namespace lithe {
@@ -52,7 +53,7 @@ struct BearingFrequencies {
 /// the inner ring moves by w = u_z, p = u_x cos ψ + u_y sin ψ and q = θ_y cos ψ - θ_x sin ψ; its law is a potential
 /// V(w, p, q), so loads are -∂V, moments about z included, and the energy account closes. Quasi-static: the elements
 /// have no mass. Twelve compliant rows: six, along u, θ and ψ, carry the loads, the others what these grow by.
-class RollingBearing : public Force</*markers=*/2, /*rows=*/12>, public DrawableConnector {
+class RollingBearing : public Force</*markers=*/2, /*rows=*/12>, public DrawableConnector, public InternalLoads {
  public:
   std::vector<MeasuredAngle> angles() const override { return {{.A = 1, .B = 0, .axis = 2}}; }
   bool depends_on_time() const override { return false; }
@@ -60,6 +61,7 @@ class RollingBearing : public Force</*markers=*/2, /*rows=*/12>, public Drawable
   /// Refuses z axes that differ and rings that are not drawn one in the other.
   void initialize(std::span<const MarkerView> markers) override;
   std::vector<DrawnShape> drawn_shapes(int marker) const override;
+  double internal_load(std::span<const MarkerView> markers, const AngleMemory& memory) const override;
 
   // ---- the bearing alone; `cage`: ψ of the first element, rad ----
 

@@ -10,7 +10,9 @@ namespace lithe {
 ///   δ ż = s - α(|z| / e) (s·z)₊ z / (e |z|),   e = μ(|s|) / μ_s: of steady sliding
 ///   α = 0 below a of that, 1 above it, and half a sine wave between.
 /// So bristles that bend back or less than a e are elastic, and do not drift under loads that go to and fro (LuGre
-/// does); none bends beyond δ. While they stick they are damped, by no more than 0.43 μ_s:
+/// does); none bends beyond δ. Steps that do not resolve δ may leave z beyond it: there the force is bounded by 1.1
+/// μ_s, b = |z| counts as 1 + (1 - exp((1 - b) / w)) w, w = 0.1. While they stick they are damped, by no more than 0.43
+/// μ_s:
 ///   F / N = μ_s (z + (1 - α) (τ / δ) exp(-(|s| τ / δ)²) s)
 class BristleLaw {
  public:
@@ -45,14 +47,19 @@ class BristleLaw {
     const double alpha = plastic(bent / e), slip = alpha > 0 ? alpha * std::max(s.dot(z), 0.0) / (e * bent) : 0;
     const double reach = speed * p_.damping_time / delta;
     const double damping = mu_s * (1 - alpha) * p_.damping_time / delta * std::exp(-reach * reach);
-    return {(s - slip * z) / delta, mu_s * z + damping * s, damping};
+    return {(s - slip * z) / delta, mu_s * (bent > 1 ? bounded(bent) / bent : 1) * z + damping * s, damping};
   }
   /// Stored in bristles, over the normal force, m.
   double energy(const Vector3& z) const {
-    return p_.sliding.static_coefficient * p_.breakaway_deflection * z.squaredNorm() / 2;
+    const double bent = z.norm(), by_force = bent > 1
+                                                 ? 1 + 2 * ((1 + kBeyond) * (bent - 1) - kBeyond * (bounded(bent) - 1))
+                                                 : bent * bent;
+    return p_.sliding.static_coefficient * p_.breakaway_deflection * by_force / 2;
   }
 
  private:
+  static constexpr double kBeyond = 0.1;  // w
+  static double bounded(double bent) { return 1 - kBeyond * std::expm1((1 - bent) / kBeyond); }
   double plastic(double share) const {
     const double a = p_.elastic_share;
     if (share <= a) return 0;

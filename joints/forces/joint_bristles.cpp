@@ -1,5 +1,7 @@
 #include "joints/forces/joint_bristles.h"
 
+#include <algorithm>
+
 #include "engine/assembly/batch_of.h"
 #include "engine/base/checks.h"
 
@@ -29,7 +31,8 @@ void JointBristles::evaluate(double, std::span<const MarkerView> markers, ForceR
   const MarkerView &bristles = markers[joint_markers], &follower = markers[joint_markers + 1];
   const JointSurface::Sliding sliding = surface_.sliding(markers, rows);
   const Vector3& z = bristles.v;
-  const double followed = kUnit * follower.v[0];
+  // Steps that do not resolve τ_n may leave the load below zero, where friction would push the way it slides.
+  const double followed = kUnit * std::max(follower.v[0], 0.0);
   const BristleLaw::Value value = law_.at(sliding.speed, z);
 
   // Loads, since they have derivatives by all velocities, states among them; a row's tension has them by its own.

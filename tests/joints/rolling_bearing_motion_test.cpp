@@ -191,7 +191,7 @@ TEST(BallBearing, RingsAtSpeedAsItIsLinearizedAboutItsRest) {
   for (const double gravity : {0.0, 20.0, 60.0}) {
     Spindle spindle(50, {0, -gravity, 0}, 2000);
     const State drawn = spindle.system.initial_state();
-    const State rest = gravity == 0 ? drawn : find_equilibrium(spindle.system, drawn).state;
+    const State rest = find_equilibrium(spindle.system, drawn).state;
     State state = rest;
     state.v[1] = 1e-6;
     Recorder recorder{{position(spindle.shaft.marker(), "p")}};
@@ -225,6 +225,42 @@ TEST(BallBearing, StandsInEquilibriumUnderItsWeight) {
     ring.evaluate(now, e);
     EXPECT_LT(e[1], -1e-7);
     EXPECT_NEAR(bearing->load(Eigen::Map<const Vector5>(e.data()))[1], -0.5 * 98.1, 1e-5);
+  }
+}
+
+/// Balls push each other with thousands of newtons, and nothing else acts: what is left of that by round-off is no lack
+/// of balance, though the scene has no other force that it could be compared with.
+TEST(BallBearing, PreloadedPairStandsInEquilibriumWithoutALoad) {
+  for (const double preload : {50.0, 100.0, 400.0, 800.0})
+    for (const double balls_at : {0.0, 2000.0}) {
+      SCOPED_TRACE(std::to_string(preload) + " N, " + std::to_string(balls_at) + " rad/s");
+      Spindle spindle(preload, Vector3::Zero(), balls_at);
+      const State drawn = spindle.system.initial_state();
+      State start = drawn;
+      for (const double aside : {0.0, 1e-7}) {
+        start.q[1] = drawn.q[1] + aside, start.q[2] = drawn.q[2] - 0.5 * aside;
+        const Equilibrium found = find_equilibrium(spindle.system, start);
+        expect_below("aside of the middle, m", (found.state.q - drawn.q).head<3>().norm(), 1e-13);
+        expect_below("out of balance, N", found.out_of_balance, 1e-9);
+      }
+    }
+}
+
+/// One bearing without clearance: its rows are without load, its balls are not.
+TEST(BallBearing, JammedAloneStandsInEquilibriumInItsMiddle) {
+  BallBearing::Parameters p = k6204;
+  p.clearance = -20e-6;
+  SystemGraph graph({.gravity = Vector3::Zero()});
+  auto& shaft = graph.add<RigidBody>("shaft", {.mass = 1, .inertia = {1e-3, 1e-3, 1e-3}});
+  graph.add<PlanarJoint>("plane", {graph.ground().marker(), shaft.marker()});
+  graph.add<BallBearing>("bearing", {shaft.marker(), graph.ground().marker()}, p);
+  const System system = assemble(graph);
+  for (const double aside : {0.0, 1e-7}) {
+    State start = system.initial_state();
+    start.q[0] = aside, start.q[1] = -0.3 * aside;
+    const Equilibrium found = find_equilibrium(system, start);
+    expect_below("aside of the middle, m", found.state.q.head<3>().norm(), 1e-13);
+    expect_below("out of balance, N", found.out_of_balance, 1e-9);
   }
 }
 
