@@ -268,7 +268,7 @@ StepResult LieBdf::advance(EquationsOfMotion& equations, State& state, double t_
       factor_weight_ = 0;
       h *= automatic() ? 0.25 : 0.5;
     } else {
-      shrink(ratio, time, h, tries);
+      shrink(layout, ratio, time, h, tries);
     }
     if (automatic()) h_ = h;
   }

@@ -80,7 +80,7 @@ class LieBdf final : public Integrator, public DifferentiableSteps {
   double error(double time, int order);
   void accept(State& state, double time);
   void plan(const Layout& layout, double time, double h, double ratio);
-  void shrink(double ratio, double time, double& h, int failures);
+  void shrink(const Layout& layout, double ratio, double time, double& h, int failures);
   std::string describe(const Layout& layout, Newton newton, double h) const;
   BdfRecord::Step last_step() const;
 

@@ -51,13 +51,17 @@ double LieBdf::error(double time, int order) {
 }
 
 /// After a step that erred too much: a shorter one, of lower order where that errs less; of order 1 in the end.
-void LieBdf::shrink(double ratio, double time, double& h, int failures) {
+void LieBdf::shrink(const Layout& layout, double ratio, double time, double& h, int failures) {
   double grow = growth(order_, ratio);
   if (order_ > 2) {
     const double lower = growth(order_ - 1, error(time, order_ - 1));
     if (lower > grow) grow = lower, --order_;
   }
-  if (failures > 2) order_ = 1;
+  if (failures > 2) {
+    order_ = 1;
+    // Beside a base far away d of a short step is round-off, and over h that of v is above any tolerance.
+    history_.recentre(layout);
+  }
   steps_at_order_ = 0;
   h *= failures == 1 && std::isfinite(grow) ? std::clamp(0.9 * grow, 0.25, 0.9) : 0.25;
 }

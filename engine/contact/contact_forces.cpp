@@ -7,6 +7,7 @@ namespace lithe {
 namespace {
 
 constexpr double kTouching = 1e-9;  // m: surfaces that near an accepted state have met
+constexpr double kInside = 1e-12;   // m: before they are that deep in each other the speed of it is not settled
 
 bool before(const ContactTrace& a, const ContactTrace& b) {
   return contact_key(a.element, a.point) < contact_key(b.element, b.point);
@@ -94,6 +95,13 @@ double ContactForces::speed_of_meeting(int element, const ContactPoint& point, d
   return std::get<CompliantMemory>(first->memory).impact_speed;
 }
 
+bool ContactForces::was_inside(int element, const ContactPoint& point) const {
+  return std::ranges::any_of(memory_, [&](const ContactTrace& t) {
+    return t.element == element && t.point.A.collider == point.A.collider && t.point.B.collider == point.B.collider &&
+           t.point.gap < -kInside;
+  });
+}
+
 Vector3 ContactForces::place_of(int element, const ContactSide& side, const Vector3& on) const {
   const ContactPlaces& places = places_[element];
   const MarkerKinematics& base = places.collider(side.collider);
@@ -159,7 +167,10 @@ void ContactForces::track(ContactMemory& memory) {
       trace.element = record.number;
       trace.point = row.point;
       auto& kept = trace.memory.emplace<CompliantMemory>();
-      kept.impact_speed = speed_of_meeting(record.number, point, std::max(0.0, -u[0]));
+      const double closing = std::max(0.0, -u[0]);
+      kept.impact_speed = speed_of_meeting(record.number, point, closing);
+      if (point.gap > -kInside && !was_inside(record.number, point))
+        kept.impact_speed = std::max(kept.impact_speed, closing);
       const ContactLoad load = element.load(motion_of(rows, row));
       trace.force = row.frame * load.force;
       trace.moment = row.frame * load.moment;

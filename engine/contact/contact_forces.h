@@ -65,6 +65,7 @@ class ContactForces {
     ContactLoad load;
   };
   const ContactTrace* find_trace(int element, const ContactPoint& point) const;
+  bool was_inside(int element, const ContactPoint& point) const;
   double speed_of_meeting(int element, const ContactPoint& point, double now) const;
   ContactMotion motion_of(const ContactRows& rows, const ContactRows::Row& row) const;
 

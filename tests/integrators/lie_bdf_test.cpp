@@ -7,6 +7,7 @@
 #include "engine/assembly/batch_of.h"
 #include "engine/base/error.h"
 #include "engine/motion/projection.h"
+#include "joints/forces/coordinate_motor.h"
 #include "joints/forces/spring_damper.h"
 #include "tests/integrators/pendulum_errors.h"
 
@@ -184,6 +185,24 @@ TEST(LieBdf, RefusesParametersOutOfRange) {
   EXPECT_THROW(LieBdf({.max_order = 6}), SceneError);
   EXPECT_THROW(LieBdf({.step = -1}), SceneError);
   EXPECT_THROW(LieBdf({.tolerance = {.relative = 1e-6, .absolute = 0}}), SceneError);
+}
+
+/// A mass flies 31 m, then a jet is lit at once. Steps up to there are a billion times shorter than before; in the
+/// chart of where it began their d was round-off, v = d / h erred by more than its tolerance, and no step was short
+/// enough.
+TEST(LieBdfSteps, ShrinkAsFarAsAForceThatJumpsAsks) {
+  constexpr double kSpeed = 10, kForce = 1e3, kEnd = 3.2;
+  for (const double tolerance : {1e-6, 1e-8, 1e-9, 1e-10}) {
+    Scene scene({0, 0, 0}, [&](SystemGraph& graph) {
+      const Matrix3 along = rotation_about({0, 1, 0}, M_PI / 2);  // z along x
+      auto& body = graph.add<RigidBody>("body", {.mass = 1, .velocity = {kSpeed, 0, 0}});
+      graph.add<CoordinateMotor>("jet",
+                                 {displacement_between(graph.ground().marker({}, along), body.marker({}, along))},
+                                 {.effort = [](double t, double, double) { return t < M_PI ? 0 : kForce; }});
+    });
+    scene.run(*bdf(tolerance), kEnd);
+    EXPECT_NEAR(scene.state.v[0], kSpeed + kForce * (kEnd - M_PI), 300 * tolerance * kSpeed) << tolerance;
+  }
 }
 
 }  // namespace

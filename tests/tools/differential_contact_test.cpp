@@ -72,6 +72,28 @@ TEST(DifferentialFindings, ACompliantContactTakesTheSpeedWithWhichItMet) {
   }
 }
 
+/// A step ends half a nanometre before a falling ball touches: the law took the speed there for that of the impact.
+TEST(DifferentialFindings, ACompliantContactMeetsNotBeforeItTouches) {
+  constexpr double kGravity = 9.81, kHeight = 1e-4, kRadius = 0.01;
+  const double speed = std::sqrt(2 * kGravity * kHeight), touch = speed / kGravity;
+  for (const double before : {1e-8, 1e-9, 1e-10, 0.0}) {  // s
+    SystemGraph graph({.gravity = {0, 0, -kGravity}});
+    auto& ball = graph.add<RigidBody>("ball", {.mass = 0.1, .position = {0, 0, kRadius + kHeight}});
+    graph.add<Contact>(
+        "floor",
+        std::vector<Collider>{{graph.ground().marker(), shape::half_space()}, {ball.marker(), shape::sphere(kRadius)}},
+        Contact::Parameters{.law = Compliance{.stiffness = 1e6, .restitution = 0.5}});
+    const System system = assemble(graph);
+    State state = system.initial_state();
+    const Method method = automatic(1e-9);
+    Simulation simulation(system, *method);
+    simulation.run(state, touch - before);
+    simulation.run(state, touch + 1e-4);
+    ASSERT_EQ(state.contacts.size(), 1u);
+    EXPECT_NEAR(std::get<CompliantMemory>(state.contacts[0].memory).impact_speed, speed, 1e-11 * speed) << before;
+  }
+}
+
 /// An arm's x axis swings through the axis that its angle turns about, past it by `aside` rad: within a step the angle
 /// jumps by half a turn, which the count of turns cannot tell from a turn.
 std::string swing_past_the_axis(Integrator& integrator, double aside) {
