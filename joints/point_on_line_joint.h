@@ -14,11 +14,7 @@ class PointOnLineJoint final : public Joint</*markers=*/2, /*rows=*/2> {
   JointCoordinate displacement() const { return {JointCoordinate::Kind::displacement, markers()[0], markers()[1]}; }
 
   bool depends_on_time() const override { return false; }
-  void evaluate(double, std::span<const MarkerView> markers, ConstraintRows& rows) const override {
-    const auto &A = markers[0], &B = markers[1];
-    in_plane(A, A.x(), B, rows);
-    in_plane(A, A.y(), B, rows);
-  }
+  void evaluate(double, std::span<const MarkerView> markers, ConstraintRows& rows) const override;
 };
 
 extern template std::unique_ptr<ConstraintBatch> make_constraint_batch<PointOnLineJoint>();

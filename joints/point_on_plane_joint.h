@@ -10,9 +10,7 @@ namespace lithe {
 class PointOnPlaneJoint final : public Joint</*markers=*/2, /*rows=*/1> {
  public:
   bool depends_on_time() const override { return false; }
-  void evaluate(double, std::span<const MarkerView> markers, ConstraintRows& rows) const override {
-    in_plane(markers[0], markers[0].z(), markers[1], rows);
-  }
+  void evaluate(double, std::span<const MarkerView> markers, ConstraintRows& rows) const override;
 };
 
 extern template std::unique_ptr<ConstraintBatch> make_constraint_batch<PointOnPlaneJoint>();

@@ -10,9 +10,7 @@ namespace lithe {
 class SphericalJoint final : public Joint</*markers=*/2, /*rows=*/3> {
  public:
   static constexpr RigidRows kRigidRows{.point = true};
-  void evaluate(double, std::span<const MarkerView> markers, ConstraintRows& rows) const override {
-    coincident(markers[0], markers[1], rows);
-  }
+  void evaluate(double, std::span<const MarkerView> markers, ConstraintRows& rows) const override;
   std::optional<JointFreedom> freedom() const override { return JointFreedom{.rotation = JointFreedom::Rotation::any}; }
 };
 

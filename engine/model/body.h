@@ -31,7 +31,7 @@ struct Coordinates {
 /// Terms that a body computes once per state and shares among residual, tangent and markers. Bodies derive their own.
 struct BodyCache {
   Matrix3 A = Matrix3::Identity();  // body axes to world axes
-  virtual ~BodyCache() = default;
+  virtual ~BodyCache();
 };
 
 /// One body's slice of a state. `cache` has been filled by Body::evaluate.

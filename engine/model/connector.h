@@ -37,6 +37,7 @@ class AngleMemory {
 /// An element between markers: a constraint, a force element or a contact.
 class Connector : public Element {
  public:
+  ~Connector() override;
   virtual int marker_count() const = 0;
   /// Called by assemble() with the markers as drawn, to set values taken from the drawing (a distance, an offset).
   /// Again by each graph that shares the element (Simplification, islands): what it sets must depend on the markers

@@ -11,7 +11,7 @@ class Element {
   Element() = default;
   Element(const Element&) = delete;
   Element& operator=(const Element&) = delete;
-  virtual ~Element() = default;
+  virtual ~Element();  // in element.cpp, as its table of virtual functions is then: not in each source that adds one
 
   const std::string& name() const { return name_; }
   /// "file.cpp:12" of the add() call, for messages.

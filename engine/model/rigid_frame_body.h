@@ -21,7 +21,8 @@ struct RigidInertia {
 
 /// The motion of a rigid body whose frame is at the centre of mass; derived classes define how it is drawn.
 ///   m (p̈ - g) = f,   J ω̇ + ω × (J ω) = t   (J, ω, t in body axes)
-/// Here in full, so that batches inline it.
+/// Here in full, so that batches inline it; the destructor alone is not, so that only its source compiles the rest
+/// for the table of virtual functions.
 class RigidFrameBody : public Body {
  public:
   struct Start {
@@ -33,6 +34,7 @@ class RigidFrameBody : public Body {
     Vector3 omega_world = Vector3::Zero();
     explicit Cache(const RigidFrameBody&) {}
   };
+  ~RigidFrameBody() override;
 
   Coordinates coordinates() const override { return {.frames = 1, .linear = 0}; }
   std::unique_ptr<BodyCache> make_cache() const override { return std::make_unique<Cache>(*this); }

@@ -19,9 +19,12 @@ SystemGraph::SystemGraph(Parameters parameters) : parameters_(std::move(paramete
   auto ground = std::make_unique<Ground>();
   ground_ = ground.get();
   adopt(std::move(ground), Located("ground"));
-  bodies_.push_back({ground_, typeid(Ground), make_body_batch<Ground>});
-  body_set_.insert(ground_);
+  enter(BodyEntry{ground_, typeid(Ground), make_body_batch<Ground>});
 }
+
+SystemGraph::SystemGraph(SystemGraph&&) noexcept = default;
+SystemGraph& SystemGraph::operator=(SystemGraph&&) noexcept = default;
+SystemGraph::~SystemGraph() = default;
 
 SystemGraph::SystemGraph(PartOf part) : parameters_(part.whole.parameters_), ground_(part.whole.ground_) {
   share(part.whole.bodies_.front());
@@ -85,6 +88,44 @@ void SystemGraph::check_name(const Located& name) const {
                      "give every body, joint and force its own name");
 }
 
+Element& SystemGraph::keep_made(const Located& name, std::unique_ptr<Element> (*make)(void* by), void* by) {
+  check_name(name);
+  try {
+    std::unique_ptr<Element> element = make(by);
+    Element& made = *element;
+    adopt(std::move(element), name);
+    return made;
+  } catch (const SceneError& error) {
+    throw SceneError("'" + name.text + "': " + error.problem(), to_string(name.where), error.fix());
+  } catch (...) {
+    rethrow_as_error("'" + name.text + "'", to_string(name.where), "see what its constructor says");
+  }
+}
+
+void SystemGraph::enter(BodyEntry entry) {
+  body_set_.insert(entry.body);
+  bodies_.push_back(std::move(entry));
+}
+
+void SystemGraph::enter(Input& input) { inputs_.push_back(&input); }
+
+void SystemGraph::enter(ConstraintEntry entry) {
+  tie(*entry.constraint, entry.markers);
+  constraints_.push_back(std::move(entry));
+}
+
+void SystemGraph::enter(ForceEntry entry) {
+  tie(*entry.force, entry.markers);
+  entry.place = load_count();
+  forces_.push_back(std::move(entry));
+}
+
+void SystemGraph::enter(ContactEntry entry) {
+  tie(*entry.contact, entry.markers);
+  entry.place = load_count();
+  contacts_.push_back(std::move(entry));
+}
+
 void SystemGraph::adopt(std::unique_ptr<Element> element, const Located& name) {
   element->name_ = name.text;
   element->where_ = to_string(name.where);
@@ -92,14 +133,14 @@ void SystemGraph::adopt(std::unique_ptr<Element> element, const Located& name) {
   elements_.push_back(std::move(element));
 }
 
-void SystemGraph::check_markers(const Element& element, const std::vector<Marker>& markers, int expected) {
+void SystemGraph::tie(Connector& element, const std::vector<Marker>& markers) {
   const auto refuse = [&](const std::string& what, const std::string& fix) {
     const std::string name = element.name(), where = element.where();
     by_name_.erase(name);
     elements_.pop_back();  // the element was never part of the scene
     throw SceneError("'" + name + "': " + what, where, fix);
   };
-  if (static_cast<int>(markers.size()) != expected)
+  if (const int expected = element.marker_count(); static_cast<int>(markers.size()) != expected)
     refuse("needs " + std::to_string(expected) + " markers and got " + std::to_string(markers.size()),
            "list its markers in braces, one on each body it ties");
   for (std::size_t i = 0; i < markers.size(); ++i) {
@@ -112,6 +153,7 @@ void SystemGraph::check_markers(const Element& element, const std::vector<Marker
     if (m.index < 0 || m.index >= m.body->marker_count())
       refuse(which + " does not exist on body '" + m.body->name() + "'", "make markers with body.marker(...)");
   }
+  element.markers_ = markers;
 }
 
 Input& SystemGraph::input(const Located& name) const {

@@ -3,6 +3,7 @@
 #include <concepts>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <typeindex>
 #include <typeinfo>
 #include <unordered_map>
@@ -40,6 +41,9 @@ class SystemGraph {
 
   SystemGraph();
   explicit SystemGraph(Parameters parameters);
+  SystemGraph(SystemGraph&&) noexcept;
+  SystemGraph& operator=(SystemGraph&&) noexcept;
+  ~SystemGraph();
 
   /// The inertial frame; its markers connect elements to the world.
   Ground& ground() { return *ground_; }
@@ -49,8 +53,7 @@ class SystemGraph {
   template <class T, class... More>
   requires std::derived_from<T, Body> T& add(Located name, typename T::Parameters parameters = {}, More... more) {
     T& body = keep(name, [&] { return std::make_unique<T>(std::move(parameters), std::move(more)...); });
-    bodies_.push_back({&body, typeid(T), make_body_batch<T>});
-    body_set_.insert(&body);
+    enter(BodyEntry{&body, typeid(T), make_body_batch<T>});
     return body;
   }
 
@@ -72,7 +75,7 @@ class SystemGraph {
   template <std::same_as<Input> T>
   T& add(Located name, Input::Parameters parameters = {}) {
     T& input = keep(name, [&] { return std::make_unique<Input>(std::move(parameters)); });
-    inputs_.push_back(&input);
+    enter(input);
     return input;
   }
 
@@ -183,32 +186,29 @@ class SystemGraph {
   std::string graphviz() const;
 
  private:
+  // Each source that draws a scene compiles these for each type it adds: what does not depend on the type is not here.
   template <class Make>
-  auto& keep(const Located& name, Make&& make) {
-    check_name(name);
-    try {
-      auto element = make();
-      auto& reference = *element;
-      adopt(std::move(element), name);
-      return reference;
-    } catch (const SceneError& error) {
-      throw SceneError("'" + name.text + "': " + error.problem(), to_string(name.where), error.fix());
-    } catch (...) {
-      rethrow_as_error("'" + name.text + "'", to_string(name.where), "see what its constructor says");
-    }
+  auto& keep(const Located& name, Make make) {
+    using T = std::remove_reference_t<decltype(*make())>;
+    return static_cast<T&>(keep_made(
+        name, [](void* by) -> std::unique_ptr<Element> { return (*static_cast<Make*>(by))(); }, &make));
   }
   template <class T>
   T& connect(T& element, std::vector<Marker> markers) {
-    check_markers(element, markers, element.marker_count());
-    static_cast<Connector&>(element).markers_ = markers;
     if constexpr (std::derived_from<T, Constraint>)
-      constraints_.push_back({&element, std::move(markers), typeid(T), make_constraint_batch<T>});
+      enter(ConstraintEntry{&element, std::move(markers), typeid(T), make_constraint_batch<T>});
     else if constexpr (std::derived_from<T, ContactElement>)
-      contacts_.push_back({&element, std::move(markers), typeid(T), load_count()});
+      enter(ContactEntry{&element, std::move(markers), typeid(T), 0});
     else
-      forces_.push_back({&element, std::move(markers), typeid(T), make_force_batch<T>, load_count()});
+      enter(ForceEntry{&element, std::move(markers), typeid(T), make_force_batch<T>, 0});
     return element;
   }
+  Element& keep_made(const Located& name, std::unique_ptr<Element> (*make)(void* by), void* by);
+  void enter(BodyEntry entry);
+  void enter(Input& input);
+  void enter(ConstraintEntry entry);
+  void enter(ForceEntry entry);
+  void enter(ContactEntry entry);
   struct PartOf {
     SystemGraph& whole;
   };
@@ -217,7 +217,7 @@ class SystemGraph {
   [[noreturn]] static void refuse_type(const Element& element, const std::type_info& wanted);
   void check_shared(const Element& element, const std::vector<Marker>& markers) const;
   void adopt(std::unique_ptr<Element> element, const Located& name);
-  void check_markers(const Element& element, const std::vector<Marker>& markers, int expected);
+  void tie(Connector& element, const std::vector<Marker>& markers);
 
   Parameters parameters_;
   Ground* ground_;

@@ -1,0 +1,7 @@
+#include "engine/model/rigid_frame_body.h"
+
+namespace lithe {
+
+RigidFrameBody::~RigidFrameBody() = default;
+
+}  // namespace lithe
