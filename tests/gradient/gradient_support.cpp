@@ -1,17 +1,19 @@
 #include "tests/gradient/gradient_support.h"
 
+#include <algorithm>
 #include <array>
 
 #include "engine/base/log.h"
+#include "engine/gradient/recorded_run.h"
+#include "engine/gradient/sample_weights.h"
+#include "engine/observe/snapshot.h"
 
 namespace lithe::test {
 namespace {
 
-/// The quantities' values alone.
-VectorX values(const ParametricScene& scene, const std::vector<Quantity>& quantities,
-               const std::vector<DesignParameter>& parameters) {
-  const log::Quiet quiet;  // of rows that repeat others, once a run
-  // One parameter that nothing depends on: the run's values without a gradient worth its time.
+/// Of quantities at rest: a gradient by one parameter that nothing depends on.
+VectorX values_at_rest(const ParametricScene& scene, const std::vector<Quantity>& quantities,
+                       const std::vector<DesignParameter>& parameters) {
   ParametricScene fixed = scene;
   Table table;
   for (const DesignParameter& p : parameters) table.columns.push_back(p.name), table.values.push_back(p.value);
@@ -23,11 +25,41 @@ VectorX values(const ParametricScene& scene, const std::vector<Quantity>& quanti
   return gradient(fixed, quantities, {{"nothing", 1}}, {.mode = GradientOptions::Mode::tangent}).values;
 }
 
-/// Romberg's extrapolation of central differences with steps h, h/2, h/4, h/8: error h⁸.
+/// The quantities' values alone, of the run that gradient() takes, without its derivatives.
+VectorX values(const ParametricScene& scene, const std::vector<Quantity>& quantities,
+               const std::vector<DesignParameter>& parameters) {
+  using Kind = Quantity::Kind;
+  const log::Quiet quiet;  // of rows that repeat others, once a run
+  if (std::any_of(quantities.begin(), quantities.end(),
+                  [](const Quantity& q) { return q.kind == Kind::at_rest || q.kind == Kind::frequency; }))
+    return values_at_rest(scene, quantities, parameters);
+  const Drawing drawing(scene, parameters);
+  std::vector<State> states;
+  const RecordedRun run(scene, drawing, GradientOptions{}.memory, [&](const State& state) { states.push_back(state); });
+  Snapshot now(drawing.system());
+  VectorX sums = VectorX::Zero(static_cast<Eigen::Index>(quantities.size()));
+  for (std::size_t i = 0; i < quantities.size(); ++i) {
+    Quantity q = quantities[i];
+    if (q.kind == Kind::integral && q.to < 0) q.to = run.times().back();
+    const Drawing::Place place = drawing.find(q.column);
+    const auto read = [&](const State& state) {
+      now.evaluate(state, Accelerations::solved);
+      return drawing.sensor(place.sensor).value(now, place.column);
+    };
+    std::vector<double> samples;
+    if (q.kind == Kind::largest || q.kind == Kind::smallest)
+      for (const State& state : states) samples.push_back(read(state));
+    for (const SampleWeight& w : sample_weights(q, run.times(), samples))
+      sums[static_cast<Eigen::Index>(i)] += w.weight * read(states[static_cast<std::size_t>(w.step)]);
+  }
+  return sums;
+}
+
+/// Romberg's extrapolation of central differences with steps h, h/2, h/4: error h⁶.
 VectorX difference(const ParametricScene& scene, const std::vector<Quantity>& quantities,
                    const std::vector<DesignParameter>& parameters, std::size_t k) {
-  const double h = 8e-3 * (parameters[k].value == 0 ? 1 : std::abs(parameters[k].value));
-  std::array<VectorX, 4> table;
+  const double h = 4e-3 * (parameters[k].value == 0 ? 1 : std::abs(parameters[k].value));
+  std::array<VectorX, 3> table;
   for (std::size_t i = 0; i < table.size(); ++i) {
     const double step = h / static_cast<double>(1 << i);
     std::vector<DesignParameter> up = parameters, down = parameters;

@@ -74,7 +74,7 @@ TEST(Contact, GapChangesNoFasterThanShapesMove) {
   for (int i = 0; i < 30; ++i) cloud.push_back(random_pose(random, 0.4).p.cwiseProduct(Vector3(1, 0.7, 1.3)));
   const std::vector<Shape> shapes{shape::sphere(0.3),        shape::box({0.8, 0.6, 1}), shape::convex_hull(cloud),
                                   shape::capsule(0.15, 0.6), shape::cylinder(0.3, 0.7), shape::cone(0.4, 0.8)};
-  const double step = 2e-3;
+  const double step = 4e-3;
   for (std::size_t i = 0; i < shapes.size(); ++i)
     for (std::size_t j = i; j < shapes.size(); ++j)
       for (int way = 0; way < 4; ++way) {

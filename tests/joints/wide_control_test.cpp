@@ -96,7 +96,7 @@ TEST(WideControl, OfTwentyCoordinatesHasTheEigenvaluesOfItsMatrix) {
 /// y(t) = e^(L t) y₀ by its series over short parts.
 TEST(WideControl, OfTwentyCoordinatesMovesAsItsExponential) {
   constexpr int n = StateFeedback::kCount;
-  const double t = 0.3;
+  const double t = 0.2;
   StateFeedback scene;
   const MatrixX L = scene.linear() * (t / 256);
   MatrixX part = MatrixX::Identity(3 * n, 3 * n), power = part;
@@ -174,7 +174,7 @@ TEST(WideControl, MovesARobotOfTenJointsAsTenDiagrams) {
   const System of_ten = assemble(ten.graph), of_one = assemble(one.graph);
   const auto run = [](const Robot& robot, const System& system, Method method) {
     State state = system.initial_state();
-    Simulation(system, *method).run(state, 0.25);
+    Simulation(system, *method).run(state, 0.15);
     return robot.angles(system, state);
   };
   const VectorX expected = run(ten, of_ten, runge_kutta(1e-10));

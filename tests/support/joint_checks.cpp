@@ -8,7 +8,7 @@
 namespace lithe::test {
 namespace {
 
-constexpr int kStates = 5;
+constexpr int kStates = 3;
 
 testing::AssertionResult close(const MatrixX& actual, const MatrixX& expected, double tolerance) {
   if (actual.rows() != expected.rows() || actual.cols() != expected.cols())

@@ -6,6 +6,7 @@
 #include "joints/forces/point_force.h"
 #include "joints/gears/bevel_gear_pair.h"
 #include "tests/joints/gears/gear_scenes.h"
+#include "tests/joints/gears/winding.h"
 #include "tests/support/message_of.h"
 
 /// Toothed gears at rest under load, against closed forms, and as drawn.
@@ -200,20 +201,6 @@ TEST(BevelGearPair, PushesBothConesFromTheirApex) {
   EXPECT_NEAR(on(1, 3).dot(across.col(2)), -T * 1.6, 1e-5 * T);
 }
 
-/// How many times a surface winds around a point: 1 within it, 0 outside.
-double winding(const DrawnShape& shape, const Matrix3& axes, const Vector3& place, const Vector3& point) {
-  double sum = 0;  // solid angles (van Oosterom & Strackee 1983)
-  std::vector<Vector3> points;  // as seen from the point
-  for (const Vector3& x : shape.points) points.push_back(axes * x + place - point);
-  const auto at = [&](int n) -> const Vector3& { return points[static_cast<std::size_t>(n)]; };
-  for (const auto& [i, j, k] : shape.triangles) {
-    const Vector3 &a = at(i), &b = at(j), &c = at(k);
-    const double A = a.norm(), B = b.norm(), C = c.norm();
-    sum += 2 * std::atan2(a.dot(b.cross(c)), A * B * C + a.dot(b) * C + b.dot(c) * A + c.dot(a) * B);
-  }
-  return sum / (4 * kPi);
-}
-
 /// Bevel gears are drawn by closed surfaces, the teeth of either in the spaces of the other.
 TEST(BevelGearPair, IsDrawnWithItsTeeth) {
   const double shaft_angle = 80 * kPi / 180;
@@ -233,23 +220,23 @@ TEST(BevelGearPair, IsDrawnWithItsTeeth) {
   const DrawnShape a = mesh.drawn_shapes(0)[0], b = mesh.drawn_shapes(1)[0];
   EXPECT_EQ(a.points.size(), 18u * 24);
   // No point of either is within the other; turned by half a pitch some are.
-  const Matrix3 none = Matrix3::Identity();
   const auto overlaps = [&](double turn) {
     const Matrix3 turned = rotation_about({0, 0, 1}, turn);
     int inside = 0;
     for (const Vector3& point : a.points) {
-      const double w = winding(b, across, at_B, turned * point + at_A);
+      const double w = winding(b, across.transpose() * (turned * point + at_A - at_B));
       EXPECT_NEAR(w, std::round(w), 1e-9);
       inside += w > 0.5;
     }
-    for (const Vector3& point : b.points) inside += winding(a, turned, at_A, across * point + at_B) > 0.5;
+    for (const Vector3& point : b.points)
+      inside += winding(a, turned.transpose() * (across * point + at_B - at_A)) > 0.5;
     return inside;
   };
   EXPECT_EQ(overlaps(0), 0);
   EXPECT_GT(overlaps(kPi / 18), 4);
   // A point within a tooth of A, on its own.
   const Vector3 tooth = (a.points[0] + a.points[10] + a.points[20] + a.points[3]) / 4;
-  EXPECT_NEAR(winding(a, none, {0, 0, 0}, tooth), 1, 1e-9);
+  EXPECT_NEAR(winding(a, tooth), 1, 1e-9);
 }
 
 }  // namespace

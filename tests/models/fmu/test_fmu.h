@@ -1,6 +1,7 @@
 #pragma once
 
-#include <cstdlib>
+#include <zip.h>
+
 #include <filesystem>
 #include <string>
 
@@ -26,9 +27,16 @@ class TestFmu {
   /// The archive; its path.
   std::string packed(const std::string& name = "model") const {
     const std::string out = (path() / (name + ".fmu")).string();
-    std::filesystem::remove(out);
-    const std::string call = "cd '" + (path() / "content").string() + "' && python3 -m zipfile -c '" + out + "' *";
-    EXPECT_EQ(std::system(call.c_str()), 0);
+    zip_t* zip = zip_open(out.c_str(), ZIP_CREATE | ZIP_TRUNCATE, nullptr);
+    const std::filesystem::path content = path() / "content";
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(content)) {
+      const std::string inside = std::filesystem::relative(entry.path(), content).string();
+      if (entry.is_directory())
+        zip_dir_add(zip, inside.c_str(), ZIP_FL_ENC_UTF_8);
+      else
+        zip_file_add(zip, inside.c_str(), zip_source_file(zip, entry.path().c_str(), 0, -1), ZIP_FL_ENC_UTF_8);
+    }
+    EXPECT_EQ(zip_close(zip), 0);
     return out;
   }
 
