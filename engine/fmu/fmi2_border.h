@@ -96,16 +96,11 @@ LITHE_FMU_EXPORT void fmi2FreeInstance(fmi2Component component) {
 
 LITHE_FMU_EXPORT fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean has_tolerance, fmi2Real tolerance,
                                                 fmi2Real start, fmi2Boolean, fmi2Real) {
-  return lithe::fmu::v2::with(component, [&](lithe::fmu::Component& c) {
-    return c.guarded("SetupExperiment", lithe::fmu::kInstantiated,
-                     [&] { c.instance->begin(start, has_tolerance ? tolerance : 0); });
-  });
+  return lithe::fmu::v2::with(component,
+                              [&](lithe::fmu::Component& c) { return c.set_up(start, has_tolerance ? tolerance : 0); });
 }
 LITHE_FMU_EXPORT fmi2Status fmi2EnterInitializationMode(fmi2Component component) {
-  return lithe::fmu::v2::with(component, [](lithe::fmu::Component& c) {
-    return c.guarded("EnterInitializationMode", lithe::fmu::kInstantiated,
-                     [&] { c.mode = lithe::fmu::kInitialization; });
-  });
+  return lithe::fmu::v2::with(component, [](lithe::fmu::Component& c) { return c.enter_initialization(); });
 }
 LITHE_FMU_EXPORT fmi2Status fmi2ExitInitializationMode(fmi2Component component) {
   return lithe::fmu::v2::with(component, [](lithe::fmu::Component& c) { return c.exit_initialization(); });
@@ -177,7 +172,7 @@ LITHE_FMU_EXPORT fmi2Status fmi2DeSerializeFMUstate(fmi2Component component, con
 LITHE_FMU_EXPORT fmi2Status fmi2GetRealStatus(fmi2Component component, fmi2StatusKind kind, fmi2Real* value) {
   return lithe::fmu::v2::with(component, [&](lithe::fmu::Component& c) {
     if (kind != fmi2LastSuccessfulTime) return lithe::fmu::Outcome::discard;
-    *value = c.instance->time();
+    *value = c.time();
     return lithe::fmu::Outcome::ok;
   });
 }

@@ -130,12 +130,8 @@ LITHE_FMU_EXPORT void fmi3FreeInstance(fmi3Instance instance) { delete static_ca
 LITHE_FMU_EXPORT fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean has_tolerance,
                                                         fmi3Float64 tolerance, fmi3Float64 start, fmi3Boolean,
                                                         fmi3Float64) {
-  return lithe::fmu::v3::with(instance, [&](lithe::fmu::Component& c) {
-    return c.guarded("EnterInitializationMode", lithe::fmu::kInstantiated, [&] {
-      c.instance->begin(start, has_tolerance ? tolerance : 0);
-      c.mode = lithe::fmu::kInitialization;
-    });
-  });
+  return lithe::fmu::v3::with(
+      instance, [&](lithe::fmu::Component& c) { return c.enter_initialization(start, has_tolerance ? tolerance : 0); });
 }
 LITHE_FMU_EXPORT fmi3Status fmi3ExitInitializationMode(fmi3Instance instance) {
   return lithe::fmu::v3::with(instance, [](lithe::fmu::Component& c) { return c.exit_initialization(); });
@@ -156,7 +152,7 @@ LITHE_FMU_EXPORT fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 curren
     bool ended = false;
     const lithe::fmu::Outcome outcome = c.step(current, size, ended);
     if (early) *early = ended;
-    if (last) *last = c.instance->time();
+    if (last) *last = c.time();
     return outcome;
   });
 }
