@@ -54,32 +54,66 @@ void subtract_column(S* y, const S* A, const S* x, int m, int k, bool x_of_block
     for (int i = head; i < m; ++i) y[i + y_gap] -= a[i + gap] * f;
   }
 }
+/// R rows and N columns of C -= A B in registers, each number in the order of subtract_column: the same bits. A and C
+/// have columns `rows` apart, those of B are as of a block of k rows.
+template <int R, int N>
+void subtract_tile(double* C, const double* A, const double* B, int rows, int k) {
+  double sum[N][R];
+  for (int j = 0; j < N; ++j)
+    for (int i = 0; i < R; ++i) sum[j][i] = C[i + rows * j];
+  const int apart = stride<double>(k);
+  for (int l = 0; l < k; ++l) {
+    const double *a = A + rows * l, *b = B + place<double>(l, k);
+    for (int j = 0; j < N; ++j)
+      for (int i = 0; i < R; ++i) sum[j][i] -= a[i] * b[apart * j];
+  }
+  for (int j = 0; j < N; ++j)
+    for (int i = 0; i < R; ++i) C[i + rows * j] = sum[j][i];
+}
+template <int N>
+void subtract_columns(double* C, const double* A, const double* B, int rows, int k) {
+  int i = 0;
+  for (; i + 8 <= rows; i += 8) subtract_tile<8, N>(C + i, A + i, B, rows, k);
+  for (; i + 4 <= rows; i += 4) subtract_tile<4, N>(C + i, A + i, B, rows, k);
+  for (; i < rows; ++i) subtract_tile<1, N>(C + i, A + i, B, rows, k);
+}
+/// C -= A B; `rows`: whole columns of C and A, gaps and all.
+inline void subtract_product(double* C, const double* A, const double* B, int rows, int k, int n) {
+  int j = 0;
+  for (; j + 4 <= n; j += 4) subtract_columns<4>(C + rows * j, A, B + stride<double>(k) * j, rows, k);
+  for (; j < n; ++j) subtract_columns<1>(C + rows * j, A, B + stride<double>(k) * j, rows, k);
+}
 template <class S, bool Fresh>
 void product_any(S* C, const S* A, const S* B, int m, int k, int n) {
-  for (int j = 0; j < n; ++j) {
-    S* c = C + stride<S>(m) * j;
-    if (Fresh) std::fill_n(c, stride<S>(m), S(0));
-    subtract_column<S>(c, A, B + stride<S>(k) * j, m, k, true, true);
+  if (Fresh) std::fill_n(C, stride<S>(m) * n, S(0));
+  if constexpr (std::is_same_v<S, double>) {
+    subtract_product(C, A, B, stride<S>(m), k, n);
+  } else {
+    for (int j = 0; j < n; ++j) subtract_column<S>(C + m * j, A, B + k * j, m, k, true, true);
   }
 }
 template <class S>
 void apply_any(const S* P, S* B, int k, int n) {
-  S sum[kRoom];
-  for (int j = 0; j < n; ++j) {
-    S* b = B + stride<S>(k) * j;
-    std::fill_n(sum, stride<S>(k), S(0));
-    subtract_column<S>(sum, P, b, k, k, true, true);
-    for (int i = 0; i < stride<S>(k); ++i) b[i] = -sum[i];
+  constexpr int kAtOnce = 4;
+  S sum[kAtOnce * kRoom];
+  const int rows = stride<S>(k);
+  for (int j = 0; j < n; j += kAtOnce) {
+    S* b = B + rows * j;
+    const int columns = std::min(n - j, kAtOnce);
+    product_any<S, true>(sum, P, b, k, k, columns);
+    for (int i = 0; i < rows * columns; ++i) b[i] = -sum[i];
   }
 }
 template <class S>
 void multiply_vector_any(S* y, const S* A, const S* x, int m, int k) {
+  if constexpr (std::is_same_v<S, double>)
+    if (m > kFixed && k > kFixed) return subtract_product(y, A, x, m, k, 1);
   subtract_column<S>(y, A, x, m, k, false, false);
 }
 template <class S>
 void apply_vector_any(const S* P, S* y, int k) {
   S sum[kRoom] = {};
-  subtract_column<S>(sum, P, y, k, k, false, false);
+  multiply_vector_any<S>(sum, P, y, k, k);
   for (int i = 0; i < k; ++i) y[i] = -sum[i];
 }
 /// Gauss-Jordan in place; no gaps.

@@ -2,6 +2,7 @@
 
 #include "bodies/rigid_body.h"
 #include "engine/assembly/evaluator.h"
+#include "engine/factor/block_kernels.h"
 #include "joints/distance_joint.h"
 #include "joints/fixed_joint.h"
 #include "joints/forces/point_force.h"
@@ -197,6 +198,45 @@ TEST_P(BlockFactorOfClamps, SolvesJointsOfSeveralMarkersOnOneBody) {
 std::string modes_of(const testing::TestParamInfo<int>& modes) { return std::to_string(modes.param) + "Modes"; }
 INSTANTIATE_TEST_SUITE_P(RigidAndModal, BlockFactor, testing::Values(0, 1, 4), modes_of);
 INSTANTIATE_TEST_SUITE_P(Modal, BlockFactorOfClamps, testing::Values(3, 6), modes_of);  // fewer leave rows dependent
+
+/// A block as the kernels lay it out: columns apart, rows at their places.
+std::vector<double> laid_out(const MatrixX& A) {
+  const int m = static_cast<int>(A.rows());
+  std::vector<double> block(static_cast<std::size_t>(kernels::stride<double>(m) * A.cols()));
+  for (int j = 0; j < A.cols(); ++j)
+    for (int i = 0; i < m; ++i)
+      block[static_cast<std::size_t>(kernels::place<double>(i, m) + kernels::stride<double>(m) * j)] = A(i, j);
+  return block;
+}
+
+TEST(BlockKernels, OfAnySizeAreProductsOfMatrices) {
+  RandomNumbers random(8);
+  const auto expect_near = [](const std::vector<double>& block, const MatrixX& expected) {
+    const std::vector<double> all = laid_out(expected);
+    for (std::size_t i = 0; i < all.size(); ++i) EXPECT_NEAR(block[i], all[i], 1e-12) << i;
+  };
+  const auto matrix = [&](int rows, int columns) {
+    return MatrixX(random.vector(rows * columns).reshaped(rows, columns));
+  };
+  for (const int m : {1, 3, 5, 7, 9, 13, 20})
+    for (const int k : {2, 6, 8, 20})
+      for (const int n : {1, 4, 6, 11}) {
+        const MatrixX A = matrix(m, k), B = matrix(k, n), C = matrix(m, n), P = matrix(k, k);
+        std::vector<double> into = laid_out(C), applied = laid_out(B);
+        kernels::product_any<double, false>(into.data(), laid_out(A).data(), laid_out(B).data(), m, k, n);
+        expect_near(into, C - A * B);
+        kernels::product_any<double, true>(into.data(), laid_out(A).data(), laid_out(B).data(), m, k, n);
+        expect_near(into, -A * B);
+        kernels::apply_any<double>(laid_out(P).data(), applied.data(), k, n);
+        expect_near(applied, P * B);
+        const VectorX x = B.col(0);
+        VectorX y = C.col(0), px = x;
+        kernels::multiply_vector_any<double>(y.data(), laid_out(A).data(), x.data(), m, k);
+        EXPECT_LT((y - (C.col(0) - A * x)).norm(), 1e-12);
+        kernels::apply_vector_any<double>(laid_out(P).data(), px.data(), k);
+        EXPECT_LT((px - P * x).norm(), 1e-12);
+      }
+}
 
 }  // namespace
 }  // namespace lithe::test::block_factor_test
