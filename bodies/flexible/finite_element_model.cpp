@@ -10,6 +10,7 @@
 #include "bodies/flexible/general_inertia.h"
 #include "bodies/flexible/sparse_cholesky.h"
 #include "engine/base/error.h"
+#include "engine/base/number_text.h"
 
 namespace lithe {
 namespace {
@@ -20,12 +21,6 @@ constexpr double kRigidBound = 1e-8;
 // K + shift M, shift = this times tr K / tr M: above the noise of printed matrices, far below the first eigenvalue.
 constexpr double kDefiniteShift = 1e-10;
 constexpr double kMassShift = 1e-10;  // of the mean diagonal: above the round-off of a singular mass matrix
-
-std::string figure(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
 
 std::string where(const FiniteElementModel& model) { return "model '" + model.name + "'"; }
 
@@ -264,7 +259,7 @@ ModelCheck require_sound(const FiniteElementModel& model, Definiteness definiten
     throw SceneError(problem, where(model), fix);
   };
   const auto beyond = [](double value, double bound) {
-    return figure(value) + ", the bound is " + figure(bound) + ".";
+    return three_digits(value) + ", the bound is " + three_digits(bound) + ".";
   };
 
   if (found.stiffness_asymmetry > kAsymmetryBound)
@@ -274,7 +269,7 @@ ModelCheck require_sound(const FiniteElementModel& model, Definiteness definiten
     refuse("M is not symmetric: max|M - M'| / max|M| is " + beyond(found.mass_asymmetry, kAsymmetryBound),
            "export the mass matrix again.");
   if (!(found.mass > 0))
-    refuse("the mass is " + figure(found.mass) + " kg, it must be positive.",
+    refuse("the mass is " + three_digits(found.mass) + " kg, it must be positive.",
            "give the material a density and check the units.");
   if (!found.mass_positive)
     refuse("the mass matrix is not positive definite.",

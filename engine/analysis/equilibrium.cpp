@@ -1,7 +1,6 @@
 #include "engine/analysis/equilibrium.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <limits>
 
 #include "engine/analysis/rest_stability.h"
@@ -35,19 +34,13 @@ constexpr double kHardlyMoves = 1e-6;  // m, rad: too small a move to judge the 
 constexpr double kHeld = 1e-13;        // of the size of the scene, or rad: a step of round-off, joints hold everything
 constexpr double kPerfect = 1e-15;     // out of balance, of the force scale
 
-std::string short_number(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", x);
-  return text;
-}
-
 void tell_stability(const Layout& layout, const Equilibrium& found) {
   if (found.stability != RestStability::unstable) return;
   int largest = 0;
   found.softest.cwiseAbs().maxCoeff(&largest);
   log::warn("find_equilibrium: the rest found is " + found.stability_text() +
             ": a motion away from it, most of all of " + layout.velocity_name(largest) + ", grows e-fold in " +
-            short_number(1 / std::sqrt(-found.lowest_stiffness)) +
+            three_digits(1 / std::sqrt(-found.lowest_stiffness)) +
             " s\n  fix:  start aside of it where another rest is wanted.");
 }
 
@@ -256,7 +249,7 @@ std::string Equilibrium::stability_text() const {
   const char* const word = stability == RestStability::stable     ? "stable"
                            : stability == RestStability::unstable ? "unstable"
                                                                   : "of unknown stability";
-  return word + (", lowest stiffness " + short_number(lowest_stiffness) + " 1/s²");
+  return word + (", lowest stiffness " + three_digits(lowest_stiffness) + " 1/s²");
 }
 
 Equilibrium find_equilibrium(const System& system, const State& start, const EquilibriumOptions& options) {
@@ -293,8 +286,8 @@ Equilibrium find_equilibrium(const System& system, const State& start, const Equ
   if (!search.balanced())
     throw SimulationError("no equilibrium was found in " + std::to_string(found.iterations) +
                               " iterations: " + layout.velocity_name(search.worst()) + " stays out of balance by " +
-                              short_number(found.out_of_balance) + " (N or N m), joints are off by " +
-                              short_number(search.gap()),
+                              three_digits(found.out_of_balance) + " (N or N m), joints are off by " +
+                              three_digits(search.gap()),
                           "find_equilibrium, " + time_text(state.time),
                           (search.used_up() ? "max_load_steps are used up: give more; " : "") +
                               std::string("does anything hold it? Add a spring, a joint or a lock; or start nearer to "

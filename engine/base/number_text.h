@@ -19,9 +19,12 @@ inline std::string number_text(double value) {
   return text;
 }
 
+/// Three digits: "0.25", "0.0141", "1.41e+03".
+std::string three_digits(double value);
+/// Three digits as an engineer writes them: "0.25", "1410", "1e-5".
+std::string short_number(double value);
+
 /// "t = 0.53 s", to the last digit, as messages name a time.
-inline std::string time_text(double time) {
-  return "t = " + number_text(time) + " s";
-}
+inline std::string time_text(double time) { return "t = " + number_text(time) + " s"; }
 
 }  // namespace lithe

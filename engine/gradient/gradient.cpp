@@ -5,6 +5,7 @@
 #include <deque>
 #include <map>
 
+#include "engine/base/number_text.h"
 #include "engine/gradient/recorded_run.h"
 #include "engine/gradient/repeated_steps.h"
 #include "engine/gradient/sample_weights.h"

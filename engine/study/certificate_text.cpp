@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <sstream>
 
+#include "engine/base/number_text.h"
 #include "engine/study/certificate.h"
 #include "engine/study/model_run.h"
 #include "engine/study/study_run.h"
@@ -46,9 +46,7 @@ void join(std::string& list, const std::string& entry) { list += (list.empty() ?
 std::string number(double value) {
   if (std::isnan(value)) return "unknown";
   if (!(std::abs(value) >= 1e-3 && std::abs(value) < 0.1)) return short_number(value);
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
+  return three_digits(value);
 }
 
 std::string percent(double ratio) { return std::isfinite(ratio) ? number(100 * ratio) + " %" : "-"; }

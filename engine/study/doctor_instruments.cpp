@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cstdio>
 #include <ctime>
 #include <numbers>
 #include <set>
@@ -131,12 +130,6 @@ class Probe : public Observer {
 };
 
 }  // namespace
-
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
 
 void add_wrench(const Layout& layout, const Marker& marker, const MarkerKinematics& k, const Wrench& w,
                 VectorX& force) {

@@ -9,13 +9,14 @@
 
 #include "engine/assembly/evaluator.h"
 #include "engine/assembly/reached_state.h"
+#include "engine/base/number_text.h"
 #include "engine/observe/snapshot.h"
 #include "engine/study/doctor.h"
 
 /// The doctor's instruments.
 namespace lithe::doctor {
 
-std::string number(double value);                   // three digits
+inline std::string number(double value) { return three_digits(value); }
 std::string bodies_of(const Connector& connector);  // "'wheel' and ground"
 
 /// What the rows of G M^-1/2 that are not redundant, each brought to length 1, say of ranks at a state; M with the

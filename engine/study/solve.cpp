@@ -7,6 +7,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/log.h"
+#include "engine/base/number_text.h"
 #include "engine/model/contact_element.h"
 #include "engine/model/islands.h"
 #include "engine/simplify/simplification.h"

@@ -3,6 +3,7 @@
 #include <span>
 #include <utility>
 
+#include "engine/base/number_text.h"
 #include "engine/study/solve_internal.h"
 #include "engine/study/study_run.h"
 

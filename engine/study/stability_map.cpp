@@ -4,6 +4,7 @@
 #include <map>
 
 #include "engine/base/error.h"
+#include "engine/base/number_text.h"
 #include "engine/output/matrix_chart.h"
 #include "engine/output/partial_file.h"
 #include "engine/study/study_run.h"

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "engine/base/error.h"
+#include "engine/base/number_text.h"
 #include "engine/study/stability_map.h"
 #include "engine/study/study_run.h"
 

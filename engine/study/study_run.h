@@ -60,7 +60,5 @@ double thread_seconds();
 std::string setting_text(StudyMethod::Setting kind, double setting);
 /// "0.8 ms", "12 µs": a time in the unit that suits it, three digits.
 std::string duration_text(double seconds);
-/// "1e-5", "0.25": three digits.
-std::string short_number(double value);
 
 }  // namespace lithe

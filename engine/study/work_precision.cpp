@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "engine/base/checks.h"
+#include "engine/base/number_text.h"
 #include "engine/output/csv.h"
 
 namespace lithe {

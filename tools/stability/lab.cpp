@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/base/error.h"
+#include "engine/base/number_text.h"
 #include "engine/study/study_run.h"
 #include "integrators/catalogue.h"
 #include "integrators/moreau_jean.h"

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "engine/base/error.h"
+#include "engine/base/number_text.h"
 #include "engine/study/study_run.h"
 #include "tools/bench/measure.h"
 #include "tools/stability/lab.h"

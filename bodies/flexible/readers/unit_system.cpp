@@ -3,18 +3,12 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "engine/base/error.h"
+#include "engine/base/number_text.h"
 
 namespace lithe {
 namespace {
-
-std::string three_digits(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
 
 double tetrahedron(const Matrix3X& r, int a, int b, int c, int d) {
   const Vector3 u = r.col(b) - r.col(a), v = r.col(c) - r.col(a), w = r.col(d) - r.col(a);

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "bodies/rigid_body.h"
+#include "engine/base/number_text.h"
 #include "engine/study/chart_study.h"
 #include "engine/study/work_precision.h"
 #include "integrators/catalogue.h"

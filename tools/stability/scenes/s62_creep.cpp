@@ -1,4 +1,5 @@
 // S62: a block on a slope of 10 degrees that friction of 0.3 holds (C02): regularised friction lets it creep.
+#include "engine/base/number_text.h"
 #include "engine/study/study_run.h"
 #include "tools/stability/methods/ordinary.h"
 #include "tools/stability/scenes/candidates.h"
