@@ -36,9 +36,14 @@ std::vector<std::string> cited(const std::string& text) {
   std::vector<std::string> numbers;
   const std::regex citation(R"(docs/equations\.md (?:sections? )?(\d+(?:\.\d+)?(?:, \d+(?:\.\d+)?)*))"),
       number(R"([\d.]+)");
-  for (std::sregex_iterator m(text.begin(), text.end(), citation), end; m != end; ++m) {
-    const std::string list = (*m)[1];
-    for (std::sregex_iterator n(list.begin(), list.end(), number); n != end; ++n) numbers.push_back(n->str());
+  // Tried where the name stands: the expression takes seconds on all the sources.
+  for (std::size_t at = text.find(kEquations); at != std::string::npos; at = text.find(kEquations, at + 1)) {
+    std::smatch m;
+    if (!std::regex_search(text.begin() + static_cast<std::ptrdiff_t>(at), text.end(), m, citation,
+                           std::regex_constants::match_continuous))
+      continue;
+    const std::string list = m[1];
+    for (std::sregex_iterator n(list.begin(), list.end(), number), end; n != end; ++n) numbers.push_back(n->str());
   }
   return numbers;
 }

@@ -16,7 +16,7 @@
 namespace lithe::test::flexible_motion_test {
 namespace {
 
-TEST(FlexibleBody, in_free_flight_keeps_energy_and_momenta_for_ten_seconds) {
+TEST(FlexibleBody, in_free_flight_keeps_energy_and_momenta_for_five_seconds) {
   const FiniteElementModel model = pendulum_model("hex8i");
   SystemGraph graph{{.gravity = {0, 0, 0}}};
   // A three-node frame: Ct and C0 do not vanish, so every term of f_v is at work.
@@ -43,7 +43,7 @@ TEST(FlexibleBody, in_free_flight_keeps_energy_and_momenta_for_ten_seconds) {
   Vector3 p0, p, l0, l;
   observe(e0, p0, l0);
   double worst_e = 0, worst_p = 0, worst_l = 0;
-  for (int second = 1; second <= 10; ++second) {
+  for (int second = 1; second <= 5; ++second) {
     while (state.time < second) ASSERT_TRUE(integrator.step(equations, state, second).ok());
     observe(e, p, l);
     worst_e = std::max(worst_e, std::abs(e / e0 - 1));
@@ -131,7 +131,7 @@ TEST(FlexibleBody, with_all_nodal_coordinates_follows_the_inertial_frame_model) 
   // The inertial model by classical Runge-Kutta, small fixed steps.
   const InertialModel inertial(data);
   Matrix3X q = start.position, v = start.velocity;
-  const int steps = 10000;
+  const int steps = 5000;
   const double h = end / steps;
   for (int i = 0; i < steps; ++i) {
     const Matrix3X a1 = inertial.acceleration(q), v2 = v + h / 2 * a1;

@@ -327,7 +327,7 @@ TEST(StateSpace, gives_the_bode_chart_of_a_flexible_arm) {
   };
   // From well below the first bending mode (1.80 Hz, pinned and free) to above the third (12.2 Hz).
   std::vector<double> frequencies;
-  for (int k = 0; k <= 40; ++k) frequencies.push_back(0.1 * std::pow(160.0, k / 40.0));
+  for (int k = 0; k <= 20; ++k) frequencies.push_back(0.1 * std::pow(160.0, k / 20.0));
   // Three meshes: without the errors of second and fourth order in their elements.
   const auto coarse = bode(12, frequencies), middle = bode(24, frequencies), fine = bode(48, frequencies);
   int compared = 0;
@@ -341,7 +341,7 @@ TEST(StateSpace, gives_the_bode_chart_of_a_flexible_arm) {
       ++compared;
     }
   }
-  EXPECT_GT(compared, 60);
+  EXPECT_GT(compared, 30);
 }
 
 // ---- charts and files ----
