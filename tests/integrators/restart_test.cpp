@@ -41,7 +41,7 @@ std::string difference(const std::vector<unsigned char>& a, const std::vector<un
   return text;
 }
 
-constexpr int kInstants = 20;
+constexpr int kInstants = 10;
 
 void check(const char* scene, const std::function<void(SystemGraph&)>& draw, const Case& method, double end,
            int threads = 1, int other_threads = 1) {
