@@ -142,7 +142,7 @@ TEST(FramesAndModes, MoveAsBodiesOfTheirOwnByEveryMethod) {
       Scene scene(kGravity, [&](SystemGraph& graph) { draw_machine(graph, form); });
       const int k = static_cast<int>(form);
       energy[k] = scene.energy();
-      scene.run(*make(), 0.02);
+      scene.run(*make(), 0.012);
       end[k] = coordinates_of(scene, form);
     }
     EXPECT_NEAR(energy[0], energy[1], 1e-12);

@@ -178,6 +178,7 @@ TEST(ImpactEnergy, is_kept_by_elastic_impacts_and_never_added_to_by_others) {
       for (const double step : {1e-4, 5e-5})
         for (const double e : {0.0, 0.5, 1.0})
           for (const double friction : {0.0, 0.4}) {
+            if (step < 1e-4 && e != (friction > 0 ? 0.5 : 1.0)) continue;  // all at the longer step
             const Course found = run(kind, alpha, step, e, friction, kind == Kind::nodal ? 0.1 : 1, 0.03);
             const std::string name = std::string(alpha ? "alpha, " : "Moreau-Jean, ") + name_of(kind) + ", step " +
                                      std::to_string(step) + ", e " + std::to_string(e) +
@@ -204,7 +205,7 @@ TEST(ImpactEnergy, is_kept_by_elastic_impacts_and_never_added_to_by_others) {
 TEST(ImpactEnergy, of_a_solid_that_no_step_resolves_does_not_grow) {
   for (const bool alpha : {false, true})
     for (const double step : {1e-4, 5e-5}) {
-      const Course found = run(Kind::nodal, alpha, step, 1, 0, 1, 0.2);
+      const Course found = run(Kind::nodal, alpha, step, 1, 0, 1, step < 1e-4 ? 0.1 : 0.2);
       const std::string name = (alpha ? "alpha, step " : "Moreau-Jean, step ") + std::to_string(step);
       if (std::getenv("LITHE_PRINT"))
         std::printf("%-60s contact %9.2e, gained %.2e; flight %.2e; highest %.2e\n", name.c_str(), found.contact,

@@ -42,7 +42,7 @@ struct PeriodError {
 
 PeriodError run_belt(const Belt& belt, Stepper stepper) {
   constexpr double step = 1e-3;
-  const int cycles = belt.period() > 3 ? 2 : 5;
+  const int cycles = belt.period() > 3 ? 2 : 3;
   ContactScene scene;
   auto& carrier = scene.box("belt", {1, 1, 1}, 10, {0, 0, -0.5}, Matrix3::Identity(), {belt.speed, 0, 0});
   const Matrix3 along = Eigen::AngleAxisd(M_PI / 2, Vector3::UnitY()).matrix();  // z along world x
