@@ -7,10 +7,6 @@
 
 namespace lithe {
 
-System::System(System&&) noexcept = default;
-System& System::operator=(System&&) noexcept = default;
-System::~System() = default;
-
 const Layout::RowSlice& System::rows(const Constraint& constraint) const {
   const auto& ours = graph_->constraints();
   for (std::size_t i = 0; i < layout_.rows().size(); ++i)

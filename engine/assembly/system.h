@@ -27,10 +27,6 @@ struct RedundantRow {
 /// The assembled, unchanging system: layout, batches, sparsity. const, so threads share it; borrows the graph.
 class System {
  public:
-  System(System&&) noexcept;
-  System& operator=(System&&) noexcept;
-  ~System();
-
   const Layout& layout() const { return layout_; }
   const Vector3& gravity() const { return graph_->gravity(); }
   const SystemGraph& graph() const { return *graph_; }

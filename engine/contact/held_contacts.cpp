@@ -1,6 +1,5 @@
 // Contacts of bodies that joints and drives hold completely, so that no impulse can move them.
 #include <cmath>
-#include <cstdio>
 
 #include "engine/base/error.h"
 #include "engine/base/number_text.h"
@@ -8,16 +7,6 @@
 #include "engine/motion/equations_of_motion.h"
 
 namespace lithe {
-namespace {
-
-std::string speed_text(double speed) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g m/s", speed);
-  return text;
-}
-
-}  // namespace
-
 /// Of the body by itself, along the normal, without its turning; 0 where its block of S tells nothing of it.
 double RigidContacts::mobility_alone(const ContactRows::Side& side, int rows) const {
   const BlockStructure& blocks = scene_.blocks;
@@ -67,7 +56,7 @@ void RigidContacts::refuse_held(int point, const State& start, double speed) {
     Eigen::Index fastest = 0;
     start.v.cwiseAbs().maxCoeff(&fastest);
     throw SimulationError("the motion has left all bounds: surfaces of '" + contact.name() + "' meet at " +
-                              speed_text(speed) + "; the largest velocity is " +
+                              three_digits(speed) + " m/s" + "; the largest velocity is " +
                               layout.velocity_name(static_cast<int>(fastest)),
                           contact.where() + ", " + time_text(start.time),
                           "look for what drives it before: a force that feeds energy in, a step that is too long for a "
@@ -96,7 +85,7 @@ void RigidContacts::refuse_held(int point, const State& start, double speed) {
   }
   const std::string& holding = driving.empty() ? all : driving;
   // 2. The refusal.
-  throw SimulationError("rigid surfaces of '" + contact.name() + "' meet at " + speed_text(speed) +
+  throw SimulationError("rigid surfaces of '" + contact.name() + "' meet at " + three_digits(speed) + " m/s" +
                             ", and no impulse can stop " + bodies +
                             (driving.empty() ? ": held by " : ": motion prescribed by ") + holding,
                         contact.where() + ", " + time_text(start.time),
