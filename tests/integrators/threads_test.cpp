@@ -192,9 +192,9 @@ TEST(Threads, tell_the_first_failure_of_a_scene) {
           for (int i : {200, 900, 1500})
             graph.add<SpringDamper>("spring " + std::to_string(i),
                                     {graph.constraints()[i - 1].markers[1], graph.constraints()[i].markers[1]},
-                                    {.law = TensionLaw([i](double, double) {
+                                    {.law = TensionLaw([i](double, double) -> Tension {
                                        if (fails) throw std::runtime_error("spring " + std::to_string(i) + " broke");
-                                       return 1.0;
+                                       return {.force = 1};
                                      })});
         },
         threads);
