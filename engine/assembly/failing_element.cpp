@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 
 #include "engine/assembly/evaluated.h"
 #include "engine/base/error.h"
@@ -94,81 +93,34 @@ double arm_off_axis(const MeasuredAngle& angle, const MarkerMotions& markers) {
   return std::atan2(arm.cross(axis).norm(), std::abs(arm.dot(axis)));
 }
 
-struct NearestAngle {
-  double off = std::numeric_limits<double>::infinity();  // rad
-  const Connector* connector = nullptr;
-  bool to_point = false;
-};
+}  // namespace
 
-/// The measured angle whose arm is nearest to its axis in a state, of those whose place in State::quarter_turns counts.
-template <class Counts>
-NearestAngle nearest_to_axis(Evaluator& evaluator, const State& state, Counts&& counts) {
+std::string find_lost_angle(Evaluator& evaluator, const State& state) try {
+  constexpr double kLost = 1e-2;  // rad
   evaluator.recall(state.quarter_turns);
   evaluator.recall(state.contacts);
   evaluator.evaluate(state.time, state.q, state.v, Level::velocity);
-  NearestAngle nearest;
+  std::string found;
+  double nearest = kLost;
   const auto look = [&](const Connector& connector, const std::vector<Marker>& on) {
-    int place = evaluator.system().first_angle(connector);
-    const auto angles = connector.angles();
-    if (angles.empty()) return;
     const MarkerMotions markers = motions_of(evaluator, on);
-    for (const MeasuredAngle& angle : angles) {
-      if (!counts(place++)) continue;
-      if (const double off = arm_off_axis(angle, markers); off < nearest.off)
-        nearest = {off, &connector, angle.to_point};
-    }
+    for (const MeasuredAngle& angle : connector.angles())
+      if (const double off = arm_off_axis(angle, markers); off < nearest) {
+        nearest = off;
+        char degrees[32];
+        std::snprintf(degrees, sizeof degrees, "%.2g", off * 180 / M_PI);
+        found = "the angle that '" + connector.name() + "' (" + connector.where() +
+                ") measures jumps by half a turn: " +
+                (angle.to_point ? "the point that it looks at is " : "the axis that it looks at is ") + degrees +
+                " degrees from the axis that it turns about";
+      }
   };
   const SystemGraph& graph = evaluator.system().graph();
   for (const auto& entry : graph.constraints()) look(*entry.constraint, entry.markers);
   for (const auto& entry : graph.forces()) look(*entry.force, entry.markers);
-  return nearest;
-}
-
-/// "" where it is not lost.
-std::string lost_in_words(const NearestAngle& angle) {
-  constexpr double kLost = 1e-2;  // rad
-  if (!(angle.off < kLost)) return "";
-  char degrees[32];
-  std::snprintf(degrees, sizeof degrees, "%.2g", angle.off * 180 / M_PI);
-  return "the angle that '" + angle.connector->name() + "' (" + angle.connector->where() +
-         ") measures jumps by half a turn: " +
-         (angle.to_point ? "the point that it looks at is " : "the axis that it looks at is ") + degrees +
-         " degrees from the axis that it turns about";
-}
-
-}  // namespace
-
-std::string find_lost_angle(Evaluator& evaluator, const State& state) try {
-  return lost_in_words(nearest_to_axis(evaluator, state, [](int) { return true; }));
+  return found;
 } catch (const std::exception&) {  // NOLINT: the failure that is looked into matters more
   return "";
-}
-
-std::string find_angle_passed_over(Evaluator& evaluator, const State& from, const State& to) {
-  constexpr double kJump = 0.8;   // quarter turns; of half a turn that two steps share
-  constexpr double kAside = 1.2;  // rad: steps that pass the axis end nearer to it, and joints keep their arms upright
-  constexpr int kSamples = 64;    // between them an axis that is passed turns by less than what counts as lost
-  if (from.quarter_turns.size() != to.quarter_turns.size() || to.quarter_turns.size() == 0) return "";
-  const auto jumped = [&](int i) { return std::abs(to.quarter_turns[i] - from.quarter_turns[i]) >= kJump; };
-  bool any = false;
-  for (int i = 0; i < to.quarter_turns.size(); ++i) any |= jumped(i);
-  if (!any) return "";
-  std::string found;
-  if (nearest_to_axis(evaluator, to, jumped).off < kAside) {
-    VectorX d(to.v.size());
-    evaluator.layout().difference(from.q, to.q, d);
-    State there = from;
-    for (int k = 0; k <= kSamples && found.empty(); ++k) {
-      const double part = static_cast<double>(k) / kSamples;
-      const VectorX way = part * d;
-      evaluator.layout().retract(from.q, way, there.q);
-      there.time = from.time + part * (to.time - from.time);
-      found = lost_in_words(nearest_to_axis(evaluator, there, jumped));
-    }
-  }
-  evaluator.recall(to.quarter_turns);
-  evaluator.recall(to.contacts);
-  return found;
 }
 
 std::string find_failing_element(Evaluator& evaluator, const State& from, double until) {

@@ -17,8 +17,4 @@ std::string find_failing_element(Evaluator& evaluator, const State& from, double
 /// state, since what it measures lies along the axis that it turns about, in words; empty if there is none.
 std::string find_lost_angle(Evaluator& evaluator, const State& state);
 
-/// The same for a step of a fixed length, over which an angle has changed by some quarter turn or more: on the way from
-/// `from` to `to` it was lost, so that the change is a jump and no turn. Looks at nothing where no angle has.
-std::string find_angle_passed_over(Evaluator& evaluator, const State& from, const State& to);
-
 }  // namespace lithe

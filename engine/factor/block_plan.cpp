@@ -209,14 +209,17 @@ void BlockFactorOf<Scalar>::plan() {
     crossing_.last_copy = static_cast<int>(copies_.size()), crossing_.last_cleared = static_cast<int>(cleared_.size());
     crossing_.last_update = static_cast<int>(updates_.size());
   };
-  int now = trunk > 0 ? 0 : trunk;  // the branch whose steps these are
-  for (std::size_t at = 0; at < elimination.order.size(); ++at) {
-    const int v = elimination.order[at];
-    while (now < trunk && static_cast<int>(at) == ends[now]) {
-      branch(now).last_step = static_cast<int>(at);
-      branch(++now).first_step = static_cast<int>(at);
+  int now = 0;                               // the branch whose steps these are
+  const auto close_branches = [&](int at) {  // that end there
+    while (now < trunk && at == ends[now]) {
+      branch(now).last_step = at;
+      branch(++now).first_step = at;
       if (now == trunk) cross();
     }
+  };
+  for (std::size_t at = 0; at < elimination.order.size(); ++at) {
+    close_branches(static_cast<int>(at));
+    const int v = elimination.order[at];
     const auto within = [&](int w) { return branch_of[w] == now; };
     Step step{};
     step.first_neighbour = static_cast<int>(neighbours_.size()), step.first_update = static_cast<int>(updates_.size());
@@ -281,6 +284,7 @@ void BlockFactorOf<Scalar>::plan() {
     step.last_copy = static_cast<int>(copies_.size()), step.last_cleared = static_cast<int>(cleared_.size());
     steps_.push_back(step);
   }
+  close_branches(static_cast<int>(steps_.size()));  // there may be no trunk
   trunk_.last_step = static_cast<int>(steps_.size());
   blocks_.assign(size, Scalar(0));
   is_dropped_.assign(s.row_count, 0);
@@ -291,6 +295,7 @@ void BlockFactorOf<Scalar>::plan() {
 template void BlockFactorOf<double>::plan();
 template std::vector<double> BlockFactorOf<double>::work(const Elimination&, const std::vector<int>&) const;
 template void BlockFactorOf<std::complex<double>>::plan();
-template std::vector<double> BlockFactorOf<std::complex<double>>::work(const Elimination&, const std::vector<int>&) const;
+template std::vector<double> BlockFactorOf<std::complex<double>>::work(const Elimination&,
+                                                                       const std::vector<int>&) const;
 
 }  // namespace lithe

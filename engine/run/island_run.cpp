@@ -187,8 +187,6 @@ void IslandRun::advance(State& state, double stop) {
          "give a looser tolerance if steps became smaller than time can resolve; else fix the integrator: a step moves "
          "time, never past its stop");
   }
-  if (const std::string lost = find_angle_passed_over(equations_, last_, state); !lost.empty())
-    fail(state, step() + " passed over a pose that its method cannot follow: " + lost, kKeepApart);
   if (finder_) {
     try {
       look_for_events(state);

@@ -60,6 +60,11 @@ void draw_star(SystemGraph& graph) {
                             {.stiffness = 100, .damping = 1, .natural_length = 0.9});
   graph.add<PointForce>("wind", {ends[3]}, {.force = {0, 3, 1}});
 }
+/// Pendulums of three rods that do not know each other: there are branches and no trunk.
+void draw_pendulums(SystemGraph& graph) {
+  for (int i = 0; i < 100; ++i)
+    draw_row<RevoluteJoint>(graph, 3, {0, 1.0 * i, 0}, graph.ground().marker({0, 1.0 * i, 0}, restart::kAxisY));
+}
 /// Two rows of rods with rungs: loops everywhere.
 void draw_ladder(SystemGraph& graph) {
   Marker ends[2] = {graph.ground().marker({0, 0, 0}), graph.ground().marker({0, 1, 0})};
@@ -80,7 +85,7 @@ void draw_ladder(SystemGraph& graph) {
 void draw_flexible(SystemGraph& graph) {
   const auto modes = restart::rod_modes();
   Marker end = graph.ground().marker();
-  for (int i = 0; i < 60; ++i) {
+  for (int i = 0; i < 220; ++i) {
     auto& rod =
         graph.add<FlexibleBody>("rod " + std::to_string(i), {.basis = modes, .position = i * Vector3(0.4, 0.02, 0.02)});
     graph.add<SphericalJoint>("joint " + std::to_string(i), {end, rod.node(1)});
@@ -102,6 +107,7 @@ struct Scene {
 
 State end_state(const Draw& draw, const std::function<Method()>& make, int threads) {
   const Scene scene(draw, threads);
+  EXPECT_GT(scene.system.parts().size(), 1u);
   State state = scene.system.initial_state();
   const Method method = make();
   Evaluator evaluator(scene.system);
@@ -179,7 +185,7 @@ TEST_P(Threads, solve_what_the_blocks_say) {
 INSTANTIATE_TEST_SUITE_P(Scenes, Threads,
                          testing::Values(Drawn{"chain", draw_chain}, Drawn{"hinges", draw_hinges},
                                          Drawn{"star", draw_star}, Drawn{"ladder", draw_ladder},
-                                         Drawn{"flexible", draw_flexible}),
+                                         Drawn{"flexible", draw_flexible}, Drawn{"pendulums", draw_pendulums}),
                          [](const auto& info) { return std::string(info.param.name); });
 
 /// Three laws fail; what is told is the first in the scene, whoever comes to it first.

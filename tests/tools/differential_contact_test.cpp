@@ -94,39 +94,6 @@ TEST(DifferentialFindings, ACompliantContactMeetsNotBeforeItTouches) {
   }
 }
 
-/// An arm's x axis swings through the axis that its angle turns about, past it by `aside` rad: within a step the angle
-/// jumps by half a turn, which the count of turns cannot tell from a turn.
-std::string swing_past_the_axis(Integrator& integrator, double aside) {
-  SystemGraph graph;
-  auto& arm = graph.add<RigidBody>(
-      "arm", {.orientation = rotation_about({1, 0, 0}, aside) * rotation_about({0, 1, 0}, 0.4 - M_PI / 2),
-              .angular_velocity = {0, -1, 0}});
-  graph.add<CoordinateSpring>("closer",
-                              {JointCoordinate{JointCoordinate::Kind::angle, graph.ground().marker(), arm.marker()}},
-                              {.stiffness = 1e-6});
-  const System system = assemble(graph);
-  State state = system.initial_state();
-  Simulation simulation(system, integrator);
-  return message_of<SimulationError>([&] { simulation.run(state, 1); });
-}
-
-TEST(DifferentialFindings, FixedStepsTellOfAnAngleThatTheyPassOver) {
-  constexpr double kStep = 0.0503;
-  std::vector<Method> methods;
-  methods.push_back(std::make_unique<MoreauJean>(MoreauJean::Parameters{.step = kStep}));
-  methods.push_back(std::make_unique<NonsmoothGeneralizedAlpha>(NonsmoothGeneralizedAlpha::Parameters{.step = kStep}));
-  methods.push_back(runge_kutta_fixed(kStep));
-  methods.push_back(index3(kStep));
-  for (const Method& method : methods) {
-    SCOPED_TRACE(method->name());
-    const std::string message = swing_past_the_axis(*method, 1e-3);
-    EXPECT_THAT(message, HasSubstr("passed over a pose that its method cannot follow: the angle that 'closer' ("));
-    EXPECT_THAT(message, HasSubstr("measures jumps by half a turn"));
-    EXPECT_THAT(message, HasSubstr("fix:  keep the two apart"));
-    EXPECT_EQ(swing_past_the_axis(*method, 0.2), "") << "aside of the axis";
-  }
-}
-
 /// 1.3 quarter turns a step, about the axis that joints keep.
 TEST(DifferentialFindings, FixedStepsTurnARotorAsFarAsTurnsCanBeCounted) {
   SystemGraph graph;

@@ -24,9 +24,11 @@ EXCEPTIONS = {
         RigidFrameBody ScalarBody RigidInertia RigidRows DrawableBody DrawableConnector DrawnMesh DrawnSkin
         FramePair AngleMemory ActingMarkers CoupledMarkers CoordinateSwitch EventMemory MarkerLoad
         MarkerMotions MeasuredCoordinate DeflectedMarker MarkerBetween InputEffort CoordinateEffort
-        SetValuedFriction BristleLaw FrictionLaw StribeckLaw JointSurface LimitedDamping Parameter
+        InternalLoads SetValuedFriction BristleLaw FrictionLaw StribeckLaw JointSurface LimitedDamping Parameter
         RotationSeries Spatial ForwardDynamics ComplexFactor ComplexTangentWeights HeldCoordinates GaussRule
         LimitedMotion""",
+    "what batches of elements hand to each other": """
+        BatchRange""",
     "what contact and its detection hand to each other": """
         ContactSide ContactPoses ContactDetector ContactTrace CompliantMemory CapsulePiece""",
     "elements that a function or a body draws: the page of that shows it": """
