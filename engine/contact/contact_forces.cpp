@@ -163,6 +163,8 @@ void ContactForces::track(ContactMemory& memory) {
       const ContactRows::Row& row = rows.points().back();
       double u[6] = {};
       rows.velocity(row, velocity_.data(), u);
+      // Surfaces that part here meet anew, though the next state may be the one in which they do.
+      if (point.gap > -kInside && u[0] > 0 && was_inside(record.number, point)) continue;
       ContactTrace trace;
       trace.element = record.number;
       trace.point = row.point;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "bodies/rigid_body.h"
+#include "engine/assembly/evaluator.h"
 #include "engine/observe/sensors.h"
 #include "engine/observe/snapshot.h"
 #include "engine/run/simulation.h"
@@ -106,6 +107,31 @@ TEST(DifferentialFindings, FixedStepsTurnARotorAsFarAsTurnsCanBeCounted) {
   double angle = 0;
   coordinate(pin.angle(), "angle").evaluate(now, {&angle, 1});
   EXPECT_NEAR(angle, 40 * 1.3 * M_PI / 2, 1e-9);
+}
+
+/// A ball leaves the floor at 0.3 m/s and is back at 0.1 m/s at the end of the next step: that is the speed of the new
+/// impact, not the 2 m/s of the one before.
+TEST(DifferentialFindings, SurfacesThatPartAndMeetInOneStepMeetAnew) {
+  SystemGraph graph({.gravity = Vector3::Zero()});
+  auto& ball = graph.add<RigidBody>("ball", {.position = {0, 0, 0.1}, .velocity = {0, 0, -2}});
+  graph.add<Contact>(
+      "floor",
+      std::vector<Collider>{{graph.ground().marker(), shape::half_space()}, {ball.marker(), shape::sphere(0.1)}},
+      Contact::Parameters{.law = Compliance{.stiffness = 1e6, .exponent = 1.5, .restitution = 0.5}});
+  const System system = assemble(graph);
+  Evaluator evaluator(system);
+  State state = system.initial_state();
+  const auto impact_speed_at = [&](double height, double speed) {
+    state.q[2] = height, state.v[2] = speed;
+    evaluator.recall(state.contacts);
+    evaluator.track_contacts(state);
+    return state.contacts.empty() ? -1 : std::get<CompliantMemory>(state.contacts.front().memory).impact_speed;
+  };
+  EXPECT_EQ(impact_speed_at(0.1, -2), 2);
+  EXPECT_EQ(impact_speed_at(0.0999, -1), 2);
+  EXPECT_EQ(impact_speed_at(0.0999, 0.2), 2);
+  EXPECT_EQ(impact_speed_at(0.1, 0.3), -1) << "no longer in touch";
+  EXPECT_EQ(impact_speed_at(0.1, -0.1), 0.1);
 }
 
 /// At 1e12 m/s round-off made a body that nothing holds look held; the joints were blamed that it was on.
