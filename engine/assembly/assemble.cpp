@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cstdint>
 #include <map>
 
 #include "engine/assembly/batch_of.h"
@@ -11,6 +10,7 @@
 #include "engine/assembly/plain_frames.h"
 #include "engine/assembly/reached_state.h"
 #include "engine/assembly/redundancy.h"
+#include "engine/assembly/scene_parts.h"
 #include "engine/assembly/system.h"
 #include "engine/assembly/tangent_factors.h"
 #include "engine/base/error.h"
@@ -43,7 +43,6 @@ class SystemBuilder {
     initialize_connectors();
     find_velocity_rows();
     plan_blocks();
-    cut_into_parts();
     fill_batches();
     count_quarter_turns();
     for (double& quarter_turns : system_.initial_.quarter_turns) quarter_turns = initial::quarter_turns(quarter_turns);
@@ -389,94 +388,32 @@ class SystemBuilder {
       }
   }
 
-  /// Bodies in the graph's order, of some velocities each.
-  void cut_into_parts() {
-    constexpr int kVelocities = 300, kMost = 64;
-    const Layout& layout = system_.layout_;
-    const BlockStructure& b = system_.blocks_;
-    const int all = layout.v_count(), count = std::clamp(all / kVelocities, 1, kMost);
-    system_.parts_.resize(count);
-    const auto part_at = [&](int v) { return count == 1 ? 0 : static_cast<int>(std::int64_t(v) * count / all); };
-    std::vector<int> parts_of_frames;
-    for (std::size_t i = 0; i < records_.size(); ++i) {
-      const int part = part_at(records_[i].v);
-      parts_of_bodies_.push_back(part);
-      parts_of_frames.insert(parts_of_frames.end(), records_[i].frame < 0 ? 0 : records_[i].frames, part);
-      System::Part& of = system_.parts_[part];
-      if (of.last_v == 0) of.first_q = records_[i].q, of.first_v = records_[i].v;
-      const bool last = i + 1 == records_.size();
-      of.last_q = last ? layout.q_count() : records_[i + 1].q, of.last_v = last ? all : records_[i + 1].v;
-    }
-    const auto number = [&](int velocity) {  // of the body
-      const auto after = std::upper_bound(records_.begin(), records_.end(), velocity,
-                                          [](int v, const BodyRecord& record) { return v < record.v; });
-      return static_cast<int>(after - records_.begin()) - 1;
-    };
-    for (std::size_t j = 0; j < b.jacobians.size(); ++j)
-      system_.parts_[parts_of_bodies_[number(b.jacobians[j].velocity)]].jacobians.push_back(static_cast<int>(j));
-    for (std::size_t c = 0; c < b.couplings.size(); ++c) {
-      System::Part& of = system_.parts_[parts_of_frames[b.couplings[c].a]];
-      if (of.last_coupling == 0) of.first_coupling = static_cast<int>(c);
-      of.last_coupling = static_cast<int>(c) + 1;
-    }
-  }
-
-  /// The part that all these markers belong to; the number of parts if they belong to several.
-  int part_of(const std::vector<Marker>& markers) const {
-    const int between = static_cast<int>(system_.parts_.size());
-    int part = -1;
-    for (const Marker& m : markers) {
-      if (m.body == &graph_.ground()) continue;
-      const int own = parts_of_bodies_[numbers_.at(m.body)];
-      if (part >= 0 && own != part) return between;
-      part = own;
-    }
-    return part < 0 ? between : part;
-  }
-
-  /// A batch for each type; elements in the order of their parts. `add(batch, i)` adds the i-th.
-  template <class Entries, class Batches, class PartOf, class Add>
-  void fill(const Entries& entries, Batches& batches, const PartOf& part_of, const Add& add) {
-    const auto between = static_cast<int>(system_.parts_.size());
-    std::map<std::type_index, int> number;
-    std::vector<int> batch_of;
-    std::vector<std::vector<int>> by_part(between + 1);
-    for (std::size_t i = 0; i < entries.size(); ++i) {
-      const auto [it, fresh] = number.try_emplace(entries[i].type, static_cast<int>(batches.size()));
-      if (fresh) batches.push_back(entries[i].make_batch());
-      batch_of.push_back(it->second);
-      by_part[part_of(*batches[it->second], i)].push_back(static_cast<int>(i));
-    }
-    std::vector<int> sizes(batches.size(), 0);
-    std::vector<std::vector<int>> ends(batches.size());
-    for (const std::vector<int>& part : by_part) {
-      for (int i : part) add(batch_of[i], sizes[batch_of[i]]++, static_cast<std::size_t>(i));
-      for (std::size_t b = 0; b < batches.size(); ++b) ends[b].push_back(sizes[b]);
-    }
-    for (std::size_t b = 0; b < batches.size(); ++b) batches[b]->set_ends(std::move(ends[b]));
-  }
-
   void fill_batches() {
     auto& batches = system_.batches_;
     const auto& bodies = graph_.bodies();
     const auto& constraints = graph_.constraints();
     const auto& forces = graph_.forces();
-    fill(
-        bodies, batches.bodies, [&](const auto&, std::size_t i) { return i == 0 ? 0 : parts_of_bodies_[i - 1]; },
+    const std::vector<int> parts = cut_into_parts(system_.layout_, system_.blocks_, records_, system_.parts_);
+    const int between = static_cast<int>(system_.parts_.size());
+    const auto part_of = [&](const std::vector<Marker>& markers) {
+      return common_part(markers, between,
+                         [&](const Body& b) { return &b == &graph_.ground() ? -1 : parts[numbers_.at(&b)]; });
+    };
+    fill_by_part(
+        bodies, batches.bodies, between, [&](const auto&, std::size_t i) { return i == 0 ? 0 : parts[i - 1]; },
         [&](int batch, int index, std::size_t i) {
           batches.bodies[batch]->add(*bodies[i].body, i == 0 ? ground_ : records_[i - 1]);
           system_.body_places_.push_back({batch, index, i == 0 ? -1 : first_slices_[i - 1]});
         });
-    fill(
-        constraints, batches.constraints, [&](const auto&, std::size_t i) { return part_of(constraints[i].markers); },
+    fill_by_part(
+        constraints, batches.constraints, between,
+        [&](const auto&, std::size_t i) { return part_of(constraints[i].markers); },
         [&](int batch, int, std::size_t i) {
           batches.constraints[batch]->add(*constraints[i].constraint, constraint_records_[i]);
         });
-    fill(
-        forces, batches.forces,
-        [&](const ForceBatch& batch, std::size_t i) {
-          return batch.shares() ? part_of(forces[i].markers) : static_cast<int>(system_.parts_.size());
-        },
+    fill_by_part(
+        forces, batches.forces, between,
+        [&](const ForceBatch& batch, std::size_t i) { return batch.shares() ? part_of(forces[i].markers) : between; },
         [&](int batch, int, std::size_t i) {
           batches.forces[batch]->add(*forces[i].force, force_records_[i], reactions_[i]);
         });
@@ -650,7 +587,6 @@ class SystemBuilder {
   BodyRecord ground_{0, 0, -1, -1, 0, {}, {}, {}};
   std::vector<ConnectorRecord> constraint_records_, force_records_;
   std::vector<ReactionRecord> reactions_;
-  std::vector<int> parts_of_bodies_;  // by number
   bool singular_start_ = false;
   PlainFrames plain_{graph_, system_.blocks_};
 };

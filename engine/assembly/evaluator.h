@@ -77,7 +77,7 @@ class Evaluator final : public EquationsOfMotion, public StepMemory {
 
   const System& system_;
   Workspace work_;
-  std::unique_ptr<ThreadTeam> team_;  // null never
+  std::unique_ptr<ThreadTeam> team_;
   long evaluations_ = 0;
   std::vector<std::unique_ptr<BodyBatch::Caches>> caches_;
   Facts facts_;

@@ -12,22 +12,21 @@ constexpr int kPieces = 16;          // a subtree of less than this share of the
 constexpr double kTrunk = 0.05;      // most of the work that goes to the trunk
 constexpr double kHeaviest = 0.75;   // of one branch: with more, a second thread has nothing to do
 
-/// The tree of an elimination: a vertex hangs on the first of its neighbours that goes after it.
+/// The tree of an elimination with the work of its subtrees.
 class Tree {
  public:
   Tree(const Elimination& elimination, const std::vector<double>& work)
       : own_(work), work_(work), children_(work.size()), place_(work.size()) {
     const auto& order = elimination.order;
-    for (std::size_t i = 0; i < order.size(); ++i) place_[order[i]] = static_cast<int>(i);
-    for (int v : order) {
-      const auto& around = elimination.neighbours[v];
-      const auto next =
-          std::min_element(around.begin(), around.end(), [&](int a, int b) { return place_[a] < place_[b]; });
-      if (next == around.end()) {
+    const std::vector<int> parent = parents(elimination);
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      const int v = order[i];
+      place_[v] = static_cast<int>(i);
+      if (parent[v] < 0) {
         roots_.push_back(v);
       } else {
-        children_[*next].push_back(v);
-        work_[*next] += work_[v];
+        children_[parent[v]].push_back(v);
+        work_[parent[v]] += work_[v];
       }
     }
     total_ = std::accumulate(work.begin(), work.end(), 0.0);

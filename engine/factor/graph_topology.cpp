@@ -84,18 +84,12 @@ std::vector<Overhang> overhangs(const Topology& t, std::vector<int>& discovered)
 
 namespace {
 
-/// The same elimination with its order changed: each vertex depends on those of which it is the neighbour that goes
-/// next; a tree, which is walked from the leaves on.
+/// The same elimination with its order changed: a vertex after those that hang on it, walked from the leaves on.
 void walk_tree(Elimination& elimination) {
   const int n = static_cast<int>(elimination.order.size());
-  std::vector<int> place(n);
-  for (int i = 0; i < n; ++i) place[elimination.order[i]] = i;
+  const std::vector<int> parent = parents(elimination);
   std::vector<std::vector<int>> children(n + 1);  // the last: of no vertex
-  for (int v : elimination.order) {
-    const auto& around = elimination.neighbours[v];
-    const auto next = std::min_element(around.begin(), around.end(), [&](int a, int b) { return place[a] < place[b]; });
-    children[next == around.end() ? n : *next].push_back(v);
-  }
+  for (int v : elimination.order) children[parent[v] < 0 ? n : parent[v]].push_back(v);
   std::vector<int> order;
   order.reserve(n);
   std::vector<std::pair<int, std::size_t>> path{{n, 0}};
@@ -112,6 +106,17 @@ void walk_tree(Elimination& elimination) {
 }
 
 }  // namespace
+
+std::vector<int> parents(const Elimination& elimination) {
+  std::vector<int> place(elimination.order.size()), parent(elimination.order.size(), -1);
+  for (std::size_t i = 0; i < place.size(); ++i) place[elimination.order[i]] = static_cast<int>(i);
+  for (int v : elimination.order) {
+    const auto& around = elimination.neighbours[v];
+    const auto next = std::min_element(around.begin(), around.end(), [&](int a, int b) { return place[a] < place[b]; });
+    if (next != around.end()) parent[v] = *next;
+  }
+  return parent;
+}
 
 std::vector<int> islands(const Topology& t) {
   Graph graph(t.body_count);

@@ -29,6 +29,9 @@ struct Elimination {
   std::vector<std::vector<int>> neighbours;  // of each vertex when its turn comes, sorted: between them it fills in
 };
 
+/// The tree of an elimination: of each vertex the first of its neighbours that goes after it, -1 of the last ones.
+std::vector<int> parents(const Elimination& elimination);
+
 /// An order in which Gaussian elimination of [S Gᵀ; G 0] fills in little and never meets a zero block.
 /// Vertices: bodies, then constraints (body_count + c). Trees fill in nothing. `couplings`: pairs of bodies with a
 /// block of their own. A constraint is eliminated after all its bodies, or, where it alone holds a part of the graph

@@ -1,6 +1,6 @@
 // Newton's matrix of control diagrams.
+#include "engine/assembly/batch_in_parts.h"
 #include "engine/assembly/connector_outer.h"
-#include "engine/assembly/linearized_batch.h"
 #include "joints/control/control_force.h"
 
 namespace lithe {
@@ -178,44 +178,9 @@ class WideControl {
   std::vector<std::vector<MarkerSlot>> pairs_, slots_;  // of the markers of each coordinate; of each marker
 };
 
-namespace {
-
-class ControlBatch final : public ForceBatch {
- public:
-  void add(const ForceElement& force, ConnectorRecord record, ReactionRecord reaction) override {
-    const auto& control = static_cast<const ControlForce&>(force);
-    if (control.is_whole()) return whole_.add(force, record, reaction);
-    parts_.add(force, record, reaction);
-    if (!control.is_first()) return;
-    first_.push_back(&control);
-    wide_.emplace_back(control, record);
-  }
-  bool shares() const override { return false; }
-  void evaluate(Workspace& work, BatchRange, const BlockStructure& blocks) const override {
-    whole_.evaluate(work, whole_.all(), blocks);
-    parts_.evaluate(work, parts_.all(), blocks);
-  }
-  void add_tangent(Workspace& work, BatchRange, const BlockStructure& blocks,
-                   const TangentWeights& weights) const override {
-    whole_.add_tangent(work, whole_.all(), blocks, weights);
-    for_each_named(first_, {0, static_cast<int>(first_.size())}, work.time,
-                   [&](std::size_t i) { wide_[i].add_tangent(work, blocks, weights); });
-  }
-  void react(Workspace&, const BlockStructure&, const double*) const override {}
-  void write_reaction_tangent(Workspace&, const BlockStructure&, const double*) const override {}
-
- private:
-  LinearizedForceBatch<ControlForce, LinearControl> whole_;
-  ForceBatchOf<ControlForce> parts_;
-  std::vector<const ControlForce*> first_;  // of each diagram in parts
-  std::vector<WideControl> wide_;
-};
-
-}  // namespace
-
 template <>
 std::unique_ptr<ForceBatch> make_force_batch<ControlForce>() {
-  return std::make_unique<ControlBatch>();
+  return std::make_unique<ForceBatchInParts<ControlForce, LinearControl, WideControl>>();
 }
 
 }  // namespace lithe

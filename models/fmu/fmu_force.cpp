@@ -81,7 +81,7 @@ void FmuForce::evaluate(double time, std::span<const MarkerView> markers, ForceR
   const auto lock = fmu.lock();
   p_.wires.read(time, markers, rows, fmu.z, fmu.u);
   const VectorX& rates = fmu.rates(time);
-  if (whole())
+  if (is_whole())
     p_.wires.act(markers, rates, fmu.state_count(), rows);
   else
     p_.wires.act(*p_.part, markers, rates, fmu.state_count(), rows);

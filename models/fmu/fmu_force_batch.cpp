@@ -1,5 +1,5 @@
 // Newton's matrix of FMUs for model exchange.
-#include "engine/assembly/linearized_batch.h"
+#include "engine/assembly/batch_in_parts.h"
 #include "models/fmu/fmu_force_internal.h"
 
 namespace lithe {
@@ -97,48 +97,30 @@ void add_stiffness_of_all(Workspace& work, const BlockStructure& blocks, const C
     }
 }
 
-class FmuForceBatch final : public ForceBatch {
+/// Of an FMU in parts.
+class WideFmu {
  public:
-  void add(const ForceElement& force, ConnectorRecord record, ReactionRecord reaction) override {
-    const auto& fmu = static_cast<const FmuForce&>(force);
-    if (fmu.whole()) return whole_.add(force, record, reaction);
-    parts_.add(force, record, reaction);
-    if (!fmu.is_first()) return;
-    first_.push_back(&fmu);
-    records_.push_back(record);
+  WideFmu(const FmuForce& first, const ConnectorRecord& record) : first_(first), record_(record) {}
+
+  void add_tangent(Workspace& work, const BlockStructure& blocks, const TangentWeights& weights) const {
+    ForceRows memory(record_.marker_count);
+    memory.recall(work.quarter_turns.data() + record_.first_angle);
+    connector::Views<FmuForce> views(work.markers.data(), record_);
+    const FmuTangent tangent(first_, work.time, views, memory);
+    add_stiffness_of_all(work, blocks, record_, tangent.by_position, weights.position);
+    add_stiffness_of_all(work, blocks, record_, tangent.by_velocity, weights.velocity);
   }
-  bool shares() const override { return false; }
-  void evaluate(Workspace& work, BatchRange, const BlockStructure& blocks) const override {
-    whole_.evaluate(work, whole_.all(), blocks);
-    parts_.evaluate(work, parts_.all(), blocks);
-  }
-  void add_tangent(Workspace& work, BatchRange, const BlockStructure& blocks,
-                   const TangentWeights& weights) const override {
-    whole_.add_tangent(work, whole_.all(), blocks, weights);
-    for_each_named(first_, {0, static_cast<int>(first_.size())}, work.time, [&](std::size_t i) {
-      ForceRows memory(records_[i].marker_count);
-      memory.recall(work.quarter_turns.data() + records_[i].first_angle);
-      connector::Views<FmuForce> views(work.markers.data(), records_[i]);
-      const FmuTangent tangent(*first_[i], work.time, views, memory);
-      add_stiffness_of_all(work, blocks, records_[i], tangent.by_position, weights.position);
-      add_stiffness_of_all(work, blocks, records_[i], tangent.by_velocity, weights.velocity);
-    });
-  }
-  void react(Workspace&, const BlockStructure&, const double*) const override {}
-  void write_reaction_tangent(Workspace&, const BlockStructure&, const double*) const override {}
 
  private:
-  LinearizedForceBatch<FmuForce, LinearFmuForce> whole_;
-  ForceBatchOf<FmuForce> parts_;
-  std::vector<const FmuForce*> first_;  // of each FMU in parts
-  std::vector<ConnectorRecord> records_;
+  const FmuForce& first_;
+  const ConnectorRecord record_;
 };
 
 }  // namespace
 
 template <>
 std::unique_ptr<ForceBatch> make_force_batch<FmuForce>() {
-  return std::make_unique<FmuForceBatch>();
+  return std::make_unique<ForceBatchInParts<FmuForce, LinearFmuForce, WideFmu>>();
 }
 
 }  // namespace lithe

@@ -66,12 +66,12 @@ class FmuForce final : public ForceElement, public EventMemory, public CoupledMa
 
   ExchangeEquations& equations() const { return p_.first ? p_.first->equations() : *p_.equations; }
   const FmuWires& wires() const { return p_.wires; }
-  bool whole() const { return !p_.part; }
+  bool is_whole() const { return !p_.part; }
   bool is_first() const { return !p_.first; }
   int marker_count() const override { return p_.wires.marker_count(); }
   int row_count() const override {
-    return static_cast<int>(whole() ? p_.wires.outputs.size() : p_.part->outputs.size()) +
-           (whole() ? 0 : p_.part->states);
+    return static_cast<int>(is_whole() ? p_.wires.outputs.size() : p_.part->outputs.size()) +
+           (is_whole() ? 0 : p_.part->states);
   }
   std::vector<MeasuredAngle> angles() const override { return p_.wires.coordinates.angles(); }
   void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const override;

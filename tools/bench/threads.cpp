@@ -44,12 +44,11 @@ class Runner {
       const StepResult result = integrator.step(evaluator, state, step_ * static_cast<double>(i));
       if (!result.ok()) throw std::runtime_error(result.why);
     }
-    seconds = wall_seconds() - started;
-    least = std::min(least, seconds);
+    least = std::min(least, wall_seconds() - started);
     return state;
   }
 
-  double seconds = 0, least = 1e30;  // of the last run; of all
+  double least = 1e30;  // s, of all runs
 
  private:
   System drawn(const std::function<void(SystemGraph&)>& draw, int threads) {
