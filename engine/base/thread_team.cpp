@@ -42,22 +42,31 @@ void ThreadTeam::run(int count, Call call, const void* data) {
     return;
   }
   call_ = call, data_ = data, count_ = count;
-  next_ = 0;
-  at_work_ = static_cast<int>(threads_.size());
-  ++round_;
+  done_.store(0, std::memory_order_relaxed);
+  const unsigned round = round_.load(std::memory_order_relaxed) + 1;
+  left_.store(std::uint64_t{round} << 32 | static_cast<unsigned>(count), std::memory_order_release);
+  round_.store(round, std::memory_order_release);
   round_.notify_all();
   work();
-  for (int looks = 0; at_work_.load(std::memory_order_acquire) > 0; ++looks)
+  for (int looks = 0; done_.load(std::memory_order_acquire) < count; ++looks)
     looks < kAwake ? pause() : std::this_thread::yield();
   if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
 }
 
+/// Who takes a job holds its round open: until the job is done, run() returns to nobody and what it shared stays.
 void ThreadTeam::work() {
-  for (int i = next_++; i < count_; i = next_++) try {
+  std::uint64_t left = left_.load(std::memory_order_acquire);
+  while (static_cast<std::uint32_t>(left) > 0) {
+    if (!left_.compare_exchange_weak(left, left - 1, std::memory_order_acquire)) continue;
+    const int i = count_ - static_cast<int>(static_cast<std::uint32_t>(left));
+    try {
       call_(data_, i);
     } catch (...) {
       keep_error(i);
     }
+    done_.fetch_add(1, std::memory_order_release);
+    left = left_.load(std::memory_order_acquire);
+  }
 }
 
 void ThreadTeam::keep_error(int i) {
@@ -66,12 +75,12 @@ void ThreadTeam::keep_error(int i) {
 }
 
 void ThreadTeam::wait_for_work() {
-  for (unsigned seen = 0;; ++seen) {
+  for (unsigned seen = 0;;) {
     for (int looks = 0; round_.load(std::memory_order_acquire) == seen && looks < kAwake; ++looks) pause();
     round_.wait(seen);
     if (over_) return;
+    seen = round_.load(std::memory_order_acquire);
     work();
-    at_work_.fetch_sub(1, std::memory_order_release);
   }
 }
 

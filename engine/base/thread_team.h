@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <exception>
 #include <mutex>
 #include <thread>
@@ -8,7 +9,8 @@
 
 namespace lithe {
 
-/// Threads that share many short pieces of work: between them they spin for a moment, then sleep.
+/// Threads that share many short pieces of work: between them they spin for a moment, then sleep. A call waits for its
+/// jobs, not for its threads: one that gets no processor in time costs nothing, the others have done its share.
 class ThreadTeam {
  public:
   /// So many threads in all, the caller's among them.
@@ -37,8 +39,9 @@ class ThreadTeam {
   Call call_ = nullptr;
   const void* data_ = nullptr;
   int count_ = 0;
-  std::atomic<int> next_{0}, at_work_{0};
-  std::atomic<unsigned> round_{0};
+  std::atomic<std::uint64_t> left_{0};  // the round, and in the lower half how many of its jobs nobody has taken
+  std::atomic<int> done_{0};
+  std::atomic<unsigned> round_{0};  // what threads sleep on
   std::atomic<bool> over_{false};
   std::mutex mutex_;  // of what failed
   std::exception_ptr error_;

@@ -249,6 +249,15 @@ TEST(Branches, are_not_made_where_there_is_little_to_do) {
   EXPECT_EQ(elimination.order, order);
 }
 
+TEST(ThreadTeam, does_each_job_once_where_threads_come_late) {
+  ThreadTeam team(9);  // more than there are processors, as a rule: some come when a call is over
+  std::vector<int> done(5, 0);
+  for (int round = 1; round <= 20000; ++round) {
+    team.run(5, [&](int i) { done[i] = done[i] == round - 1 ? round : -1; });
+    if (done != std::vector<int>(5, round)) FAIL() << "round " << round;
+  }
+}
+
 TEST(ThreadTeam, tells_the_first_of_what_its_jobs_throw) {
   ThreadTeam team(3);
   for (int round = 0; round < 200; ++round) {
