@@ -68,7 +68,7 @@ TEST(EquilibriumOfChains, the_row_too_many_of_a_loop_of_a_thousand_hinges_is_det
 }
 
 TEST(EquilibriumOfChains, hinges_between_two_points_hang_as_a_funicular_polygon) {
-  for (const int links : {10, 100}) {
+  for (const int links : {10, 300}) {
     SCOPED_TRACE(links);
     Zigzag zigzag(links, Ties::hinges);
     const System system = assemble(zigzag.graph);
