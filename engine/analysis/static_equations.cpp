@@ -32,8 +32,8 @@ class StaticEquations::Factor {
     if (x_ && matrix_) solver_ = SUNLinSol_KLU(x_, matrix_, context_);
     if (!b_ || !solver_)
       throw SimulationError("SUNDIALS cannot be set up", "find_equilibrium", "is the memory enough?");
-    // No block triangular form: it begins with a matching, which costs the square of the number of rows, since they have
-    // no diagonal; of a thousand hinges 0.3 s, ten times the factor.
+    // No block triangular form: it begins with a matching, which costs the square of the number of rows, since they
+    // have no diagonal; of a thousand hinges 0.3 s, ten times the factor.
     SUNLinSol_KLUGetCommon(solver_)->btf = 0;
   }
   Factor(const Factor&) = delete;
