@@ -18,6 +18,9 @@ constexpr double kTurnedChart = 0.7;        // rad, from which the chart moves o
 constexpr double kNearPoint = 0.2;          // of a step: a second point nearer than that to the newest is dropped
 constexpr double kFactorReach = 0.25;       // change of w_0 that a factor outlives
 constexpr double kRateOfFreshFactor = 0.5;  // assumed for Newton until measured
+constexpr double kLeastRate = 0.003;        // that is believed: one far off tells nothing of those near the solution
+constexpr double kForgets = 1.2;            // of a rate that was measured in an earlier step
+constexpr int kMostUseless = 5;             // then a factor of another step is tried every 2⁵ steps
 
 }  // namespace
 
@@ -52,7 +55,8 @@ void LieBdf::prepare(EquationsOfMotion& equations, State& state) {
   if (state.lambda.size() != rows) state.lambda.setZero(rows);
   Projector(equations).accelerations(state.time, state.q, state.v, state.v_dot, state.lambda);
   factor_weight_ = 0;
-  convergence_rate_ = kRateOfFreshFactor;
+  convergence_rate_ = fresh_rate_ = kRateOfFreshFactor;
+  made_anew_ = useless_ = 0;
   steps_at_order_ = 0;
   begun_ = state.time;
   last_order_ = 0;
@@ -153,14 +157,23 @@ void LieBdf::derive_velocities(const Layout& layout) {
   v_dot_ = weights_[0] * v_ + past_v_rate_;
 }
 
-/// With the factor at hand if it may do; with a new one, from the prediction on, if it does not.
+/// With the factor at hand if it may do; with a new one, from the prediction on, if it does not. Where stiff directions
+/// turn, that of the step before is of no use, and finding that out costs two evaluations: it is then tried ever less
+/// often.
 LieBdf::Newton LieBdf::solve(EquationsOfMotion& equations, const State& start, double time) {
   const Layout& layout = equations.layout();
   predict(layout, time);
   layout.magnitudes(q_, d_size_);
   v_size_ = v_.cwiseAbs().cwiseMax(start.v.cwiseAbs());
-  const bool fresh = factor_weight_ == 0 || std::abs(weights_[0] / factor_weight_ - 1) > kFactorReach;
+  const bool fresh = factor_weight_ == 0 || std::abs(weights_[0] / factor_weight_ - 1) > kFactorReach || made_anew_ > 0;
+  if (made_anew_ > 0) --made_anew_;
+  const long factors = statistics_.factorizations;
   const Newton result = iterate(equations, start, time, fresh);
+  if (!fresh) {
+    const bool useful = result == Newton::converged && statistics_.factorizations == factors;
+    useless_ = useful ? 0 : std::min(useless_ + 1, kMostUseless);
+    if (!useful) made_anew_ = (1 << useless_) - 1;
+  }
   if (result == Newton::converged || fresh) return result;
   predict(layout, time);
   return iterate(equations, start, time, true);
@@ -172,6 +185,9 @@ LieBdf::Newton LieBdf::iterate(EquationsOfMotion& equations, const State& start,
   for (int row : equations.redundant_rows()) lambda_[row] = 0;
   const double w = weights_[0];
   bool renew = fresh;  // the factor is to be made anew: at the start, and where corrections shrink too slowly
+  int used = 3;        // how often, if it is of this step
+  double rate_of_new = 0;
+  double* rate = &convergence_rate_;
   double last = 0;
   for (int k = 0; k < kMaxNewton; ++k) {
     equations.evaluate(time, q_, v_, Level::velocity);
@@ -182,9 +198,12 @@ LieBdf::Newton LieBdf::iterate(EquationsOfMotion& equations, const State& start,
       increment_ = v_ / w;
       factor_.make(equations, {1, w, w * w}, time, start, q_, v_, v_dot_, lambda_, &increment_);
       ++statistics_.factorizations;
+      used = 0;
       factor_weight_ = w;
-      convergence_rate_ = kRateOfFreshFactor;
-      fresh = true;
+      convergence_rate_ = kRateOfFreshFactor;  // in later steps
+      rate_of_new = fresh_rate_;
+      rate = &rate_of_new;
+      fresh_rate_ = std::min(kForgets * fresh_rate_, kRateOfFreshFactor);
     }
     // 1. Dynamics, and G v + ∂g/∂t = 0. A factor of another step is balanced for inertia, the larger part.
     equations.constraint(Level::velocity, rl2_);
@@ -208,15 +227,16 @@ LieBdf::Newton LieBdf::iterate(EquationsOfMotion& equations, const State& start,
     derive_velocities(layout);
     layout.retract(history_.base(), d_, q_);
     ++statistics_.newton_iterations;
+    ++used;
 
     const double moved = increment_.cwiseAbs().maxCoeff();
     double size = error_ratio(increment_, d_size_, parameters_.tolerance);
     rate_ *= w;
     size = std::max(size, error_ratio(rate_, v_size_, parameters_.tolerance));
     if (!std::isfinite(size) || !std::isfinite(moved)) return Newton::no_number;
-    if (k > 0) convergence_rate_ = std::max(0.3 * convergence_rate_, size / last);
-    if (convergence_rate_ < 1 && size * convergence_rate_ / (1 - convergence_rate_) <= parameters_.newton_tolerance)
-      return Newton::converged;
+    if (k > 0) *rate = std::max(0.3 * *rate, size / last);
+    if (used == 2) fresh_rate_ = std::clamp(size / last, kLeastRate, kRateOfFreshFactor);
+    if (*rate < 1 && size * *rate / (1 - *rate) <= parameters_.newton_tolerance) return Newton::converged;
     // Round-off: corrections no longer shrink and are tiny beside the coordinates.
     if (k > 0 && size > 0.3 * last && moved <= 1e-14 * (1 + q_.cwiseAbs().maxCoeff())) return Newton::converged;
     if (k > 0 && size > 2 * last) return Newton::slow;
@@ -294,6 +314,9 @@ bool LieBdf::keep(Archive& archive, EquationsOfMotion& equations, const State& s
   archive("failed", failed_);
   archive("factor_weight", factor_weight_);
   archive("convergence_rate", convergence_rate_);
+  archive("fresh_rate", fresh_rate_);
+  archive("made_anew", made_anew_);
+  archive("useless", useless_);
   archive.group("past", [&] { history_.history(archive); });
   if (starter_) archive.group("starter", [&] { starter_->history(archive, equations, state); });
   if (!archive.loads() && factor_weight_ == 0) factor_.forget();

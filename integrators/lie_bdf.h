@@ -28,7 +28,7 @@ struct BdfRecord final : StepRecord {
 /// the derivative at the step's end of the polynomial through it and the last k points, as they lie in time,
 ///   Jr⁻¹(d) v = p_d' + ζ,   M p_v' + Gᵀ λ = f,   g = 0,   G v + ∂g/∂t = 0,
 /// with ζ along S⁻¹Gᵀ for the tangent S of the step. Newton by the structured factor of the engine, kept over steps
-/// while it converges well. Order and step by the error that the predictor shows (Brenan, Campbell & Petzold 1996,
+/// while it converges well; where it does not, made anew each step. Order and step by the error that the predictor shows (Brenan, Campbell & Petzold 1996,
 /// 5.2); multipliers are not tested. For stiff scenes with damping, at tolerances of 1e-4 and finer; orders above 2 are
 /// not A-stable: where stiff modes go undamped, 2 is the better max_order.
 /// A step is kept so short that bodies turn less than some two radians over the polynomial's points.
@@ -96,6 +96,9 @@ class LieBdf final : public Integrator, public DifferentiableSteps {
   double factor_weight_ = 0;  // w_0 of the factor at hand; 0: none
   KeptFactor factor_;
   double convergence_rate_ = 0.5;  // of Newton with it
+  double fresh_rate_ = 0.5;        // of Newton with factors made where they are used, as measured last
+  int made_anew_ = 0;              // steps for which a factor of another step is not tried
+  int useless_ = 0;                // times that one was, one after the other
 
   // Of the step taken last, for its derivative.
   double begun_ = 0;                      // s, where the past begins

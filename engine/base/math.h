@@ -70,13 +70,6 @@ inline Vector4 rotated(const Vector4& e, const Vector3& psi) {
   return product * (1.5 - 0.5 * product.squaredNorm());  // one Newton step of 1/sqrt: exact to round-off here
 }
 
-/// Coefficients of the SO(3) series at t = |phi|²: a = (1 - cos)/t, b = (|phi| - sin)/(t |phi|) and their derivatives
-/// da, db with respect to |phi|, over |phi| (docs/equations.md section 1).
-struct RotationSeries {
-  double a, b, da, db;
-  explicit RotationSeries(const Vector3& phi);
-};
-
 /// exp(phi~), the rotation by the vector phi.
 Matrix3 rotation_exp(const Vector3& phi);
 /// Rotation vector of a rotation matrix, |phi| <= pi.

@@ -25,7 +25,7 @@ EXCEPTIONS = {
         FramePair AngleMemory ActingMarkers CoupledMarkers CoordinateSwitch EventMemory MarkerLoad
         MarkerMotions MeasuredCoordinate DeflectedMarker MarkerBetween InputEffort CoordinateEffort
         InternalLoads SetValuedFriction BristleLaw FrictionLaw StribeckLaw JointSurface LimitedDamping Parameter
-        RotationSeries Spatial ForwardDynamics ComplexFactor ComplexTangentWeights HeldCoordinates GaussRule
+        Spatial ForwardDynamics ComplexFactor ComplexTangentWeights HeldCoordinates GaussRule
         LimitedMotion""",
     "what batches of elements hand to each other": """
         BatchRange""",
