@@ -28,9 +28,10 @@ struct BdfRecord final : StepRecord {
 /// the derivative at the step's end of the polynomial through it and the last k points, as they lie in time,
 ///   Jr⁻¹(d) v = p_d' + ζ,   M p_v' + Gᵀ λ = f,   g = 0,   G v + ∂g/∂t = 0,
 /// with ζ along S⁻¹Gᵀ for the tangent S of the step. Newton by the structured factor of the engine, kept over steps
-/// while it converges well; where it does not, made anew each step. Order and step by the error that the predictor shows (Brenan, Campbell & Petzold 1996,
-/// 5.2); multipliers are not tested. For stiff scenes with damping, at tolerances of 1e-4 and finer; orders above 2 are
-/// not A-stable: where stiff modes go undamped, 2 is the better max_order.
+/// while it converges well; where it does not, made anew each step. Order and step by the error that the predictor
+/// shows (Brenan, Campbell & Petzold 1996, 5.2); multipliers are not tested. For stiff scenes with damping, at
+/// tolerances of 1e-4 and finer; orders above 2 are not A-stable: where stiff modes go undamped, 2 is the better
+/// max_order.
 /// A step is kept so short that bodies turn less than some two radians over the polynomial's points.
 class LieBdf final : public Integrator, public DifferentiableSteps {
  public:
