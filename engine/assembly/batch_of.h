@@ -173,6 +173,14 @@ const Wrench& wrench_of(const ConstraintRows& rows, int row, int marker) {
   return all_act ? rows.plain_wrench(row, marker) : rows.wrench(row, marker);
 }
 
+/// A force may give ∂w/∂(marker motions) of its rows' wrenches w, tensions held, where it has no loads:
+///   void add_stiffness(std::span<const MarkerView>, const double* tensions, ConstraintRows::Stiffness& K) const
+template <class T>
+concept HasStiffness = requires(const T& force, std::span<const MarkerView> markers, const double* tensions,
+                                ConstraintRows::Stiffness& K) {
+  force.add_stiffness(markers, tensions, K);
+};
+
 /// Views of the connector's markers, for a number of markers that the compiler may know.
 template <class T = Constraint>
 class Views {
@@ -372,7 +380,10 @@ class ForceBatchOf final : public ForceBatch {
     wrenches(here, load);
     if (weights.position != 0) {
       K.setZero(6 * n, 6 * n);
-      connector::difference(work, record, Level::position, wrenches, K);
+      if constexpr (connector::HasStiffness<T>)
+        force.T::add_stiffness(connector::Views<T>(here, n), &work.tension[first], K);
+      else
+        connector::difference(work, record, Level::position, wrenches, K);
       for (int m = 0; m < n; ++m)
         connector::add_load_stiffness(work, blocks, record.slots[m], load[m], weights.position);
       connector::add_marker_stiffness(work, blocks, record, K, weights.position);

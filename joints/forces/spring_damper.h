@@ -43,6 +43,15 @@ class SpringDamper final : public Force</*markers=*/2, /*rows=*/1> {
     rows.add({force(-n), force(n)}, k * stretch + c * speed + preload + more.force, k + more.stiffness,
              c + more.damping, (0.5 * k * stretch + preload) * stretch + more.energy);
   }
+  /// Of what its line turns: σ (E - n nᵀ) / l between the ends, σ held. Along the line its row is stiff by itself.
+  void add_stiffness(std::span<const MarkerView> markers, const double* tensions, ConstraintRows::Stiffness& K) const {
+    const Vector3 d = markers[1].p - markers[0].p;
+    const double square = d.squaredNorm();
+    if (square == 0) return;
+    const Matrix3 across = tensions[0] / std::sqrt(square) * (Matrix3::Identity() - d / square * d.transpose());
+    for (const int i : {0, 6})
+      for (const int j : {0, 6}) K.block<3, 3>(i, j) += i == j ? across : Matrix3(-across);
+  }
   /// Takes the natural length from the drawing if none was given. Refuses markers in one place with a tension there.
   void initialize(std::span<const MarkerView> markers) override;
 
