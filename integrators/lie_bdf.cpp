@@ -20,7 +20,7 @@ constexpr double kFactorReach = 0.25;       // change of w_0 that a factor outli
 constexpr double kRateOfFreshFactor = 0.5;  // assumed for Newton until measured
 constexpr double kLeastRate = 0.003;        // that is believed: one far off tells nothing of those near the solution
 constexpr double kForgets = 1.2;            // of a rate that was measured in an earlier step
-constexpr int kMostUseless = 5;             // then a factor of another step is tried every 2⁵ steps
+constexpr int kMostUseless = 6;             // then a factor of another step is tried every 2⁵ steps
 
 }  // namespace
 
@@ -172,7 +172,7 @@ LieBdf::Newton LieBdf::solve(EquationsOfMotion& equations, const State& start, d
   if (!fresh) {
     const bool useful = result == Newton::converged && statistics_.factorizations == factors;
     useless_ = useful ? 0 : std::min(useless_ + 1, kMostUseless);
-    if (!useful) made_anew_ = (1 << useless_) - 1;
+    if (!useful) made_anew_ = (1 << (useless_ - 1)) - 1;  // once tells nothing: any factor grows old
   }
   if (result == Newton::converged || fresh) return result;
   predict(layout, time);
