@@ -16,6 +16,7 @@ namespace {
 
 constexpr int kMaxImpacts = 10000;  // of one step, one after another
 constexpr int kMaxBounces = 1000;   // of one point within a step
+constexpr double kWedged = 1e-3;    // of the impulses, that none are found: less is too few iterations
 
 /// Normal velocity by a unit of the contact's own normal impulse, 1/kg.
 double diagonal(const ConeProblem& problem, const ConeProblem::Contact& c) {
@@ -44,19 +45,19 @@ ContactImpulses::Closing ContactImpulses::closing(const RigidContacts::Point& po
 
 /// An impact at τ leaves with e times its speed, and again where it comes back within the step; what comes to rest
 /// stays.
-ContactImpulses::Aim ContactImpulses::aim(const RigidContacts::Point& point, const Closing& closing,
+ContactImpulses::Aim ContactImpulses::aim(const RigidContacts::Point& point, double restitution, const Closing& closing,
                                           double free_velocity, double gap, double free_gap, double h) const {
   // Others may push it there: as fast as it then closes, but not beyond rest. Were what has come back thrown out as
   // fast as it came, a body that leans on its corners would rock for ever.
   if (free_gap > 0) return {std::min(free_velocity - 2 * free_gap / h, 0.0), h / 2};
-  if (closing.speed > point.law.rest_speed && point.law.restitution > 0) {
-    double after = point.law.restitution * closing.speed, rest = h - closing.time;
+  if (closing.speed > point.law.rest_speed && restitution > 0) {
+    double after = restitution * closing.speed, rest = h - closing.time;
     for (int bounces = 0; bounces < kMaxBounces; ++bounces) {
       const double away = after + 0.5 * closing.acceleration * rest;  // mean speed; rest may be zero
       if (away > 0) return {after + closing.acceleration * rest, h - closing.time, away * rest};
       if (after <= point.law.rest_speed) break;
       rest -= 2 * after / -closing.acceleration;
-      after *= point.law.restitution;
+      after *= restitution;
     }
   }
   if (closing.speed <= point.law.rest_speed || !(free_velocity < 0)) return {0, h / 2};
@@ -134,42 +135,17 @@ void ContactImpulses::act(EquationsOfMotion& equations, const State& start, doub
   }
 
   // 2. The velocity that each point is to have, and impulses that make it.
-  problem.free = u_;
   impacts_.resize(n);
-  double fastest = 0;
-  for (const Closing& met : closings_)
-    if (met.time < h) fastest = std::max(fastest, met.speed);
-  for (int i = 0; i < n; ++i) {
-    const RigidContacts::Point& point = contacts.points()[i];
-    const double free = u_[point.first] - brought_[point.first];
-    Aim aimed = aim(point, closings_[i], free, gaps_[i], free_gaps_[i], h);
-    if (parameters_.impacts == Impacts::sequential) {
-      if (free_gaps_[i] <= 0)
-        aimed = {0, free < 0 && gaps_[i] >= 0 ? std::clamp(free_gaps_[i] / free, 0.0, h / 2) : h / 2};
-    } else if (const Closing& met = closings_[i]; free_gaps_[i] <= 0 && met.speed > point.law.rest_speed) {
-      const double held = aimed.gap > 0 ? 0 : std::max(0.0, -met.acceleration * (h - met.time));
-      impacts_[i] = {met.time, met.speed, met.speed / (met.speed + held)};
-    }
-    if (held_until_[i] >= 0) {
-      aimed.time = h - held_until_[i];
-      // What rests or hops between elastic surfaces: not in reach of the impact, or touched by it.
-      if (free_gaps_[i] > 0 && point.law.restitution > 0) {
-        const bool in_reach = free_gaps_[i] <= 2 * fastest * aimed.time;
-        aimed.velocity = in_reach ? 0 : std::min(free - free_gaps_[i] / aimed.time, 0.0);
-      }
-    }
-    problem.free[point.first] -= aimed.velocity;
-    weights_[i] = aimed.time;
-    least_gaps_[i] = aimed.gap;
-  }
+  wedged_.assign(n, 0);
+  set_aims(contacts, h);
   r_ = guess_;
-  solve(problem, r_);
-  if (join_impacts(contacts, h)) solve(problem, r_);
+  solve_bounces(contacts, h);
+  if (join_impacts(contacts, h)) solve_bounces(contacts, h);
   if (cut_ > 0) {
     if (uncut_ == 0) uncut_ = h;
     return;
   }
-  while (friction_.revise(contacts, r_)) solve(problem, r_);
+  while (friction_.revise(contacts, r_)) solve_bounces(contacts, h);
   guess_ = r_;
   total_ += r_;
   dv_.setZero();
@@ -181,6 +157,74 @@ void ContactImpulses::act(EquationsOfMotion& equations, const State& start, doub
   keep_energy(equations, start, h, others, v_end, d);
   tell_of_meetings(contacts, h, last);
   tell_of_partings(contacts, h, last);
+}
+
+void ContactImpulses::set_aims(RigidContacts& contacts, double h) {
+  ConeProblem& problem = contacts.problem();
+  const int n = static_cast<int>(contacts.points().size());
+  problem.free = u_;
+  double fastest = 0;
+  for (const Closing& met : closings_)
+    if (met.time < h) fastest = std::max(fastest, met.speed);
+  for (int i = 0; i < n; ++i) {
+    const RigidContacts::Point& point = contacts.points()[i];
+    const double free = u_[point.first] - brought_[point.first];
+    const double restitution = wedged_[i] ? 0 : point.law.restitution;
+    Aim aimed = aim(point, restitution, closings_[i], free, gaps_[i], free_gaps_[i], h);
+    if (parameters_.impacts == Impacts::sequential) {
+      if (free_gaps_[i] <= 0)
+        aimed = {0, free < 0 && gaps_[i] >= 0 ? std::clamp(free_gaps_[i] / free, 0.0, h / 2) : h / 2};
+    } else if (const Closing& met = closings_[i]; free_gaps_[i] <= 0 && met.speed > point.law.rest_speed) {
+      const double held = aimed.gap > 0 ? 0 : std::max(0.0, -met.acceleration * (h - met.time));
+      impacts_[i] = {met.time, met.speed, met.speed / (met.speed + held)};
+    }
+    if (held_until_[i] >= 0) {
+      aimed.time = h - held_until_[i];
+      // What rests or hops between elastic surfaces: not in reach of the impact, or touched by it.
+      if (free_gaps_[i] > 0 && restitution > 0) {
+        const bool in_reach = free_gaps_[i] <= 2 * fastest * aimed.time;
+        aimed.velocity = in_reach ? 0 : std::min(free - free_gaps_[i] / aimed.time, 0.0);
+      }
+    }
+    problem.free[point.first] -= aimed.velocity;
+    weights_[i] = aimed.time;
+    least_gaps_[i] = aimed.gap;
+  }
+}
+
+/// No impulse may part surfaces as fast as their restitution wants: where friction holds them in a wedge (a body that a
+/// slide guides onto the floor at less than the angle of friction), any that would is beyond Coulomb's cone the more,
+/// the larger it is. Poisson's hypothesis has an answer there: the impact ends where they are at rest, and what its
+/// second part would add, the wedge takes. So islands in which no impulses are found have no restitution, if that has
+/// an answer; as a problem it always has one.
+void ContactImpulses::solve_bounces(RigidContacts& contacts, double h) {
+  ConeProblem& problem = contacts.problem();
+  const int n = static_cast<int>(contacts.points().size());
+  const ConeResult found = find_impulses(problem, r_);
+  const double scale = scale_of(problem);
+  bool wedged = false;
+  if (!found.converged && found.residual > kWedged * scale) {
+    problem.velocity(r_, now_);
+    islands_.form(problem, [](int) { return true; });
+    held_islands_.assign(problem.groups.size(), 0);
+    for (int i = 0; i < n; ++i)
+      if (problem.violation(problem.contacts[i], r_, now_) > kWedged * scale)
+        held_islands_[islands_.of(problem, i)] = 1;
+    for (int i = 0; i < n; ++i) {
+      const bool bounces = !wedged_[i] && contacts.points()[i].law.restitution > 0;
+      if (bounces && held_islands_[islands_.of(problem, i)]) wedged_[i] = wedged = true;
+    }
+  }
+  if (!wedged) return judge(found, scale);
+  impulse_ = r_;
+  set_aims(contacts, h);
+  r_ = guess_;
+  const ConeResult held = find_impulses(problem, r_);
+  if (held.converged) return;
+  wedged_.assign(n, 0);
+  set_aims(contacts, h);
+  r_ = impulse_;
+  judge(found, scale);
 }
 
 /// Points are found in the middle of the step: what is beyond a surface by then would be pushed out on its other side,
@@ -291,15 +335,27 @@ void ContactImpulses::hold(RigidContacts& contacts, double h, VectorX& v_end, Ve
   }
 }
 
-/// Down to the tolerance, relative to the largest impulse that would stop a contact by itself.
-void ContactImpulses::solve(const ConeProblem& problem, VectorX& r) {
+/// The largest impulse that would stop a contact by itself.
+double ContactImpulses::scale_of(const ConeProblem& problem) {
   double scale = 0;
   for (const ConeProblem::Contact& c : problem.contacts) {
     const double mobility = diagonal(problem, c);
     if (mobility > 0) scale = std::max(scale, -problem.free[c.row] / mobility);
   }
-  const ConeResult result = solver_->solve(problem, parameters_.tolerance * scale, r);
+  return scale;
+}
+
+ConeResult ContactImpulses::find_impulses(const ConeProblem& problem, VectorX& r) {
+  const ConeResult result = solver_->solve(problem, parameters_.tolerance * scale_of(problem), r);
   iterations_ += result.iterations;
+  return result;
+}
+
+void ContactImpulses::solve(const ConeProblem& problem, VectorX& r) {
+  judge(find_impulses(problem, r), scale_of(problem));
+}
+
+void ContactImpulses::judge(const ConeResult& result, double scale) {
   if (result.converged || unconverged_++ > 0) return;
   std::ostringstream message;
   message << "contact impulses by " << solver_->name() << " are left with a residual of " << result.residual
@@ -358,7 +414,13 @@ void ContactImpulses::collide(RigidContacts& contacts, double h, VectorX& v_end,
     alone_.free = now.segment(point.first, point.rows);
     alone_.free[0] += point.law.restitution * alone_.free[0];  // u_n' >= -e u_n
     r_.setZero(point.rows);
-    single_->solve(alone_, 1e-14 * std::abs(alone_.free[0]), r_);
+    const double closes = now[point.first], tolerance = 1e-14 * std::abs(alone_.free[0]);
+    const ConeResult found = single_->solve(alone_, tolerance, r_);
+    if (!found.converged && found.residual * diagonal(alone_, alone_.contacts[0]) > kWedged * std::abs(closes)) {
+      alone_.free[0] = closes;  // friction holds it in a wedge (solve_bounces)
+      r_.setZero(point.rows);
+      position_->solve(alone_, tolerance, r_);  // sticking by rows that depend on each other: too many sweeps
+    }
     impulse.setZero();
     impulse.segment(point.first, point.rows) = r_;
     tell_of_impact(contacts, point, time, speed, r_[0]);

@@ -101,11 +101,16 @@ class ContactImpulses {
   /// Time at which a gap closes that starts at g with rate u and acceleration a; h if it does not.
   static double time_to_close(double g, double u, double a, double h);
   Closing closing(const RigidContacts::Point& point, double gap, double velocity, double h) const;
-  Aim aim(const RigidContacts::Point& point, const Closing& closing, double free_velocity, double gap, double free_gap,
-          double h) const;
+  Aim aim(const RigidContacts::Point& point, double restitution, const Closing& closing, double free_velocity,
+          double gap, double free_gap, double h) const;
+  void set_aims(RigidContacts& contacts, double h);
   bool would_pass(EquationsOfMotion& equations, const State& start, double h);
   void hold(RigidContacts& contacts, double h, VectorX& v_end, VectorX& d);
+  static double scale_of(const ConeProblem& problem);
+  ConeResult find_impulses(const ConeProblem& problem, VectorX& r);
+  void judge(const ConeResult& result, double scale);
   void solve(const ConeProblem& problem, VectorX& r);
+  void solve_bounces(RigidContacts& contacts, double h);
   void collide(RigidContacts& contacts, double h, VectorX& v_end, VectorX& d);
   bool join_impacts(RigidContacts& contacts, double h);
   void end_before_impacts(RigidContacts& contacts, double h);
@@ -135,6 +140,7 @@ class ContactImpulses {
   VectorX held_until_;           // time of the impact that ends what holds the point; -1: none
   ConeProblem some_;             // contacts that hold
   std::vector<int> some_points_;
+  std::vector<char> wedged_, held_islands_;  // of solve_bounces(): by point; by group
   ContactIslands islands_;
   std::vector<int> meeting_;          // pairs with an impact, or that push each other, by group
   std::vector<char> holding_;         // by pair

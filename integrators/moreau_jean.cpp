@@ -29,6 +29,7 @@ MoreauJean::MoreauJean(Parameters parameters, std::unique_ptr<ConeSolver> solver
 
 void MoreauJean::prepare(EquationsOfMotion& equations, State& state) {
   friction_.prepare(equations);
+  pressed_.forget();
   const int nv = equations.layout().v_count(), rows = equations.layout().row_count();
   if (!resumes()) statistics_ = {}, impulses_.forget();
   for (VectorX* x : {&v_, &d_, &rv_, &lack_, &mean_, &push_, &late_, &free_, &response_, &linear_}) x->setZero(nv);
@@ -106,11 +107,11 @@ StepResult MoreauJean::advance(EquationsOfMotion& equations, State& state, doubl
   }
 
   // 2. With contact, then with closed joints.
-  bool rubs = false;
+  bool rubs = false, near = false;
   if (rigid) {
     if (!deforms_) total_ = rl_;
     if (!deforms_ && equations.reacts()) total_ += h * lambda_;
-    const bool near = impulses_.find(equations, state, h);
+    near = impulses_.find(equations, state, h);
     if (impulses_.cut() == 0) {
       rubs = friction_.apply(equations, state, time, near ? &impulses_ : nullptr, total_, d_, q_, v_);
       if (near && !rubs && !nodal_) impulses_.act(equations, state, h, v_, d_);
@@ -126,6 +127,11 @@ StepResult MoreauJean::advance(EquationsOfMotion& equations, State& state, doubl
   if (!rubs) {
     layout.retract(state.q, d_, q_);
     if (rl_.size() > 0) close_joints(equations, time);
+  }
+  if (rigid && equations.reacts()) {
+    pressed_.follow_midpoint(equations, state, h, total_, near ? &impulses_.total() : nullptr, d_, v_);
+    equations.evaluate(time, q_, v_, Level::velocity);
+    statistics_.evaluations += 2;
   }
   if (rigid) impulses_.remember(equations, v_, h, state.contacts);
   if (!q_.allFinite() || !v_.allFinite()) {

@@ -7,6 +7,7 @@
 #include "engine/motion/step_derivative.h"
 #include "integrators/contact_impulses.h"
 #include "integrators/joint_friction_impulses.h"
+#include "integrators/reaction_states.h"
 
 namespace lithe {
 
@@ -57,6 +58,7 @@ class MoreauJean final : public Integrator, public DifferentiableSteps {
   Parameters parameters_;
   ContactImpulses impulses_;
   JointFrictionImpulses friction_;
+  ReactionStates pressed_;
   IntegratorStatistics statistics_;
   std::optional<Projector> projector_;
   VectorX q_, v_, d_, rv_, rl_;

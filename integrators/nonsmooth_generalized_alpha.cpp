@@ -20,6 +20,7 @@ NonsmoothGeneralizedAlpha::NonsmoothGeneralizedAlpha(Parameters parameters, std:
 
 void NonsmoothGeneralizedAlpha::prepare(EquationsOfMotion& equations, State& state) {
   friction_.prepare(equations);
+  pressed_.forget();
   impulses_.leave_out_rigid(equations, state.contacts);
   if (!resumes()) impulses_.forget();
   jumped_ = false;
@@ -105,6 +106,7 @@ StepResult NonsmoothGeneralizedAlpha::advance(EquationsOfMotion& equations, Stat
     equations.solve(rv_, rl_);
     v_ += rv_;
   }
+  if (near && equations.reacts()) pressed_.follow(equations, state.lambda, h, impulses_.total(), v_);
   state.q = q_;
   state.v = v_;
   if (!q_.allFinite() || !v_.allFinite()) {

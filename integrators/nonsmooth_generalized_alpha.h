@@ -3,6 +3,7 @@
 #include "integrators/contact_impulses.h"
 #include "integrators/generalized_alpha.h"
 #include "integrators/joint_friction_impulses.h"
+#include "integrators/reaction_states.h"
 
 namespace lithe {
 
@@ -11,7 +12,8 @@ namespace lithe {
 /// closed in position and velocity and damping of unresolved modes by the spectral radius; then contact
 /// (integrators/contact_impulses.h) along S = M + h/2 D + h²/4 K in its middle. For stiff and flexible scenes, where
 /// MoreauJean would ring. After a step with impulses the acceleration-like state keeps its distance from
-/// v̇, so that what slides or rests for long is of order 2 too.
+/// v̇, so that what slides or rests for long is of order 2 too. Of friction by reactions only bristles know contact's
+/// impulses (ReactionStates).
 class NonsmoothGeneralizedAlpha final : public GeneralizedAlpha {
  public:
   struct Parameters {
@@ -36,6 +38,7 @@ class NonsmoothGeneralizedAlpha final : public GeneralizedAlpha {
  private:
   ContactImpulses impulses_;
   JointFrictionImpulses friction_;
+  ReactionStates pressed_;
   State start_;
   VectorX v_, d_, q_, rv_, rl_, drift_;
   // Of the smooth motion at the end of a step that jumped: State has the mean over the step there.

@@ -236,16 +236,20 @@ bool RadauStages::solve(EquationsOfMotion& equations, const State& start, double
     iterations_ = k + 1;
     const double now = size(h, target);
     if (!std::isfinite(now) || !lambda_.allFinite()) break;
+    const double slowest = worst_rate_;
     if (k > 0) {
       rate_ = now / last;
       worst_rate_ = std::max(worst_rate_, rate_);
       allowance = rate_ < 1 ? std::max(kShare, rate_ / (1 - rate_)) : std::numeric_limits<double>::infinity();
     }
-    if (allowance * now <= 1 || now == 0 || (k > 0 && rate_ > kSlow && at_round_off(h, gap_before, now, target))) {
+    const bool round_off = k > 0 && rate_ > kSlow && at_round_off(h, gap_before, now, target);
+    if (allowance * now <= 1 || now == 0 || round_off) {
       // The next step's first correction: the slowest rate of this step's. The last one of an iteration that goes ever
       // faster says nothing of it.
       if (k > 0) allowance = worst_rate_ < 1 ? worst_rate_ / (1 - worst_rate_) : 1;
       allowance_ = std::min(allowance, 1.0);
+      // That of round-off is no reason for shorter steps, in which there is as much of it.
+      if (round_off) worst_rate_ = slowest;
       return true;
     }
     // Too slow: new factors once, where Newton has come to.

@@ -6,6 +6,7 @@
 
 #include "engine/assembly/batch_of.h"
 #include "engine/assembly/evaluated.h"
+#include "engine/assembly/lost_angles.h"
 #include "engine/assembly/redundancy.h"
 #include "engine/base/error.h"
 #include "engine/base/number_text.h"
@@ -45,12 +46,16 @@ const char* const kContradictionFix =
     "remove one of them, or make them agree: drives of one motion need one law, joints that close one loop lengths and "
     "axes that fit";
 
+ReachedState::ReachedState(Evaluator& evaluator) : evaluator_(evaluator) {}
+ReachedState::~ReachedState() = default;
+
 std::unique_ptr<ReachedState> ReachedState::make(Evaluator& evaluator) {
   std::unique_ptr<ReachedState> made(new ReachedState(evaluator));
   for (const auto& entry : evaluator.system().graph().constraints())
     if (const auto* limits = dynamic_cast<const LimitedMotion*>(entry.constraint))
       made->limited_.push_back({entry.constraint, limits, entry.markers});
-  if (made->limited_.empty() && evaluator.redundant_rows().empty()) return nullptr;
+  if (evaluator.workspace().quarter_turns.size() > 0) made->angles_ = std::make_unique<LostAngles>(evaluator);
+  if (made->limited_.empty() && evaluator.redundant_rows().empty() && !made->angles_) return nullptr;
   made->rows_.setZero(evaluator.layout().row_count());
   made->rates_ = made->rows_;
   return made;
@@ -77,6 +82,8 @@ int ReachedState::find_row() {
 }
 
 void ReachedState::check(const State& state) {
+  if (angles_) angles_->check(state);
+  if (limited_.empty() && evaluator_.redundant_rows().empty()) return;
   // By forward dynamics nothing was evaluated, and nothing can be off: it takes lower pairs alone, which no drive
   // moves, closes their loops itself, and keeps bodies in the planes across which rows are left out.
   if (evaluator_.evaluations() == evaluations_ && evaluator_.parts().forward_dynamics) return;

@@ -12,13 +12,15 @@ namespace lithe {
 class Constraint;
 class Evaluator;
 class LimitedMotion;
+class LostAngles;
 
 /// What no method sees of a state: rows that are left out since they repeat others, which hold only as long as they
-/// agree with those, and joints within their limits.
+/// agree with those, joints within their limits, and angles that are read and were lost on the way.
 class ReachedState {
  public:
-  /// Null where the scene has neither.
+  /// Null where the scene has none of these.
   static std::unique_ptr<ReachedState> make(Evaluator& evaluator);
+  ~ReachedState();
 
   /// A row that is left out may be off by 1e-6, in its units (m, rad; rows on velocities: of 1 and the fastest
   /// velocity), and by a thousand times what the others are off by. Looked at where the step evaluated last, beside the
@@ -34,7 +36,7 @@ class ReachedState {
     const LimitedMotion* limits;
     std::vector<Marker> markers;
   };
-  explicit ReachedState(Evaluator& evaluator) : evaluator_(evaluator) {}
+  explicit ReachedState(Evaluator& evaluator);
   /// Of the state evaluated last; "" if it is within its limit.
   std::string beyond_limit(const Limited& limited);
   /// The row that is off at the state evaluated last, its value in rows_; -1: none.
@@ -42,7 +44,8 @@ class ReachedState {
 
   Evaluator& evaluator_;
   std::vector<Limited> limited_;
-  long evaluations_ = 0;  // that are looked at
+  std::unique_ptr<LostAngles> angles_;  // null: none are measured
+  long evaluations_ = 0;                // that are looked at
   VectorX rows_, rates_;
   std::vector<MarkerKinematics> markers_;
 };

@@ -105,29 +105,31 @@ MatrixX ConeProblem::delassus() const {
   return W;
 }
 
-double ConeProblem::residual(const VectorX& r, const VectorX& u) const {
+double ConeProblem::violation(const Contact& contact, const VectorX& r, const VectorX& u) const {
   using friction_block::Vector2;
+  const Vector3 impulse = r.segment<3>(contact.row), motion = u.segment<3>(contact.row);
+  const Vector6 W = diagonal(*this, contact);
+  // t turns a velocity into the impulse that it takes here, so that the residual is an impulse for any mass.
+  double t = inverse_of_largest(W, 0, 3);
+  Vector3 lifted = motion;
+  // De Saxcé's bipotential: with μ |u_t| added to the normal velocity, Coulomb's law is one projection on the cone.
+  lifted[0] += contact.friction * motion.tail<2>().norm();
+  double largest = (impulse - friction_block::project_on_cone(impulse - t * lifted, contact.friction)).norm();
+  if (contact.rows == 3) return largest;
+  const double normal = std::max(0.0, impulse[0]);
+  const Vector2 roll = r.segment<2>(contact.row + 3);
+  t = inverse_of_largest(W, 3, 2);
+  const Vector2 rolling = roll - t * u.segment<2>(contact.row + 3);
+  largest = std::max(largest, (roll - friction_block::project_on_disc(rolling, contact.rolling * normal)).norm());
+  const double spin = r[contact.row + 5], limit = contact.spinning * normal;
+  t = inverse_of_largest(W, 5, 1);
+  return std::max(largest, std::abs(spin - std::clamp(spin - t * u[contact.row + 5], -limit, limit)));
+}
+
+double ConeProblem::residual(const VectorX& r, const VectorX& u) const {
   double largest = 0;
-  for (const Contact& contact : contacts) {
-    const Vector3 impulse = r.segment<3>(contact.row), motion = u.segment<3>(contact.row);
-    const Vector6 W = diagonal(*this, contact);
-    // t turns a velocity into the impulse that it takes here, so that the residual is an impulse for any mass.
-    double t = inverse_of_largest(W, 0, 3);
-    Vector3 lifted = motion;
-    // De Saxcé's bipotential: with μ |u_t| added to the normal velocity, Coulomb's law is one projection on the cone.
-    lifted[0] += contact.friction * motion.tail<2>().norm();
-    const double error = (impulse - friction_block::project_on_cone(impulse - t * lifted, contact.friction)).norm();
-    if (!(error <= largest)) largest = error;  // NaN included
-    if (contact.rows == 3) continue;
-    const double normal = std::max(0.0, impulse[0]);
-    const Vector2 roll = r.segment<2>(contact.row + 3);
-    t = inverse_of_largest(W, 3, 2);
-    const Vector2 rolling = roll - t * u.segment<2>(contact.row + 3);
-    largest = std::max(largest, (roll - friction_block::project_on_disc(rolling, contact.rolling * normal)).norm());
-    const double spin = r[contact.row + 5], limit = contact.spinning * normal;
-    t = inverse_of_largest(W, 5, 1);
-    largest = std::max(largest, std::abs(spin - std::clamp(spin - t * u[contact.row + 5], -limit, limit)));
-  }
+  for (const Contact& contact : contacts)
+    if (const double off = violation(contact, r, u); !(off <= largest)) largest = off;  // NaN included
   return largest;
 }
 

@@ -48,6 +48,8 @@ class ConeProblem {
   /// |r - P(r - t (u + μ|u_t| n))| with t = 1 / (largest diagonal entry of the contact's block); moments likewise, in
   /// N m s, with the largest diagonal entry of their own rows.
   double residual(const VectorX& r, const VectorX& u) const;
+  /// That of one contact.
+  double violation(const Contact& contact, const VectorX& r, const VectorX& u) const;
 };
 
 struct ConeResult {

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "engine/assembly/failing_element.h"
+#include "engine/assembly/lost_angles.h"
 #include "engine/base/error.h"
 #include "engine/base/interrupt.h"
 #include "engine/base/log.h"
@@ -165,13 +166,10 @@ void IslandRun::advance(State& state, double stop) {
     const std::string found = find_failing_element(equations_, last_, inside ? until : stop);
     return found.empty() ? "" : "; " + found;
   };
-  constexpr const char* kKeepApart =
-      "keep the two apart: measure an angle about an axis that the joint keeps, or hold the bodies in the plane of the "
-      "joint";
   if (!result.ok()) {
     const std::string element = failing_element(stop);
     if (const std::string lost = element.empty() ? find_lost_angle(equations_, last_) : ""; !lost.empty())
-      fail(state, step() + " failed: " + result.why + "; " + lost, kKeepApart);
+      fail(state, step() + " failed: " + result.why + "; " + lost, kLostAngleFix);
     fail(state, step() + " failed: " + result.why + element,
          "give a smaller step or another tolerance; if neither helps, look for what happens there: a locked mechanism, "
          "an impact, a force that grows without bound");
@@ -182,7 +180,7 @@ void IslandRun::advance(State& state, double stop) {
          "look for a force that divides by zero or overflows near there, or give a smaller step");
   if (!(state.time > last_.time && state.time <= stop)) {
     if (const std::string lost = state.time == last_.time ? find_lost_angle(equations_, last_) : ""; !lost.empty())
-      fail(state, step() + " became shorter than time can tell: " + lost, kKeepApart);
+      fail(state, step() + " became shorter than time can tell: " + lost, kLostAngleFix);
     fail(state, step() + " to " + time_text(stop) + " ended at " + time_text(state.time) + failing_element(stop),
          "give a looser tolerance if steps became smaller than time can resolve; else fix the integrator: a step moves "
          "time, never past its stop");

@@ -12,6 +12,7 @@
 #include "joints/forces/coordinate_spring.h"
 #include "joints/forces/first_order_states.h"
 #include "joints/forces/joint_bristles.h"
+#include "joints/forces/point_force.h"
 #include "joints/prismatic_joint.h"
 #include "joints/spherical_joint.h"
 #include "tests/joints/friction_checks.h"
@@ -291,6 +292,51 @@ TEST(BristleLaw, IsBoundedAndConservativeBeyondBreakaway) {
     EXPECT_NEAR(slope, force(bent), 1e-6 * kMu) << bent;
   }
   EXPECT_NEAR(force(1 + kStep) - force(1), force(1) - force(1 - kStep), 1e-4 * kMu * kStep) << "no kink at δ";
+}
+
+/// A carriage that falls along a post, drawn down by a force beside its weight, and lands; a load slides on it. Before,
+/// the carriage takes the load along, N₀ = m (a - g) downwards; the landing presses by J = m (1 + e) v upwards, the
+/// other way round. So n follows N₀ and J in closed form, and friction takes μ ∫ n dt. Linearised about N₀, n went to
+/// -J / τ_n.
+TEST(JointBristles, FollowImpulsesOfContactThatTurnTheReactionRound) {
+  constexpr double kMass = 2, kPull = 30, kGap = 0.05, kBounce = 0.4, kMu = 0.2, kLoadTime = 5e-3, kSlide = 3;
+  const double a = kGravity + kPull / (3 + kMass), v = std::sqrt(2 * a * kGap), landing = v / a;
+  const double N0 = kMass * (a - kGravity), J = kMass * (1 + kBounce) * v, end = landing + 2 * kLoadTime;
+  const double before = N0 * (1 - std::exp(-landing / kLoadTime)), after = before + J / kLoadTime;
+  const double n = N0 + (after - N0) * std::exp(-2.0), taken = kMu * (N0 * end + J - kLoadTime * n) / kMass;
+  for (const bool alpha : {false, true}) {
+    double last = 0;
+    for (const double h : {4e-4, 1e-4, 2.5e-5}) {
+      SCOPED_TRACE((alpha ? "alpha, h = " : "Moreau-Jean, h = ") + std::to_string(h));
+      Scene scene({0, 0, -kGravity}, [&](SystemGraph& graph) {
+        auto& carriage = graph.add<RigidBody>("carriage", {.mass = 3, .inertia = {1, 1, 1}, .position = {0, 0, 1}});
+        auto& load = graph.add<RigidBody>(
+            "load", {.mass = kMass, .inertia = {1, 1, 1}, .position = {0, 0, 1}, .velocity = {kSlide, 0, 0}});
+        graph.add<PrismaticJoint>("post", {graph.ground().marker({0, 0, 1}), carriage.marker()});
+        const Matrix3 along = rotation_about({0, 1, 0}, M_PI / 2);
+        auto& slide = graph.add<PrismaticJoint>("slide", {carriage.marker({}, along), load.marker({}, along)});
+        graph.add<PointForce>("pull", {carriage.marker()}, {.force = {0, 0, -kPull}});
+        add_joint_bristles(graph, "rub", {slide.displacement()}, draw_states(graph, JointBristles::start(0, {1, 0, 0})),
+                           {.joint = &slide, .coefficient = kMu, .breakaway_deflection = 5e-3, .load_time = kLoadTime});
+        graph.add<Contact>("floor",
+                           std::vector<Collider>{{graph.ground().marker(), shape::half_space()},
+                                                 {carriage.marker(), shape::sphere(1 - kGap)}},
+                           Contact::Parameters{.law = RigidSurfaces{.restitution = kBounce}});
+      });
+      std::unique_ptr<Integrator> method;
+      if (alpha)
+        method = std::make_unique<NonsmoothGeneralizedAlpha>(NonsmoothGeneralizedAlpha::Parameters{.step = h});
+      else
+        method = std::make_unique<MoreauJean>(MoreauJean::Parameters{.step = h});
+      scene.run(*method, end);
+      ASSERT_NE(scene.system.layout().velocity_name(18).find("frame 1: p_x"), std::string::npos);
+      const double error = std::abs(1e3 * scene.state.v[18] - n) / n;
+      EXPECT_LT(error, 1.2 * h / kLoadTime);
+      if (last > 0) EXPECT_LT(error, 0.5 * last);
+      EXPECT_NEAR(kSlide - scene.state.v[6], taken, 1.5 * h / kLoadTime * taken);
+      last = error;
+    }
+  }
 }
 
 /// A rod in a sleeve that tumbles on rigid ground. Impacts press the joint a thousand times harder for a step, in which

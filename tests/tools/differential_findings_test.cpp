@@ -5,6 +5,8 @@
 #include "bodies/flexible/flexible_body.h"
 #include "bodies/flexible/reduction.h"
 #include "bodies/rigid_body.h"
+#include "engine/assembly/evaluated.h"
+#include "engine/base/log.h"
 #include "engine/motion/projection.h"
 #include "engine/observe/recorder.h"
 #include "engine/observe/sensors.h"
@@ -21,6 +23,7 @@
 #include "tests/support/message_of.h"
 #include "tests/support/methods.h"
 #include "tests/support/scenes.h"
+#include "tools/differential/runs.h"
 
 namespace lithe::test::differential_findings_test {
 namespace {
@@ -286,6 +289,89 @@ TEST(DifferentialFindings, ALoopInItsPlaneExchangesTheRowThatIsLeftOut) {
   alone.run(*runge_kutta8(1e-11), kEnd);
   const std::vector<double> x = recorder.table().column("one_x"), z = recorder.table().column("one_z");
   expect_below("apart, m", (Vector3(x.back(), 0, z.back()) - alone.position(0)).norm(), 1e-7);
+}
+
+/// At the first steps, a microsecond long, corrections were those of round-off after one iteration. Their rate, 1,
+/// counted as that of Newton's method, and each step was shorter than the one before until time stood still.
+TEST(DifferentialFindings, RadauTakesNoRateOfRoundOffForAReasonToShortenSteps) {
+  using namespace differential;
+  const log::Quiet quiet;
+  const DrawnScene scene = draw_scene(7739);
+  const Track found = run(scene, {.method = differential::Method::radau, .tolerance = 1e-9});
+  ASSERT_EQ(found.refused, "");
+  const Difference apart =
+      difference(scene.units, run(scene, {.method = differential::Method::runge_kutta8, .tolerance = 1e-9}), found);
+  for (const double kind : apart.of) EXPECT_LT(kind, 1e-6);
+}
+
+/// A free bar under a force at a point, spun up through resonance: two bars that turn by 1e-6 of their speed otherwise
+/// are far apart in the end. A disturbance that shifts all bodies alike does not tell.
+TEST(DifferentialFindings, ADisturbanceTellsTheSensitivityOfAFreeBody) {
+  using namespace differential;
+  const log::Quiet quiet;
+  DrawnScene scene = draw_scene(7796);
+  scene.duration /= 2;
+  const Way way{.method = differential::Method::runge_kutta8, .tolerance = 1e-9};
+  Way disturbed = way;
+  disturbed.nudge = 1e-6;
+  const Difference apart = difference(scene.units, run(scene, way), run(scene, disturbed));
+  EXPECT_GT(apart.of[static_cast<int>(Kind::energy)], 1e-4);
+}
+
+/// What a force does to a bar in a tangent frame is what the bar's energy grows by, at any spin and deflection: the
+/// rate of its energy along the accelerations, by differences.
+TEST(DifferentialFindings, AForceGivesATangentBodyItsPower) {
+  constexpr double kLength = 0.5, kStep = 1e-6;
+  FiniteElementModel model = brick_mesh({.size = {kLength, 0.05, 0.05},
+                                         .divisions = {3, 1, 1},
+                                         .type = "C3D8I",
+                                         .material = {1e8, 0.3, 1000},
+                                         .name = "bar"});
+  std::vector<int> near, far;
+  for (Eigen::Index i = 0; i < model.nodes.cols(); ++i) {
+    const int label = model.node_ids[static_cast<std::size_t>(i)];
+    if (model.nodes(0, i) < 1e-6) near.push_back(label);
+    if (model.nodes(0, i) > kLength - 1e-6) far.push_back(label);
+  }
+  const Vector3 force(30, -20, 10), torque(3, 1, -2);
+  for (const Deflection deflection : {Deflection::linear, Deflection::quadratic, Deflection::stiffened})
+    for (const auto axes : {PointForce::Axes::world, PointForce::Axes::marker}) {
+      Marker tip;
+      Scene scene(Vector3::Zero(), [&](SystemGraph& graph) {
+        auto& bar = graph.add<FlexibleBody>(
+            "bar", {.basis = make_basis(model, TangentFrame{near}, 3, {.deflection = deflection})});
+        tip = bar.average(far);
+        graph.add<PointForce>("thruster", {tip}, {.force = force, .torque = torque, .axes = axes});
+      });
+      Evaluator& equations = scene.equations;
+      Projector projector(equations);
+      for (int k = 0; k < 20; ++k) {
+        State state = scene.state;
+        const VectorX d = VectorX::Random(state.v.size());
+        VectorX turn = d;
+        turn.tail(3) *= 0.01;  // modes, whose shapes are some units long
+        equations.layout().retract(state.q, turn, state.q);
+        state.v = 10 * VectorX::Random(state.v.size());
+        state.v.segment<3>(3) *= 20;
+        VectorX v_dot(state.v.size()), lambda(0), moved(state.v.size()), q(state.q.size());
+        projector.accelerations(0, state.q, state.v, v_dot, lambda);
+        const auto energy_at = [&](double t) {
+          moved = t * state.v + 0.5 * t * t * v_dot;
+          equations.layout().retract(state.q, moved, q);
+          equations.evaluate(0, q, state.v + t * v_dot, Level::velocity);
+          const BodyEnergy energy = equations.energy();
+          return energy.kinetic + energy.elastic;
+        };
+        const auto rate_by = [&](double t) { return (energy_at(t) - energy_at(-t)) / (2 * t); };
+        const double rate = (4 * rate_by(kStep / 2) - rate_by(kStep)) / 3, size = energy_at(0);
+        const MarkerKinematics at = marker_kinematics(equations, tip, Level::velocity);
+        // A force along axes of the world counts as potential energy, its torque does not.
+        const double power =
+            axes == PointForce::Axes::marker ? (at.R * force).dot(at.v) + (at.R * torque).dot(at.w) : torque.dot(at.w);
+        const double scale = force.norm() * at.v.norm() + torque.norm() * at.w.norm();
+        EXPECT_NEAR(rate, power, 1e-6 * scale + 1e-15 * std::abs(size) / kStep) << k;
+      }
+    }
 }
 
 }  // namespace

@@ -19,6 +19,12 @@ auto rigid_marker(std::string name, Vector3 point) {
   };
 }
 
+/// By which a disturbance turns a body that it also shifts. A shift alone leaves a free body's turn and deformation as
+/// they were, however sensitive these are.
+Vector3 turn_with(const Vector3& shift, const Units& units) {
+  return Vector3(shift.y(), -shift.z(), shift.x()) / units.length;
+}
+
 int keep(Drawing& drawing, DrawnBody body) {
   drawing.scene.bodies.push_back(std::move(body));
   return static_cast<int>(drawing.scene.bodies.size()) - 1;
@@ -42,9 +48,10 @@ int draw_rigid(Drawing& drawing, const Vector3& point) {
   const Vector3 disturbed = unit.speed() * dice.vector();
   const int element = drawing.add({.kind = "rigid body", .add = {}});
   const std::string name = drawing.name(element);
-  drawing.scene.elements.back().add = [=](SystemGraph& graph, double nudge) {
+  drawing.scene.elements.back().add = [=, units = unit](SystemGraph& graph, double nudge) {
     RigidBody::Parameters p = parameters;
     p.velocity += nudge * disturbed;
+    p.angular_velocity += nudge * turn_with(disturbed, units);
     graph.add<RigidBody>(name, p);
   };
   DrawnBody body{.element = element, .axes = true, .rigid = true};
@@ -140,9 +147,10 @@ int draw_flexible(Drawing& drawing, const Vector3& point) {
   const Vector3 disturbed = unit.speed() * dice.vector();
   const int element = drawing.add({.kind = std::string(kReducedNames[static_cast<int>(kind)]) + " body", .add = {}});
   const std::string name = drawing.name(element);
-  drawing.scene.elements.back().add = [=](SystemGraph& graph, double nudge) {
+  drawing.scene.elements.back().add = [=, units = unit](SystemGraph& graph, double nudge) {
     FlexibleBody::Parameters p = parameters;
     p.velocity += nudge * disturbed;
+    p.angular_velocity += nudge * turn_with(disturbed, units);
     graph.add<FlexibleBody>(name, p);
   };
   const auto mean = [name, A](std::vector<int> ids) {
@@ -183,9 +191,10 @@ int draw_beam(Drawing& drawing, const Vector3& point) {
   const Vector3 disturbed = unit.speed() * dice.vector();
   const int element = drawing.add({.kind = "beam", .add = {}});
   const std::string name = drawing.name(element);
-  drawing.scene.elements.back().add = [=](SystemGraph& graph, double nudge) {
+  drawing.scene.elements.back().add = [=, units = unit](SystemGraph& graph, double nudge) {
     Beam::Parameters p = parameters;
     p.velocity += nudge * disturbed;
+    p.angular_velocity += nudge * turn_with(disturbed, units);
     graph.add<Beam>(name, p);
   };
   const auto at = [=](double s) {

@@ -44,7 +44,7 @@ EXCEPTIONS = {
     "needs an FMU: tests/models/fmu/imported_fmu_test.cpp": """
         ImportedFmu""",
     "parts of integrators": """
-        AlphaRecord BdfHistory BdfRecord ContactImpulses JointFrictionImpulses MomentumBalance RadauStages
+        AlphaRecord BdfHistory BdfRecord ContactImpulses JointFrictionImpulses MomentumBalance RadauStages ReactionStates
         RungeKuttaStep StabilizedIndex2 StaticFriction""",
     "parts of runs, studies, gradients and plug-ins": """
         CheckpointSchedule SceneFingerprint FollowedSimulation Kink ObserverSchedules RowSpace FreeMotion

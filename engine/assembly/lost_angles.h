@@ -1,0 +1,41 @@
+#pragma once
+
+#include <vector>
+
+#include "engine/model/marker.h"
+#include "engine/model/state.h"
+
+namespace lithe {
+
+class Connector;
+class Evaluator;
+
+/// Angles that are lost within a step: what they look at passes so near to the axis that they turn about that they jump
+/// by about half a turn. A force, drive, coupling or friction that reads such an angle takes the jump for a motion.
+/// What a joint offers and none of them reads may jump: sensors tell what is there.
+class LostAngles {
+ public:
+  explicit LostAngles(Evaluator& evaluator);
+  /// After a step: throws SimulationError that names who reads the angle. Steps that follow each other alone are looked
+  /// at; the state is evaluated where an angle has turned by more than a quarter.
+  void check(const State& state);
+
+ private:
+  struct Reader {
+    const Connector* connector;
+    std::vector<Marker> markers;
+    int first, place;  // State::quarter_turns: of the connector's first angle; among its own
+  };
+  void find_readers(const State& state);
+  void look_at(const Reader& reader, const State& state);
+
+  Evaluator& evaluator_;
+  std::vector<Reader> readers_;
+  bool found_ = false;    // readers_
+  State last_;            // the state looked at last: q, quarter_turns
+  bool follows_ = false;  // there is one
+};
+
+extern const char* const kLostAngleFix;
+
+}  // namespace lithe
