@@ -8,7 +8,7 @@
 #include "tests/scripting/command.h"
 #include "tests/scripting/fmu_importer.h"
 
-namespace lithe::test {
+namespace lithe::test::fmu_intermediate_test {
 namespace {
 
 using Values = std::vector<double>;
@@ -129,4 +129,4 @@ TEST(Fmu, TakesInputsWithinCommunicationStepsAsTheNativeRunDoes) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::fmu_intermediate_test

@@ -8,7 +8,7 @@
 #include "tests/scripting/exchange_importers.h"
 #include "tests/scripting/exchange_instances.h"
 
-namespace lithe::test {
+namespace lithe::test::fmu_loops_test {
 namespace {
 
 /// A four-bar linkage in space, its three redundant rows and all: crank 0.2, coupler 0.5, rocker 0.4, ground 0.5 m.
@@ -167,4 +167,4 @@ TEST(FmuLoops, ALoopThatRubsIsTheNativeMotionAndRollsBackBitForBit) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::fmu_loops_test

@@ -9,7 +9,7 @@
 #include "tests/scripting/fmu_importer.h"
 #include "tests/scripting/fmu_pendulum.cpp"
 
-namespace lithe::test {
+namespace lithe::test::fmu_overhead_test {
 namespace {
 
 constexpr double kStep = 1e-3;  // s, of the integrator, and between communication points
@@ -58,4 +58,4 @@ TEST(FmuOverhead, IsToldOfStepsThatAreTheNativeOnes) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::fmu_overhead_test

@@ -9,7 +9,7 @@
 #include "tests/scripting/command.h"
 #include "tests/scripting/fmu_importer.h"
 
-namespace lithe::test {
+namespace lithe::test::fmu_scenes_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -106,4 +106,4 @@ TEST(FmuResources, AreRefusedIfNoFmuCanHaveThem) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::fmu_scenes_test

@@ -6,7 +6,7 @@
 
 #include "tests/scripting/exchange_instances.h"
 
-namespace lithe::test {
+namespace lithe::test::fmu_split_test {
 namespace {
 
 const Vector3 kFoot(0.4, 0, -1.2), kLug(1.4, 0, 0);  // of the cylinder, on ground and boom
@@ -114,4 +114,4 @@ TEST(FmuSplit, ACraneAndItsActuatorMoveAsInOnePiece) {
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::fmu_split_test

@@ -10,7 +10,7 @@
 #include "models/read_model.h"
 #include "tests/scripting/command.h"
 
-namespace lithe::test {
+namespace lithe::test::model_test {
 namespace {
 
 bool says(const Outcome& outcome, const std::string& words) { return outcome.output.find(words) != std::string::npos; }
@@ -160,4 +160,4 @@ END
 }
 
 }  // namespace
-}  // namespace lithe::test
+}  // namespace lithe::test::model_test

@@ -161,8 +161,8 @@ void write_zip(const fs::path& path, const std::vector<std::pair<std::string, fs
   const auto add = [&](const std::string& name, zip_source_t* source) {
     const zip_int64_t place = source ? zip_file_add(zip, name.c_str(), source, ZIP_FL_ENC_UTF_8) : -1;
     if (place < 0) fail(zip_strerror(zip));
-    // FMI knows methods 0 and 8 alone.
-    if (zip_set_file_compression(zip, static_cast<zip_uint64_t>(place), ZIP_CM_DEFLATE, 6) != 0)
+    // FMI knows methods 0 and 8 alone. Level 6 takes twice the time for 6 % less of liblithe_fmu.so.
+    if (zip_set_file_compression(zip, static_cast<zip_uint64_t>(place), ZIP_CM_DEFLATE, 3) != 0)
       fail(zip_strerror(zip));
   };
   add("modelDescription.xml", zip_source_buffer(zip, description.data(), description.size(), 0));
