@@ -185,7 +185,7 @@ LieBdf::Newton LieBdf::iterate(EquationsOfMotion& equations, const State& start,
   for (int row : equations.redundant_rows()) lambda_[row] = 0;
   const double w = weights_[0];
   bool renew = fresh;  // the factor is to be made anew: at the start, and where corrections shrink too slowly
-  int used = 3;        // how often, if it is of this step
+  int made_at = -1;    // the iteration that made it; of another step: -1
   double rate_of_new = 0;
   double* rate = &convergence_rate_;
   double last = 0;
@@ -198,7 +198,7 @@ LieBdf::Newton LieBdf::iterate(EquationsOfMotion& equations, const State& start,
       increment_ = v_ / w;
       factor_.make(equations, {1, w, w * w}, time, start, q_, v_, v_dot_, lambda_, &increment_);
       ++statistics_.factorizations;
-      used = 0;
+      made_at = k;
       factor_weight_ = w;
       convergence_rate_ = kRateOfFreshFactor;  // in later steps
       rate_of_new = fresh_rate_;
@@ -227,7 +227,6 @@ LieBdf::Newton LieBdf::iterate(EquationsOfMotion& equations, const State& start,
     derive_velocities(layout);
     layout.retract(history_.base(), d_, q_);
     ++statistics_.newton_iterations;
-    ++used;
 
     const double moved = increment_.cwiseAbs().maxCoeff();
     double size = error_ratio(increment_, d_size_, parameters_.tolerance);
@@ -235,7 +234,7 @@ LieBdf::Newton LieBdf::iterate(EquationsOfMotion& equations, const State& start,
     size = std::max(size, error_ratio(rate_, v_size_, parameters_.tolerance));
     if (!std::isfinite(size) || !std::isfinite(moved)) return Newton::no_number;
     if (k > 0) *rate = std::max(0.3 * *rate, size / last);
-    if (used == 2) fresh_rate_ = std::clamp(size / last, kLeastRate, kRateOfFreshFactor);
+    if (made_at >= 0 && k == made_at + 1) fresh_rate_ = std::clamp(size / last, kLeastRate, kRateOfFreshFactor);
     if (*rate < 1 && size * *rate / (1 - *rate) <= parameters_.newton_tolerance) return Newton::converged;
     // Round-off: corrections no longer shrink and are tiny beside the coordinates.
     if (k > 0 && size > 0.3 * last && moved <= 1e-14 * (1 + q_.cwiseAbs().maxCoeff())) return Newton::converged;
