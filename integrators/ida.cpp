@@ -122,7 +122,7 @@ void Ida::prepare(EquationsOfMotion& equations, State& state) {
   m.require(m.solver && IDASetLinearSolver(m.ida, m.solver, m.matrix) == IDA_SUCCESS &&
                 IDASetJacFn(m.ida, Memory::jacobian) == IDA_SUCCESS,
             "linear solver");
-  SUNLinSol_KLUGetCommon(m.solver)->btf = 0;  // rows have no diagonal: matching them costs the square of their number
+  SUNLinSol_KLUGetCommon(m.solver)->btf = 0;  // no matching first: rows have no diagonal
 }
 
 StepResult Ida::advance(EquationsOfMotion& equations, State& state, double t_stop) {

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "engine/assembly/evaluated.h"
+#include "engine/assembly/lost_angles.h"
 #include "engine/base/error.h"
 #include "engine/base/number_text.h"
 #include "engine/model/marker_motions.h"
@@ -84,15 +85,6 @@ std::string look_at(Evaluator& evaluator, const State& state) {
   return "";
 }
 
-/// How far the arm of an angle stands off its axis, rad.
-double arm_off_axis(const MeasuredAngle& angle, const MarkerMotions& markers) {
-  const std::span<const MarkerView> views = markers;
-  const MarkerView &A = views[static_cast<std::size_t>(angle.A)], &B = views[static_cast<std::size_t>(angle.B)];
-  const Vector3 arm = angle.to_point ? Vector3(B.p - A.p) : Vector3(B.R.col((angle.axis + 1) % 3)),
-                axis = A.R.col(angle.axis);
-  return std::atan2(arm.cross(axis).norm(), std::abs(arm.dot(axis)));
-}
-
 }  // namespace
 
 std::string find_lost_angle(Evaluator& evaluator, const State& state) try {
@@ -105,7 +97,7 @@ std::string find_lost_angle(Evaluator& evaluator, const State& state) try {
   const auto look = [&](const Connector& connector, const std::vector<Marker>& on) {
     const MarkerMotions markers = motions_of(evaluator, on);
     for (const MeasuredAngle& angle : connector.angles())
-      if (const double off = arm_off_axis(angle, markers); off < nearest) {
+      if (const double off = off_axis(arm_of(angle, markers)); off < nearest) {
         nearest = off;
         char degrees[32];
         std::snprintf(degrees, sizeof degrees, "%.2g", off * 180 / M_PI);

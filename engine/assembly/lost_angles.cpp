@@ -15,18 +15,7 @@ namespace {
 
 constexpr double kTurn = 4;  // quarter turns
 
-/// What an angle looks at, in the axes of its marker A, the axis that it turns about last.
-Vector3 arm_of(Evaluator& evaluator, const std::vector<Marker>& on, const MeasuredAngle& angle) {
-  const MarkerMotions motions(on, [&](const Marker& m) { return marker_kinematics(evaluator, m, Level::position); });
-  const std::span<const MarkerView> views = motions;
-  const MarkerView &A = views[static_cast<std::size_t>(angle.A)], &B = views[static_cast<std::size_t>(angle.B)];
-  const int next = (angle.axis + 1) % 3, after = (angle.axis + 2) % 3;
-  const Vector3 arm = angle.to_point ? Vector3(B.p - A.p) : Vector3(B.R.col(next));
-  return Vector3(arm.dot(A.R.col(next)), arm.dot(A.R.col(after)), arm.dot(A.R.col(angle.axis))).normalized();
-}
-
-/// How far a unit vector stands off the third axis, rad; and the nearest that the shortest way from a to b comes to it.
-double off_axis(const Vector3& u) { return std::atan2(std::hypot(u.x(), u.y()), std::abs(u.z())); }
+/// The nearest that the shortest way from a to b comes to the third axis, rad.
 double nearest_to_axis(const Vector3& a, const Vector3& b) {
   const Vector3 normal = a.cross(b);
   const double ends = std::min(off_axis(a), off_axis(b));
@@ -60,6 +49,15 @@ bool reads(Evaluator& evaluator, const Constraint& joint, const std::vector<Mark
 const char* const kLostAngleFix =
     "keep the two apart: measure an angle about an axis that the joint keeps, or hold the bodies in the plane of the "
     "joint";
+
+Vector3 arm_of(const MeasuredAngle& angle, std::span<const MarkerView> markers) {
+  const MarkerView &A = markers[static_cast<std::size_t>(angle.A)], &B = markers[static_cast<std::size_t>(angle.B)];
+  const int next = (angle.axis + 1) % 3, after = (angle.axis + 2) % 3;
+  const Vector3 arm = angle.to_point ? Vector3(B.p - A.p) : Vector3(B.R.col(next));
+  return Vector3(arm.dot(A.R.col(next)), arm.dot(A.R.col(after)), arm.dot(A.R.col(angle.axis))).normalized();
+}
+
+double off_axis(const Vector3& arm) { return std::atan2(std::hypot(arm.x(), arm.y()), std::abs(arm.z())); }
 
 LostAngles::LostAngles(Evaluator& evaluator) : evaluator_(evaluator) {
   last_.q.setZero(evaluator.layout().q_count());
@@ -108,7 +106,9 @@ void LostAngles::look_at(const Reader& reader, const State& state) {
   const MeasuredAngle angle = reader.connector->angles()[static_cast<std::size_t>(reader.place)];
   const auto arm_at = [&](const VectorX& q) {
     evaluator_.evaluate(state.time, q, state.v, Level::velocity);
-    return arm_of(evaluator_, reader.markers, angle);
+    return arm_of(angle, MarkerMotions(reader.markers, [&](const Marker& m) {
+                    return marker_kinematics(evaluator_, m, Level::position);
+                  }));
   };
   const Vector3 before = arm_at(last_.q), now = arm_at(state.q);
   const double nearest = nearest_to_axis(before, now);

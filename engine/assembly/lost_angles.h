@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "engine/model/marker.h"
@@ -8,6 +9,7 @@
 namespace lithe {
 
 class Connector;
+struct MeasuredAngle;
 class Evaluator;
 
 /// Angles that are lost within a step: what they look at passes so near to the axis that they turn about that they jump
@@ -37,5 +39,10 @@ class LostAngles {
 };
 
 extern const char* const kLostAngleFix;
+
+/// What an angle looks at, as a unit vector in axes of its marker A, the third of which the angle turns about.
+Vector3 arm_of(const MeasuredAngle& angle, std::span<const MarkerView> markers);
+/// How far such a vector stands off the third axis, rad.
+double off_axis(const Vector3& arm);
 
 }  // namespace lithe
