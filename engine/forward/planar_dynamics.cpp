@@ -104,7 +104,9 @@ std::unique_ptr<PlanarDynamics> PlanarDynamics::make(const RigidScene& scene) {
     std::vector<double> v(scene.bodies.back().v + 6, 0.0);
     plane->place(scene.q.data(), v.data());
     plane->write_rows();
-    if (plane->factorize() < kDependent) return nullptr;
+    double smallest = 1;
+    plane->factorize(&smallest);
+    if (smallest < kDependent) return nullptr;
     return plane;
   }
   return nullptr;
@@ -119,6 +121,8 @@ void PlanarDynamics::plan() {
   compliance_.resize(2 * n);
   saved_.resize(7 * bodies_.size());
   inverse_.resize(n);
+  for (int j = 0; j < n; ++j)
+    if (!joints_[j].slides) rows_[2 * j] = {{-1, 0}, {0, -1}, {}}, rows_[2 * j + 1] = {{1, 0}, {0, 1}, {}};
   // 1. Joints that share a body, and an order of their elimination.
   struct Tie {
     int joint, rows;
@@ -152,7 +156,14 @@ void PlanarDynamics::plan() {
       for (const Tie& k : ties[b]) {
         if (position[j.joint] < position[k.joint]) continue;
         if (j.joint == k.joint && j.rows != k.rows) continue;
-        products_.push_back({block(j.joint, k.joint), j.rows, k.rows, static_cast<int>(b)});
+        const Body& body = bodies_[b];
+        Product product{block(j.joint, k.joint), j.rows, k.rows, body.inverse_mass, body.inverse_inertia};
+        if (joints_[j.joint].slides || joints_[k.joint].slides) {
+          products_.push_back(product);
+        } else {
+          if ((j.rows - k.rows) % 2 != 0) product.inverse_mass *= -1;
+          hinge_products_.push_back(product);
+        }
       }
   for (int j : elimination.order) {
     Pivot pivot{j, static_cast<int>(neighbours_.size()), 0, static_cast<int>(updates_.size()), 0};
@@ -174,8 +185,10 @@ void PlanarDynamics::place(const double* q, const double* v) {
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const Body& b = bodies_[i];
     if (b.in_plane) {
-      const double *x = q + b.q, *x_dot = v + b.v, turn = x[2] - b.angle;
-      poses_[i] = {x[0], x[1], std::cos(turn), std::sin(turn), x_dot[0], x_dot[1], x_dot[2]};
+      const double *x = q + b.q, *x_dot = v + b.v;
+      double sine, cosine;
+      ::sincos(x[2] - b.angle, &sine, &cosine);  // both for the price of one
+      poses_[i] = {x[0], x[1], cosine, sine, x_dot[0], x_dot[1], x_dot[2]};
       continue;
     }
     const double *e = q + b.q + 3, *w = v + b.v + 3;
@@ -223,8 +236,8 @@ void PlanarDynamics::write_rows() {
     const double a2 = A.rate * A.rate, b2 = B.rate * B.rate;
     const double gx = b2 * bx - a2 * ax, gy = b2 * by - a2 * ay;
     if (!joint.slides) {
-      rows_[2 * j] = {{-1, 0}, {0, -1}, {ay, -ax}};
-      rows_[2 * j + 1] = {{1, 0}, {0, 1}, {-by, bx}};
+      double *of_A = rows_[2 * j].turn, *of_B = rows_[2 * j + 1].turn;
+      of_A[0] = ay, of_A[1] = -ax, of_B[0] = -by, of_B[1] = bx;
       gamma_[2 * j] = gx, gamma_[2 * j + 1] = gy;
       continue;
     }
@@ -238,12 +251,21 @@ void PlanarDynamics::write_rows() {
   }
 }
 
-double PlanarDynamics::factorize() {
+void PlanarDynamics::factorize(double* smallest) {
   constexpr double kRoundOff = 1e-13, kGives = 1e-10;  // of a row's own compliance, as in BlockFactor
   std::fill(blocks_.begin(), blocks_.end(), Block{});
+  for (const Product& p : hinge_products_) {  // ±1/m I + 1/J left rightᵀ
+    const double *l = rows_[p.left].turn, *r = rows_[p.right].turn;
+    const double left0 = p.inverse_inertia * l[0], left1 = p.inverse_inertia * l[1];
+    Block& k = blocks_[p.block];
+    k.a += p.inverse_mass + left0 * r[0];
+    k.b += left1 * r[0];
+    k.c += left0 * r[1];
+    k.d += p.inverse_mass + left1 * r[1];
+  }
   for (const Product& p : products_) {
     const Rows &l = rows_[p.left], &r = rows_[p.right];
-    const double m = bodies_[p.body].inverse_mass, i = bodies_[p.body].inverse_inertia;
+    const double m = p.inverse_mass, i = p.inverse_inertia;
     Block& k = blocks_[p.block];
     k.a += m * (l.x[0] * r.x[0] + l.y[0] * r.y[0]) + i * l.turn[0] * r.turn[0];
     k.b += m * (l.x[1] * r.x[0] + l.y[1] * r.y[0]) + i * l.turn[1] * r.turn[0];
@@ -252,35 +274,38 @@ double PlanarDynamics::factorize() {
   }
   for (std::size_t j = 0; j < joints_.size(); ++j)
     compliance_[2 * j] = blocks_[j].a, compliance_[2 * j + 1] = blocks_[j].d;
-  double smallest = 1;
   for (const Pivot& pivot : pivots_) {
-    // 1. The pivot by L D Lᵀ; one that is round-off, where loops pass a singular position, gives way a little.
-    Block D = blocks_[pivot.joint];
+    // 1. The pivot by L D Lᵀ: a, and the determinant over it. One that is round-off, where loops pass a singular
+    // position, gives way a little.
+    double a = blocks_[pivot.joint].a, d = blocks_[pivot.joint].d;
+    const double b = blocks_[pivot.joint].b;  // and c
     const double* own = compliance_.data() + 2 * pivot.joint;
-    smallest = std::min(smallest, D.a / own[0]);
-    if (D.a < kRoundOff * own[0]) D.a += kGives * own[0];
-    double rest = D.d - D.b * D.c / D.a;
-    smallest = std::min(smallest, rest / own[1]);
-    if (rest < kRoundOff * own[1]) D.d += kGives * own[1], rest += kGives * own[1];
-    const double scale = 1 / (D.a * rest);
-    const Block inverse{D.d * scale, -D.b * scale, -D.c * scale, D.a * scale};
-    inverse_[pivot.joint] = inverse;
-    // 2. Its neighbours.
+    if (smallest) *smallest = std::min(*smallest, a / own[0]);
+    if (a < kRoundOff * own[0]) a += kGives * own[0];
+    double determinant = a * d - b * b;
+    if (smallest) *smallest = std::min(*smallest, determinant / (a * own[1]));
+    if (determinant < kRoundOff * own[1] * a) d += kGives * own[1], determinant += kGives * own[1] * a;
+    // Each pivot waits for the one before it: for one division, and a product with what is ready by then.
+    const double scale = 1 / determinant;
+    inverse_[pivot.joint] = {d * scale, -b * scale, -b * scale, a * scale};
+    // 2. Its neighbours, times the determinant.
     for (int n = pivot.first_neighbour; n < pivot.last_neighbour; ++n) {
       const Block& K = blocks_[neighbours_[n].block];
-      eliminated_[n] = {K.a * inverse.a + K.c * inverse.b, K.b * inverse.a + K.d * inverse.b,
-                        K.a * inverse.c + K.c * inverse.d, K.b * inverse.c + K.d * inverse.d};
+      eliminated_[n] = {K.a * d - K.c * b, K.b * d - K.d * b, K.c * a - K.a * b, K.d * a - K.b * b};
     }
     for (int u = pivot.first_update; u < pivot.last_update; ++u) {
       const Block &W = eliminated_[updates_[u].left], &K = blocks_[neighbours_[updates_[u].right].block];
       Block& to = blocks_[updates_[u].block];
-      to.a -= W.a * K.a + W.c * K.c;
-      to.b -= W.b * K.a + W.d * K.c;
-      to.c -= W.a * K.b + W.c * K.d;
-      to.d -= W.b * K.b + W.d * K.d;
+      to.a -= (W.a * K.a + W.c * K.c) * scale;
+      to.b -= (W.b * K.a + W.d * K.c) * scale;
+      to.c -= (W.a * K.b + W.c * K.d) * scale;
+      to.d -= (W.b * K.b + W.d * K.d) * scale;
+    }
+    for (int n = pivot.first_neighbour; n < pivot.last_neighbour; ++n) {
+      Block& W = eliminated_[n];
+      W.a *= scale, W.b *= scale, W.c *= scale, W.d *= scale;
     }
   }
-  return smallest;
 }
 
 void PlanarDynamics::solve() {
@@ -310,16 +335,20 @@ void PlanarDynamics::solve() {
 
 void PlanarDynamics::respond() {
   std::fill(response_.begin(), response_.end(), 0.0);
-  const auto add = [&](int body, const Rows& rows, const double* force) {
+  const auto add = [&](int body, const Rows& rows, double sign, bool slides, const double* force) {
     if (body < 0) return;
     double* to = response_.data() + 3 * body;
-    to[0] -= rows.x[0] * force[0] + rows.x[1] * force[1];
-    to[1] -= rows.y[0] * force[0] + rows.y[1] * force[1];
+    if (slides) {
+      to[0] -= rows.x[0] * force[0] + rows.x[1] * force[1];
+      to[1] -= rows.y[0] * force[0] + rows.y[1] * force[1];
+    } else {
+      to[0] -= sign * force[0], to[1] -= sign * force[1];
+    }
     to[2] -= rows.turn[0] * force[0] + rows.turn[1] * force[1];
   };
   for (std::size_t j = 0; j < joints_.size(); ++j) {
-    add(joints_[j].A.body, rows_[2 * j], rhs_.data() + 2 * j);
-    add(joints_[j].B.body, rows_[2 * j + 1], rhs_.data() + 2 * j);
+    add(joints_[j].A.body, rows_[2 * j], -1, joints_[j].slides, rhs_.data() + 2 * j);
+    add(joints_[j].B.body, rows_[2 * j + 1], 1, joints_[j].slides, rhs_.data() + 2 * j);
   }
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     response_[3 * b] *= bodies_[b].inverse_mass;
@@ -331,13 +360,15 @@ void PlanarDynamics::respond() {
 /// rhs_ += G x for motions x of the bodies, three a body.
 void PlanarDynamics::add_rates(const double* x) {
   for (std::size_t j = 0; j < joints_.size(); ++j) {
-    const auto add = [&](int body, const Rows& rows) {
+    double* to = rhs_.data() + 2 * j;
+    const auto add = [&](int body, const Rows& rows, double sign, bool slides) {
       if (body < 0) return;
       const double* of = x + 3 * body;
-      for (int i = 0; i < 2; ++i) rhs_[2 * j + i] += rows.x[i] * of[0] + rows.y[i] * of[1] + rows.turn[i] * of[2];
+      for (int i = 0; i < 2; ++i)
+        to[i] += (slides ? rows.x[i] * of[0] + rows.y[i] * of[1] : sign * of[i]) + rows.turn[i] * of[2];
     };
-    add(joints_[j].A.body, rows_[2 * j]);
-    add(joints_[j].B.body, rows_[2 * j + 1]);
+    add(joints_[j].A.body, rows_[2 * j], -1, joints_[j].slides);
+    add(joints_[j].B.body, rows_[2 * j + 1], 1, joints_[j].slides);
   }
 }
 

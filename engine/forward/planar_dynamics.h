@@ -52,14 +52,15 @@ class PlanarDynamics final : public ForwardKernel {
     double x, y, c, s;  // centre of mass; cos and sin of the turn since t = 0
     double vx, vy, rate;
   };
-  struct Rows {  // of one joint by one body's motions
+  struct Rows {  // of one joint by one body's motions; x and y of a hinge are constant
     double x[2], y[2], turn[2];
   };
   struct Block {  // column-major
     double a = 0, b = 0, c = 0, d = 0;
   };
   struct Product {  // of the rows of two joints by a body that they share: block += left M⁻¹ rightᵀ
-    int block, left, right, body;
+    int block, left, right;
+    double inverse_mass, inverse_inertia;  // of two hinges: the first is negative if one has the body as A, one as B
   };
   struct Pivot {
     int joint, first_neighbour, last_neighbour, first_update, last_update;
@@ -75,11 +76,11 @@ class PlanarDynamics final : public ForwardKernel {
   void plan();
   bool project_onto(double* q, double* v, double tolerance);
   void place(const double* q, const double* v);
-  double write_gaps();  // into rhs_; the largest
-  void write_rows();    // and γ
-  double factorize();   // the smallest pivot over its compliance
-  void solve();         // rhs_ becomes Λ
-  void respond();       // response_ = -M⁻¹ Gᵀ Λ
+  double write_gaps();                         // into rhs_; the largest
+  void write_rows();                           // and γ
+  void factorize(double* smallest = nullptr);  // the smallest pivot over its compliance
+  void solve();                                // rhs_ becomes Λ
+  void respond();                              // response_ = -M⁻¹ Gᵀ Λ
   void add_rates(const double* x);
   void write_motion(const Body& body, const double* a, const double* b, double* rates) const;
   void move(std::size_t body, double* q) const;
@@ -97,7 +98,7 @@ class PlanarDynamics final : public ForwardKernel {
   std::vector<double> compliance_;       // of each row by itself
   std::vector<double> free_, response_;  // three a body: motions without joints, and what joints add
   std::vector<double> saved_;            // coordinates, while they are projected
-  std::vector<Product> products_;
+  std::vector<Product> hinge_products_, products_;
   std::vector<Pivot> pivots_;
   std::vector<Neighbour> neighbours_;
   std::vector<Update> updates_;
