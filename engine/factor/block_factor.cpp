@@ -43,6 +43,14 @@ void BlockFactorOf<Scalar>::drop_rows(const std::vector<int>& rows) {
   dropped_ = rows;
   std::fill(is_dropped_.begin(), is_dropped_.end(), 0);
   for (int r : rows) is_dropped_[r] = 1;
+  const auto has_dropped = [&](int first, int count) {
+    return first >= 0 && std::any_of(&is_dropped_[first], &is_dropped_[first] + count, [](char is) { return is != 0; });
+  };
+  for (Step& s : steps_) {
+    s.touches_dropped = has_dropped(s.first_row, s.dimension);
+    for (int i = s.first_neighbour; i < s.last_neighbour; ++i)
+      s.touches_dropped |= has_dropped(neighbours_[i].x - structure_.velocity_count, neighbours_[i].dimension);
+  }
 }
 
 template <class Scalar>
@@ -199,9 +207,8 @@ void BlockFactorOf<Scalar>::eliminate_all(const std::vector<Scalar>& values, Thr
 template <class Scalar>
 void BlockFactorOf<Scalar>::factorize(const std::vector<Scalar>& values) {
   if (guarded_) compliance_.setZero();
-  const bool drops = !dropped_.empty();
   eliminate_all(values, team_, [&](const Step& s, std::vector<int>& weak_rows) {
-    if (drops) drop(s);
+    if (s.touches_dropped) drop(s);
     if (guarded_ && s.first_row >= 0)
       invert_guarded(s, weak_rows);
     else

@@ -62,7 +62,8 @@ class BlockFactorOf {
     void (*invert)(Scalar*, int);
     void (*apply)(const Scalar*, Scalar*, int);
     int first_copy, last_copy, first_cleared, last_cleared;  // blocks that this step is the first to touch
-    int mass;  // index in masses_ if it is that of a plain frame's translations, else -1
+    int mass;              // index in masses_ if it is that of a plain frame's translations, else -1
+    bool touches_dropped;  // it or a neighbour of it has a dropped row
   };
   /// The translations of a plain frame: a scalar, and rows that hold its points with ±E. They go first, as scalars.
   struct Mass {
