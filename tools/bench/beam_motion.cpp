@@ -92,7 +92,7 @@ Flight fly(const Problem& problem, const Setting& setting, int elements, Beam::M
   const std::vector<double> times = problem.times();
   Evaluator equations(drawn.system);
   Flight flight{.points = MatrixX(6, static_cast<int>(times.size()))};
-  flight.run = follow(drawn.system, setting, times, [&](int row, const State& state) {
+  flight.run = follow(drawn.system, setting, drawn.system.initial_state(), times, [&](int row, const State& state) {
     equations.evaluate(state.time, state.q, state.v, Level::position);
     flight.points.col(row) << marker_kinematics(equations, drawn.middle, Level::position).p,
         marker_kinematics(equations, drawn.tip, Level::position).p;

@@ -5,6 +5,7 @@
 //   --evaluations K  accelerations of the chain as released, K times, instead of a run; limit_explicit.cpp is the same
 //                    without an engine
 #include "engine/assembly/evaluator.h"
+#include "engine/simplify/simplification.h"
 #include "tools/bench/runs.h"
 #include "tools/bench/scenes.h"
 
@@ -35,7 +36,7 @@ int main(int argument_count, char** words) {
     arguments.finish();
 
     std::vector<Marker> ends;
-    const Scene scene([&](SystemGraph& graph) { return draw_chain(graph, count, chain_joint(joint), &ends); });
+    Scene scene([&](SystemGraph& graph) { return draw_chain(graph, count, chain_joint(joint), &ends); });
     JsonLine line;
     line.add("engine", "Lithe").add("problem", "chain").add("joint", joint).add("n", count);
     if (evaluations > 0) {
@@ -45,10 +46,14 @@ int main(int argument_count, char** words) {
       line.print();
       return;
     }
-    const Run run = simulate(scene.system, setting, end);
+    // Hinges hold the links in a plane: three coordinates each.
+    Simplification simple{scene.graph};
+    const Run run = simulate(assemble(simple.graph()), setting, simple.start(), end);
     run.add_to(line, setting);
     if (!reference.empty()) {
-      const ChainError error = chain_error(scene.system, run.end, ends, reference);
+      State whole = simple.whole().initial_state();
+      simple.expand(run.end, whole);
+      const ChainError error = chain_error(simple.whole(), whole, ends, reference);
       line.add("tip_error", error.tip, 4).add("joint_error", error.joint, 4);
     }
     line.print();

@@ -11,6 +11,7 @@
 #include <numeric>
 
 #include "engine/output/csv.h"
+#include "engine/simplify/simplification.h"
 #include "tests/reference/loops.h"
 #include "tools/bench/runs.h"
 #include "tools/bench/scenes.h"
@@ -30,6 +31,7 @@ struct Problem {
   Error error;
   double first = 0;             // s, of the rows compared
   Error mean_square = nullptr;  // averaged over the rows, or none
+  bool planar = false;          // all of it moves in one plane
 };
 
 Vector3 position(const State& state, int body) { return state.q.segment<3>(7 * body); }
@@ -75,7 +77,7 @@ Problem problem(const std::string& name, int windows) {
   const Vector3 down_y(0, -9.81, 0), down_z(0, 0, -9.81);
   if (name == "andrews") {
     const StudyScene study = andrews_squeezer::scene();
-    return {study.draw, study.gravity, 0.03, andrews_error, 0.03};
+    return {study.draw, study.gravity, 0.03, andrews_error, 0.03, nullptr, true};
   }
   if (name == "four_bar")
     return {[=](SystemGraph& graph) { test::draw_four_bars(graph, windows); },
@@ -83,7 +85,8 @@ Problem problem(const std::string& name, int windows) {
             20,
             four_bar_error,
             0,
-            four_bar_mean_square};
+            four_bar_mean_square,
+            true};
   if (name == "bricard") return {test::draw_bricard, down_y, 10, bricard_error};
   if (name == "governor") return {flyball_governor::scene().draw, down_z, 10, governor_error};
   throw std::invalid_argument("no problem '" + name + "'; known are andrews, bricard, four_bar, governor");
@@ -110,16 +113,17 @@ int main(int argument_count, char** words) {
     }
     if (times.empty()) throw std::runtime_error(reference + " holds no row that belongs to " + name);
 
-    const Scene scene(
-        [&](SystemGraph& graph) {
-          asked.draw(graph);
-          return graph.ground().marker();
-        },
-        asked.gravity);
+    SystemGraph graph{{.gravity = asked.gravity}};
+    asked.draw(graph);
+    Simplification simple{graph, {.planar = asked.planar}};  // in a plane: three coordinates, and the rows within it
+    const System system = assemble(simple.graph());
     std::vector<double> errors(times.size()), squares(times.size());
-    const Run run = follow(scene.system, setting, times, [&](int row, const State& state) {
-      errors[row] = asked.error(state, rows[row]);
-      if (asked.mean_square) squares[row] = asked.mean_square(state, rows[row]);
+    State state = simple.whole().initial_state();
+    const Run run = follow(system, setting, simple.start(), times, [&](int row, const State& small) {
+      if (simple.smaller()) simple.expand(small, state);
+      const State& whole = simple.smaller() ? state : small;
+      errors[row] = asked.error(whole, rows[row]);
+      if (asked.mean_square) squares[row] = asked.mean_square(whole, rows[row]);
     });
     const double error = *std::max_element(errors.begin(), errors.end());
 

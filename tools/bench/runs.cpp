@@ -60,11 +60,11 @@ JsonLine& Run::add_to(JsonLine& line, const Setting& setting) const {
       .add("cpu_seconds", seconds);
 }
 
-Run simulate(const System& system, const Setting& setting, double end) {
+Run simulate(const System& system, const Setting& setting, const State& start, double end) {
   return cheapest(setting.repeats, [&] {
     const auto integrator = make_method(setting.method, setting.tolerance);
     Simulation simulation{system, *integrator};
-    Run run{.end = system.initial_state()};
+    Run run{.end = start};
     const double started = cpu_seconds();
     simulation.run(run.end, end);
     run.seconds = cpu_seconds() - started;
@@ -73,11 +73,12 @@ Run simulate(const System& system, const Setting& setting, double end) {
   });
 }
 
-Run follow(const System& system, const Setting& setting, const std::vector<double>& times, const Look& look) {
+Run follow(const System& system, const Setting& setting, const State& start, const std::vector<double>& times,
+           const Look& look) {
   return cheapest(setting.repeats, [&] {
     const auto integrator = make_method(setting.method, setting.tolerance);
     Evaluator equations(system);
-    Run run{.end = system.initial_state()};
+    Run run{.end = start};
     State &state = run.end, before = state, between = state;
     const double started = cpu_seconds();
     integrator->start(equations, state);

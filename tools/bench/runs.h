@@ -33,12 +33,13 @@ struct Run {
 };
 
 /// Simulation{system, integrator}.run(state, end).
-Run simulate(const System& system, const Setting& setting, double end);
+Run simulate(const System& system, const Setting& setting, const State& start, double end);
 
 /// The same without a Simulation, so that nothing cuts the steps: `look` is told of the states at `times`, read off the
 /// dense output; the time of that counts.
 using Look = std::function<void(int row, const State& state)>;
-Run follow(const System& system, const Setting& setting, const std::vector<double>& times, const Look& look);
+Run follow(const System& system, const Setting& setting, const State& start, const std::vector<double>& times,
+           const Look& look);
 
 /// Rows of numbers between blanks; lines that begin with # are comments. Throws std::runtime_error for a file that is
 /// not there or holds nothing.

@@ -41,7 +41,7 @@ int main(int argument_count, char** words) {
 
     std::vector<Marker> ends;
     const Scene scene([&](SystemGraph& graph) { return draw_chain(graph, count, ChainJoint::bushing, &ends); });
-    const Run run = simulate(scene.system, setting, time);
+    const Run run = simulate(scene.system, setting, scene.system.initial_state(), time);
     if (!path.empty()) {
       char heading[300];
       std::snprintf(heading, sizeof heading,
