@@ -18,6 +18,21 @@ target_compile_options(lithe_flags INTERFACE
                        -Wno-stringop-overflow -Wno-stringop-overread -Wno-subobject-linkage>
                        $<$<AND:$<CXX_COMPILER_ID:GNU>,$<OR:$<BOOL:${LITHE_NATIVE}>,$<STREQUAL:${LITHE_ARCH},x86-64-v4>>>:-Wno-uninitialized>)
 
+# Of inline functions that a target of less optimisation has too, the linker then keeps the libraries' own.
+function(lithe_libraries_first target)
+  set(first "")
+  foreach(library ${LITHE_LIBRARIES})
+    string(APPEND first " $<TARGET_FILE:${library}>")
+  endforeach()
+  get_target_property(type ${target} TYPE)
+  if(type STREQUAL INTERFACE_LIBRARY)
+    set(scope INTERFACE)
+  else()
+    set(scope PRIVATE)
+  endif()
+  target_link_options(${target} ${scope} "SHELL:-Wl,--whole-archive${first} -Wl,--no-whole-archive")
+endfunction()
+
 function(lithe_library name)
   cmake_parse_arguments(ARG "" "" "DEPENDS;PRIVATE;HEADERS_ONLY" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
