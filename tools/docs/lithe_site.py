@@ -15,6 +15,7 @@ from sphinx.domains.cpp import CPPDomain
 from sphinx.transforms import SphinxTransform
 from sphinx.util.nodes import make_refnode
 
+import navigation
 import pieces
 
 MADE_BY = re.compile(r"<!--\s*made by:\s*(.*?)\s*-->", re.S)
@@ -66,4 +67,7 @@ def setup(app):
     app.add_domain(LinkedTypes, override=True)
     app.add_directive("step", Step)
     app.add_transform(CommandsShown)
+    tree = navigation.Navigation()
+    app.connect("html-page-context", tree.before, priority=400)
+    app.connect("html-page-context", tree.after, priority=600)
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}
