@@ -217,14 +217,19 @@ N slender unit rods (1 m, 1 kg), the first hinged to the ground, released level;
 joint at the end, in metres, against references of another formulation (`tools/bench/data`). Each method is refined
 (tolerances by half decades, steps by √2, then once halfway) until it meets 1e-4 and 1e-6 m; the cheapest run that does
 counts. Lithe and Simbody control their error and are told a tolerance; the others' fixed steps are the longest that do. `~`: a method of order 1, extrapolated
-from one run of 1 ms; `-`: not reached, or not run (below).
+from one run of 1 ms; `-`: not reached, or not run (below). Lithe's chains of hinges run simplified (`Simplification`,
+docs/economy.md): bodies that move in one plane have three coordinates.
 """
     text += chain_section(measured, found)
     for name in pictures:
         if name.startswith("chain"):
             text += f"\n![{name.replace('_', ' ')}](benchmarks/{name}.png)\n<!-- made by: tools/bench.sh -->\n"
     text += "\n## All accelerations of the chain, once\n\n" + accelerations_section(measured)
-    text += "\n## Closed loops and stiff systems at equal error\n" + loop_section(measured)
+    text += """
+## Closed loops and stiff systems at equal error
+
+All bodies of Andrews' squeezer and of the four-bars move in one plane: Lithe runs them simplified (`Simplification`).
+""" + loop_section(measured)
     text += """
 ## Implicit steps of fixed length
 
