@@ -39,3 +39,6 @@ inline auto contact_key(int element, const ContactPoint& point) {
 }
 
 }  // namespace lithe
+
+// Part of each State that is copied: compiled once, in contact_memory.cpp.
+extern template class std::vector<lithe::ContactTrace>;
