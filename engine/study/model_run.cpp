@@ -37,9 +37,11 @@ class Sampler final : public Observer {
         integrator_->interpolate(now.system().layout(), from_, to, time(next_), at_);
         at_.lambda.resize(0);
         look(time(next_));
-      } else {
+      } else if (request_.dynamics) {
         at_ = to;
         look(to.time);
+      } else {  // evaluated there already
+        read(to.time, now);
       }
     }
     from_ = to;
@@ -56,26 +58,26 @@ class Sampler final : public Observer {
       projector_.accelerations(time, at_.q, at_.v, at_.v_dot, at_.lambda);
     }
     snapshot_.evaluate(at_);
+    read(time, snapshot_);
+    if (request_.dynamics) run_.states.push_back(at_);
+  }
+
+  void read(double time, Snapshot& now) {
     row_[0] = time;
-    read();
+    std::size_t column = 1;
+    for (const Sensor& sensor : sensors_) {
+      sensor.evaluate(now, std::span<double>(row_).subspan(column, sensor.columns().size()));
+      column += sensor.columns().size();
+    }
     for (std::size_t i = 0; i < row_.size(); ++i)
       if (!std::isfinite(row_[i]))
         throw SimulationError("'" + run_.samples.columns[i] + "' is not finite", time_text(time),
                               "look what its sensor divides by");
     run_.samples.add_row(row_);
-    VectorX g(snapshot_.system().layout().row_count());
+    VectorX g(now.system().layout().row_count());
     if (g.size() > 0) {
-      snapshot_.evaluator().constraint(Level::position, g);
+      now.evaluator().constraint(Level::position, g);
       run_.residual = std::max(run_.residual, g.cwiseAbs().maxCoeff());
-    }
-    if (request_.dynamics) run_.states.push_back(at_);
-  }
-
-  void read() {
-    std::size_t column = 1;
-    for (const Sensor& sensor : sensors_) {
-      sensor.evaluate(snapshot_, std::span<double>(row_).subspan(column, sensor.columns().size()));
-      column += sensor.columns().size();
     }
   }
 
@@ -102,14 +104,14 @@ std::unique_ptr<SystemGraph> under(const std::vector<RecordedWrench::Parameters>
   return loaded;
 }
 
-/// Steps of the integrator's own, read by its dense output.
+/// Steps of the integrator's own, read by its dense output where they pass samples.
 void run_whole(SystemGraph& graph, const std::vector<Sensor>& sensors, const MakeIntegratorBy<Tolerance>& make,
                const RunRequest& request, ModelRun& run) {
   const System system = assemble(graph);
   const std::unique_ptr<Integrator> integrator = make(request.tolerance);
   Sampler sampler(system, integrator.get(), sensors, request, run);
   Simulation simulation(system, *integrator);
-  simulation.observe(sampler, every_step());
+  simulation.observe(sampler, request.meets_samples ? every(request.duration / request.samples) : every_step());
   State state = system.initial_state();
   try {
     simulation.run(state, request.duration);

@@ -173,7 +173,7 @@ double ModelJudge::unseen(const Models& models, std::size_t w) const {
 
 /// By loads other than inertia: a small part of all deformation. How small, the highest third of the candidates of each
 /// body tell, in number: where effects fall as 1/n³ with the number of a mode, all those beyond the last do 0.8 of what
-/// these do; the shapes under smooth loads fall faster, and those under loads at a point show in few candidates.
+/// these do; under smooth loads they fall faster.
 double ModelJudge::beyond_candidates(std::size_t w) const {
   if (asked_.contacts) return kCandidatesTouched * deformed_[w];
   const double part = kCandidates * deformed_[w];

@@ -80,6 +80,7 @@ Pace finer(const Pace& pace) { return {pace.step / 2, pace.tolerance / 10}; }
 ModelRun run_at(const Asked& asked, const std::vector<Fidelity>& models, const Pace& pace, double elastic_scale,
                 bool dynamics, const std::vector<RecordedWrench::Parameters>& wrenches) {
   RunRequest request{asked.duration, asked.samples(), {0, 0}, asked.simplifies(pace), dynamics};
+  request.meets_samples = pace.step > 0 && pace.step <= asked.interval();
   if (pace.step == 0) request.tolerance = {pace.tolerance, std::min(1e-2, elastic_scale) * pace.tolerance};
   const MakeIntegratorBy<Tolerance> by_step = [&](const Tolerance&) {
     return asked.impacts ? asked.methods.by_step_with_impacts(pace.step) : asked.methods.by_step(pace.step);

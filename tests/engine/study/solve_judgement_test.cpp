@@ -74,13 +74,5 @@ TEST(ModelJudge, by_tolerance_the_nearest_run_that_is_as_tight_tells_what_a_mode
   EXPECT_NEAR(judge.model_errors({runs, {{0.02, 0}, {0.01, 0}, {0.005, 0}}}).at(0), kMeasured * 0.3, 1e-12);
 }
 
-TEST(LeftByPace, a_difference_of_second_order_counts_by_the_square_of_the_steps_with_a_caution_of_four_at_most) {
-  const Judged scene;
-  for (const auto& [ratio, part] : {std::pair{2.0, 2.0 / 3}, {4.0, 4.0 / 15}, {8.0, 4.0 / 63}}) {
-    const Ladder ladder{{scene.run(10, {0}), scene.run(10.63, {0})}, {{0.08, 0}, {0.08 / ratio, 0}}};
-    EXPECT_NEAR(left_by_pace(*scene.asked, ladder).at(0), 0.63 * part, 1e-12) << ratio;
-  }
-}
-
 }  // namespace
 }  // namespace lithe::test::solve_judgement_test
