@@ -37,11 +37,9 @@ class Sampler final : public Observer {
         integrator_->interpolate(now.system().layout(), from_, to, time(next_), at_);
         at_.lambda.resize(0);
         look(time(next_));
-      } else if (request_.dynamics) {
+      } else {
         at_ = to;
         look(to.time);
-      } else {  // evaluated there already
-        read(to.time, now);
       }
     }
     from_ = to;
@@ -58,26 +56,26 @@ class Sampler final : public Observer {
       projector_.accelerations(time, at_.q, at_.v, at_.v_dot, at_.lambda);
     }
     snapshot_.evaluate(at_);
-    read(time, snapshot_);
-    if (request_.dynamics) run_.states.push_back(at_);
-  }
-
-  void read(double time, Snapshot& now) {
     row_[0] = time;
-    std::size_t column = 1;
-    for (const Sensor& sensor : sensors_) {
-      sensor.evaluate(now, std::span<double>(row_).subspan(column, sensor.columns().size()));
-      column += sensor.columns().size();
-    }
+    read();
     for (std::size_t i = 0; i < row_.size(); ++i)
       if (!std::isfinite(row_[i]))
         throw SimulationError("'" + run_.samples.columns[i] + "' is not finite", time_text(time),
                               "look what its sensor divides by");
     run_.samples.add_row(row_);
-    VectorX g(now.system().layout().row_count());
+    VectorX g(snapshot_.system().layout().row_count());
     if (g.size() > 0) {
-      now.evaluator().constraint(Level::position, g);
+      snapshot_.evaluator().constraint(Level::position, g);
       run_.residual = std::max(run_.residual, g.cwiseAbs().maxCoeff());
+    }
+    if (request_.dynamics) run_.states.push_back(at_);
+  }
+
+  void read() {
+    std::size_t column = 1;
+    for (const Sensor& sensor : sensors_) {
+      sensor.evaluate(snapshot_, std::span<double>(row_).subspan(column, sensor.columns().size()));
+      column += sensor.columns().size();
     }
   }
 
