@@ -13,6 +13,7 @@ namespace lithe {
 namespace {
 
 constexpr double kFollows = 0.05;  // of a motion, that joints do not let it make
+constexpr double kIdle = 1e-8;     // of the root of the strain energy: a coordinate with less has no effect
 
 /// Where the coordinates of one system are in a richer one.
 class Embedding {
@@ -156,7 +157,7 @@ class Estimate {
     const double amplitude = response.displacement.row(i).cwiseAbs().maxCoeff(&k);
     ModelError::Coordinate coordinate{e.body, e.mode, root / (2 * std::numbers::pi), amplitude,
                                       std::vector<double>(sensors_.size(), 0)};
-    if (amplitude == 0) return coordinate;
+    if (amplitude == 0 || root * amplitude < kIdle * energy_root) return coordinate;
     if (detail_ == Detail::whole) {
       for (std::size_t w = 0; w < sensors_.size(); ++w)
         coordinate.effect[w] = root * amplitude / energy_root * error.effect[w];
@@ -278,7 +279,7 @@ class Estimate {
   /// `lambda`, if any, gains the multipliers that go with it.
   VectorX completed(const VectorX& elastic, VectorX* lambda = nullptr) {
     constexpr int kMostRounds = 12;
-    constexpr double kAccuracy = 1e-4, kHeldShare = 1e-3;
+    constexpr double kAccuracy = 1e-3, kHeldShare = 1e-3;
     VectorX x = zero_v_, r = elastic, z = inertia_ * r, p = z;
     double rz = r.dot(z);
     for (int round = 0; round < kMostRounds && r.norm() > kAccuracy * elastic.norm(); ++round) {

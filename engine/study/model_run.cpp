@@ -102,14 +102,14 @@ std::unique_ptr<SystemGraph> under(const std::vector<RecordedWrench::Parameters>
   return loaded;
 }
 
-/// Steps of the integrator's own, read by its dense output.
+/// Steps of the integrator's own, read by its dense output where they pass samples.
 void run_whole(SystemGraph& graph, const std::vector<Sensor>& sensors, const MakeIntegratorBy<Tolerance>& make,
                const RunRequest& request, ModelRun& run) {
   const System system = assemble(graph);
   const std::unique_ptr<Integrator> integrator = make(request.tolerance);
   Sampler sampler(system, integrator.get(), sensors, request, run);
   Simulation simulation(system, *integrator);
-  simulation.observe(sampler, every_step());
+  simulation.observe(sampler, request.meets_samples ? every(request.duration / request.samples) : every_step());
   State state = system.initial_state();
   try {
     simulation.run(state, request.duration);

@@ -52,8 +52,9 @@ struct RunRequest {
   double duration = 1;  // s
   int samples = 100;    // instants after the first
   Tolerance tolerance{};
-  bool simplify = false;  // the graph first (engine/simplify/), islands by themselves (engine/run/simulation.h)
-  bool dynamics = true;   // whether accelerations and multipliers of the samples are wanted: what estimates need
+  bool simplify = false;       // the graph first (engine/simplify/), islands by themselves (engine/run/simulation.h)
+  bool dynamics = true;        // whether accelerations and multipliers of the samples are wanted: what estimates need
+  bool meets_samples = false;  // steps end at every sample: nothing is looked at in between
 };
 /// Runs the scene with its bodies so modelled, under wrenches on their frames if there are any; the graph is left at
 /// that fidelity. `why` says what stopped a run; errors of the scene are thrown.

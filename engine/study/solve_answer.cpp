@@ -13,6 +13,7 @@ using Models = std::vector<Fidelity>;
 constexpr double kDriven = 0.5;         // of what is allowed: the second order then drives modes that no load does,
 constexpr double kDrivenShare = 0.002;  // and those that the estimate gives so little stay out of the richer model
 constexpr double kScaled = 0.5;         // of what was allowed: a motion that longer steps made too large
+constexpr double kDistinct = 0.3;       // of what is allowed, that tolerances may leave where models are compared
 
 // ---- richer models ----
 
@@ -181,8 +182,13 @@ class ModelSearch {
       richer_ = united(richer_, asked_.contacts ? all_of(asked_, richer_) : judge_.modes_within(kDrivenShare));
     richer_ = deflected(asked_, std::move(richer_), finest(asked_));
     if (models_ == richer_ || (richer_ == beside && moved(judge_.rich().samples) <= 1)) return;
+    // Steps that are the same leave the same; by tolerance it does not fall out of the difference.
+    const auto too_coarse = [&](std::size_t i) {
+      const bool by_step = ladder_.paces[i].step > 0;
+      return i + (by_step ? 2 : 1) < ladder_.runs.size() && moved(ladder_.runs[i].samples) > (by_step ? 1 : kDistinct);
+    };
     std::size_t at = 0;
-    while (at + 2 < ladder_.runs.size() && moved(ladder_.runs[at].samples) > 1) ++at;
+    while (too_coarse(at)) ++at;
     ModelRun rich = run_at(asked_, richer_, ladder_.paces[at], rigid_.elastic_scale, false);
     if (!rich.reached()) {
       answer_.remarks.push_back("not compared with " + model_text(asked_.bodies, richer_) + ": " + rich.why);

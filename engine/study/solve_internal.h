@@ -182,8 +182,8 @@ inline constexpr double kPaceShare = 0.9;     // of what the model leaves, for t
 
 // What is measured beside a richer model is stated so much larger, and what is estimated, of the first order.
 inline constexpr double kMeasured = 1.6, kCaution = 2.5;
-inline constexpr double kBeyond = 1.5;   // of the order of deflection after the last
-inline constexpr double kPredicted = 2;  // of the change by all deformation, feedback included
+inline constexpr double kBeyond = 1.5;     // of the order of deflection after the last
+inline constexpr double kPredicted = 1.7;  // of the change by all deformation, feedback included
 inline constexpr double kFirstTolerance = 1e-3, kLoosest = 1e-1, kTightest = 1e-9;
 inline constexpr double kRoundOff = 1e-3;  // of what round_off() takes for a change
 inline constexpr double kNoShare = 1e-9;   // modes below this part of what is allowed are idle
@@ -194,10 +194,11 @@ inline constexpr double kStepsCaution = 2, kToleranceCaution = 3;
 // Of two meshes, errors being of second order: caution, the least ratio of their elements, and what may be left.
 inline constexpr double kMeshCaution = 1.8, kMeshRatio = 1.3, kMeshShare = 0.5;
 inline constexpr int kFewestElements = 4, kMostElements = 2000;
-// Of what deformation does, beyond the candidate modes; where bodies touch, no candidate is made for the load.
+// Of what deformation does, beyond the candidate modes, at most. Where bodies touch, no candidate is made for the load,
+// and what the highest do tells nothing of it.
 inline constexpr double kCandidates = 5e-4, kCandidatesTouched = 1e-3;
 // Of the second order, by make_basis() (Reduction::deflection_tolerance).
-inline constexpr double kFieldsLeftOut = 0.004;
+inline constexpr double kFieldsLeftOut = 0.002;
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 }  // namespace lithe::solving

@@ -50,6 +50,7 @@ class ModelJudge {
   double left_out(const std::vector<Fidelity>& models, std::size_t w) const;
   double beyond(std::size_t w) const;
   double unseen(const std::vector<Fidelity>& models, std::size_t w) const;
+  double beyond_candidates(std::size_t w) const;
 
   const Asked& asked_;
   const RigidMotion& rigid_;

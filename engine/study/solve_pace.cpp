@@ -14,7 +14,9 @@ constexpr double kMostImpactSteps = 60;  // a sample
 constexpr double kMostSteps = 16;        // a sample, before a tolerance is tried instead
 constexpr double kFewSteps = 5;          // a sample: of fewer, the way to the simpler graph and back costs more
 constexpr double kResolved = 2.5;        // ω h of the highest mode, where explicit steps cost less
-constexpr double kMostFiner = 4.5;       // than the last: what needs more is tried by a tolerance
+constexpr double kMostFiner = 12;        // than the last: what needs more is tried by a tolerance
+constexpr double kLongestJump = 8;       // from one step to the next
+constexpr double kMostCaution = 4;       // of errors of second order
 constexpr double kStalled = 0.5;  // of the last but one: errors that finer steps leave so large do not fall with them
 
 /// Below which a tolerance costs less: steps that resolve the highest mode need no implicit method.
@@ -54,7 +56,7 @@ std::optional<Pace> next_pace(const Asked& asked, const std::vector<Fidelity>& m
       return last.step > asked.interval() / kMostImpactSteps ? std::optional(finer(last)) : std::nullopt;
     if (wanted < shortest_step(asked, models) || wanted < last.step / kMostFiner || part > kStalled * before)
       return Pace{0, kLoosest};
-    return Pace{last.step / std::clamp(std::exp2(std::ceil(std::log2(last.step / wanted))), 2.0, 4.0), 0};
+    return Pace{last.step / std::clamp(std::exp2(std::ceil(std::log2(last.step / wanted))), 2.0, kLongestJump), 0};
   }
   if (last.tolerance <= kTightest) return {};
   return Pace{0, std::max(kTightest, last.tolerance * std::clamp(kToleranceCaution / 10 / part, 1e-3, 0.1))};
@@ -78,6 +80,7 @@ Pace finer(const Pace& pace) { return {pace.step / 2, pace.tolerance / 10}; }
 ModelRun run_at(const Asked& asked, const std::vector<Fidelity>& models, const Pace& pace, double elastic_scale,
                 bool dynamics, const std::vector<RecordedWrench::Parameters>& wrenches) {
   RunRequest request{asked.duration, asked.samples(), {0, 0}, asked.simplifies(pace), dynamics};
+  request.meets_samples = pace.step > 0 && pace.step <= asked.interval();
   if (pace.step == 0) request.tolerance = {pace.tolerance, std::min(1e-2, elastic_scale) * pace.tolerance};
   const MakeIntegratorBy<Tolerance> by_step = [&](const Tolerance&) {
     return asked.impacts ? asked.methods.by_step_with_impacts(pace.step) : asked.methods.by_step(pace.step);
@@ -139,7 +142,7 @@ std::vector<double> left_by_pace(const Asked& asked, const Ladder& ladder) {
     // Of second order? Then the differences fall as they should; if not, the first is assumed.
     const double expected = before[w] * (1 - 1 / (r * r)) / (r_before * r_before - 1);
     const bool second_order = left[w] < kStepsCaution * expected;
-    left[w] *= std::min(1.0, second_order ? r / (r * r - 1) : kStepsCaution / (r - 1));  // with caution: r
+    left[w] *= std::min(1.0, second_order ? std::min(r, kMostCaution) / (r * r - 1) : kStepsCaution / (r - 1));
   }
   return left;
 }

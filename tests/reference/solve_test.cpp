@@ -308,6 +308,40 @@ TEST(Solve, loads_that_come_and_go_between_the_samples_are_seen) {
   }
 }
 
+TEST(Solve, shapes_beyond_the_candidates_are_stated_by_what_the_highest_candidates_do) {
+  // A slow push: the shapes of the loads at both ends are among the candidates, and forty more eigenmodes tell what
+  // all of them leave out.
+  const FiniteElementModel model =
+      brick_mesh({.size = {0.5, 0.02, 0.01}, .divisions = {8, 1, 1}, .type = "C3D8I", .material = {2e9, 0.3, 1200}});
+  const auto draw = [&](SystemGraph& graph, int eigenmodes) {
+    auto& beam = graph.add<FlexibleBody>(
+        "beam", {.basis = make_basis(model, TangentFrame{model.node_set("x_min")}, eigenmodes,
+                                     {.loaded = {{model.node_set("x_max")}}, .deflection = Deflection::quadratic}),
+                 .damping = {.stiffness_proportional = 5e-4}});
+    graph.add<FixedJoint>("root", {graph.ground().marker({0, 0.01, 0.005}), beam.average(model.node_set("x_min"))});
+    const Marker tip = beam.average(model.node_set("x_max"));
+    graph.add<UserForce>("load", {tip}, {[](double t, const MarkerView&) {
+                           return force({0, 0, 0.02 * std::pow(std::sin(M_PI * t), 2)});
+                         }});
+    return position(tip, "tip");
+  };
+  SystemGraph few{{.gravity = {0, 0, 0}}}, many{{.gravity = {0, 0, 0}}};
+  const std::vector<Want> wants = {want(draw(few, 6), percent(0.1))};
+  const Solution solution = solve(few, 1, wants);
+  check_sheet(solution, wants);
+  const Certificate& c = solution.certificate;
+  EXPECT_TRUE(c.met()) << c.text();
+  const Sensor tip = draw(many, 46);
+  BodyModels bodies(many);
+  const ModelRun truth =
+      run_model(many, bodies, bodies.all(Deflection::quadratic), {tip}, [](const Tolerance&) { return radau(1e-11); },
+                {.duration = 1, .samples = 100, .dynamics = false});
+  ASSERT_TRUE(truth.reached()) << truth.why;
+  const CertifiedQuantity& q = c.quantities[0];
+  EXPECT_LE(apart(tip, solution.samples, truth.samples), q.error.total()) << c.text();
+  EXPECT_LT(q.error.truncation, 2e-4 * q.change) << c.text();
+}
+
 /// A rigid bar that swings from level.
 struct RigidPendulum {
   RigidPendulum() {
