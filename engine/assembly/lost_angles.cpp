@@ -89,6 +89,7 @@ LostAngles::Lost LostAngles::find(const State& state) {
     find_readers(state);
     found_ = true;
   }
+  if (readers_.empty()) return {nullptr, 0};
   // The evaluator recalls the turns that the step began with: of a state that was changed since they are others.
   if (!follows_ || evaluator_.workspace().quarter_turns != last_.quarter_turns) return {nullptr, 0};
   for (const Reader& reader : readers_) {
