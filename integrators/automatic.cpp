@@ -5,7 +5,6 @@
 #include "engine/archive/archive.h"
 #include "engine/base/checks.h"
 #include "engine/base/error.h"
-#include "engine/motion/singular_pose.h"
 #include "integrators/explicit_runge_kutta.h"
 #include "integrators/lie_bdf.h"
 #include "integrators/radau.h"
@@ -125,8 +124,7 @@ StepResult Automatic::advance(EquationsOfMotion& equations, State& state, double
     statistics_ = sum(before_, at_work().statistics());
     if (result.ok()) break;
     why += (failed > 0 ? "; " : "") + at_work().name() + ": " + result.why;
-    const bool blocked = result.why.find(kNoWayAcross) != std::string::npos;
-    if (blocked || failed + 1 == kMethods) return {StepResult::Outcome::failed, why};
+    if (failed + 1 == kMethods) return {StepResult::Outcome::failed, why};
     // The next method from the same state; it keeps the scene.
     to_try_.clear();
     incumbent_ = static_cast<Method>((place(method_) + 1) % kMethods);

@@ -121,8 +121,8 @@ StepResult Integrator::step(EquationsOfMotion& equations, State& state, double t
         if (singular_pose_->is_blocked() && state.time - begin < kCreeps * usual_ && state.time < t_stop)
           result = {StepResult::Outcome::failed,
                     (result.ok() ? "steps have come down to " + step_text(state.time - begin) : result.why) +
-                        "; constraints lose rank at t = " + std::to_string(singular_pose_->pose()) + " s, and " +
-                        kNoWayAcross};
+                        "; constraints lose rank at t = " + std::to_string(singular_pose_->pose()) +
+                        " s, and no smooth way leads across that pose"};
       }
     }
   }

@@ -14,9 +14,6 @@ namespace lithe {
 
 class Archive;
 
-/// What a step says that failed since a pose is_blocked(): no method gets on.
-constexpr const char* kNoWayAcross = "no smooth way leads across that pose";
-
 /// Takes a motion through poses where closed loops lose rank and branches of the motion meet (a parallelogram that
 /// lies flat), on the branch on which its velocity is smooth.
 ///
