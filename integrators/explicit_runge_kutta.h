@@ -49,6 +49,7 @@ class ExplicitRungeKutta final : public Integrator, public DifferentiableSteps {
   void prepare(EquationsOfMotion& equations, State& state) override;
   StepResult advance(EquationsOfMotion& equations, State& state, double t_stop) override;
   bool keep(Archive& archive, EquationsOfMotion& equations, const State& state) override;
+  bool chooses_steps() const override { return parameters_.step == 0; }
 
  private:
   double natural_step(double left) const;

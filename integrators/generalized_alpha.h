@@ -61,6 +61,7 @@ class GeneralizedAlpha : public Integrator, public DifferentiableSteps {
   void prepare(EquationsOfMotion& equations, State& state) override;
   StepResult advance(EquationsOfMotion& equations, State& state, double t_stop) override;
   bool keep(Archive& archive, EquationsOfMotion& equations, const State& state) override;
+  bool chooses_steps() const override { return parameters_.step == 0; }
   /// Consistent accelerations and a history that begins here; like prepare(), but keeps the statistics. `drift`: that
   /// of the motion which goes on, null where nothing is known of it.
   void restart(EquationsOfMotion& equations, State& state, const VectorX* drift = nullptr);

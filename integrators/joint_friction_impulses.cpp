@@ -68,8 +68,8 @@ void set_zero_at(const std::vector<int>& places, VectorX& x) {
 }  // namespace
 
 void JointFrictionImpulses::prepare(EquationsOfMotion& equations) {
-  static_assert(JointFrictionProblem::kMostPresses == SetValuedFriction::kMostPresses);
-  places_.clear(), mechanisms_.clear();
+  static_assert(JointFrictionProblem::kMostPresses == FrictionByImpulses::kMostPresses);
+  places_.clear(), of_kept_.clear(), mechanisms_.clear();
   const JointSurfaces* joints = joints_of(equations);
   if (!joints) return;
   const auto& surfaces = joints->surfaces();
@@ -77,7 +77,8 @@ void JointFrictionImpulses::prepare(EquationsOfMotion& equations) {
   problem_.surfaces.resize(surfaces.size()), by_lambda_.resize(surfaces.size());
   for (int i = 0; i < n; ++i) {
     const auto& surface = surfaces[i];
-    for (int k = 0; k < surface.count; ++k) places_.push_back(surface.kept + k);
+    for (int k = 0; k < surface.count && surface.kept >= 0; ++k)
+      places_.push_back(surface.kept + k), of_kept_.push_back(surface.first + k);
     const RigidContacts& rigid = *equations.parts().rigid_contacts;
     const auto &of_A = rigid.tied_velocities(surface.joint_markers[0]),
                &tied = of_A.empty() ? rigid.tied_velocities(surface.joint_markers[1]) : of_A;
@@ -96,13 +97,14 @@ void JointFrictionImpulses::prepare(EquationsOfMotion& equations) {
     for (int k = 0; k < surface.count; ++k) mechanism->directions.emplace_back(i, k);
     auto& of = problem_.surfaces[i];
     of.first = surface.first, of.count = surface.count;
-    of.friction = [&law = *surface.friction](double speed) { return law.friction(speed); };
+    of.friction = [&law = *surface.friction](double before, double after) { return law.friction(before, after); };
   }
 }
 
 void JointFrictionImpulses::leave_out(EquationsOfMotion& equations, State& state) {
   JointSurfaces* joints = joints_of(equations);
   if (!joints) return;
+  joints->leave_out();
   equations.evaluate(state.time, state.q, state.v, Level::velocity);
   joints->find_directions();
   joints->speeds(state.v, problem_.before);
@@ -118,8 +120,15 @@ void JointFrictionImpulses::put_back(VectorX& v) const {
 
 void JointFrictionImpulses::keep(EquationsOfMotion& equations, double h, VectorX& v, VectorX& v_dot) const {
   if (!joints_of(equations)) return;
-  scatter(p_ / h, places_, v);
+  for (std::size_t i = 0; i < places_.size(); ++i) v[places_[i]] = p_[of_kept_[i]] / h;
   set_zero_at(places_, v_dot);
+}
+
+void JointFrictionImpulses::add_impulses(EquationsOfMotion& equations, VectorX& to) const {
+  JointSurfaces* joints = joints_of(equations);
+  if (!joints) return;
+  joints->find_directions();
+  joints->add_impulses(p_, to);
 }
 
 int JointFrictionImpulses::place(const std::pair<int, int>& direction) const {

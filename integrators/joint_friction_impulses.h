@@ -7,9 +7,9 @@
 
 namespace lithe {
 
-/// Set-valued friction in joints as a part of a time-stepping method: impulses p along the directions D in which the
-/// surfaces slide, and with them the joints' reactions Λ, from a step that was computed without friction. With the
-/// step's factor of [S Gᵀ; G 0], in its middle,
+/// Friction in joints as a part of a time-stepping method (FrictionByImpulses): impulses p along the directions D in
+/// which the surfaces slide, and with them the joints' reactions Λ, from a step that was computed without friction.
+/// With the step's factor of [S Gᵀ; G 0], in its middle,
 ///   (Y, L) = K⁻¹ (D, 0),   v' = v_free + Y p,   Λ' = Λ_free + L p,   d' = d_free + h/2 Y p,
 /// while velocities are those at the step's end: with joints closed there, surfaces that stick rest there to round-off.
 /// Implicit in the normal force too, so that a joint which jams stays at rest. Order 2 while surfaces slide or stick,
@@ -19,7 +19,8 @@ class JointFrictionImpulses {
  public:
   /// Of a run that begins.
   void prepare(EquationsOfMotion& equations);
-  /// At the start of a step: how the surfaces slide, and takes the last step's friction out of the velocities.
+  /// At the start of a step: how the surfaces slide, and takes their friction out of the equations, that of the last
+  /// step out of the velocities.
   void leave_out(EquationsOfMotion& equations, State& state);
   /// As leave_out() found it: the step was not taken.
   void put_back(VectorX& v) const;
@@ -31,6 +32,8 @@ class JointFrictionImpulses {
              const VectorX& d, VectorX& q, VectorX& v);
   /// Keeps its mean forces over h in the velocities that are for it.
   void keep(EquationsOfMotion& equations, double h, VectorX& v, VectorX& v_dot) const;
+  /// What they have done in the last apply(), as generalized impulses in the directions of the state evaluated last.
+  void add_impulses(EquationsOfMotion& equations, VectorX& to) const;
   /// Sweeps of the solver in the last step.
   int sweeps() const { return sweeps_; }
 
@@ -60,9 +63,9 @@ class JointFrictionImpulses {
   MatrixX held_W_;                                // theirs
   VectorX p_, last_, residual_, residual_before_, kept_, d_, v_, rv_, rl_, closed_, corrected_, felt_, way_, speeds_,
       x_, held_way_;
-  VectorX moved_, alone_, brought_;   // by p; by p without contacts; the rest
-  VectorX hit_v_, hit_d_, hit_rows_;  // by contacts
-  std::vector<int> places_;           // of what is kept
+  VectorX moved_, alone_, brought_;    // by p; by p without contacts; the rest
+  VectorX hit_v_, hit_d_, hit_rows_;   // by contacts
+  std::vector<int> places_, of_kept_;  // of what is kept; its directions
   int sweeps_ = 0;
   bool warned_ = false;
 };

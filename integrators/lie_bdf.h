@@ -59,6 +59,7 @@ class LieBdf final : public Integrator, public DifferentiableSteps {
   void prepare(EquationsOfMotion& equations, State& state) override;
   StepResult advance(EquationsOfMotion& equations, State& state, double t_stop) override;
   bool keep(Archive& archive, EquationsOfMotion& equations, const State& state) override;
+  bool chooses_steps() const override { return automatic(); }
   void lose_factor() override { factor_weight_ = 0; }
 
  private:

@@ -129,7 +129,8 @@ StepResult MoreauJean::advance(EquationsOfMotion& equations, State& state, doubl
     if (rl_.size() > 0) close_joints(equations, time);
   }
   if (rigid && equations.reacts()) {
-    pressed_.follow_midpoint(equations, state, h, total_, near ? &impulses_.total() : nullptr, d_, v_);
+    const ReactionStates::Impulses acted{near ? &impulses_.total() : nullptr, friction_};
+    pressed_.follow_midpoint(equations, state, h, total_, acted, d_, v_);
     equations.evaluate(time, q_, v_, Level::velocity);
     statistics_.evaluations += 2;
   }

@@ -106,7 +106,10 @@ StepResult NonsmoothGeneralizedAlpha::advance(EquationsOfMotion& equations, Stat
     equations.solve(rv_, rl_);
     v_ += rv_;
   }
-  if (near && equations.reacts()) pressed_.follow(equations, state.lambda, h, impulses_.total(), v_);
+  if (equations.reacts()) {
+    const ReactionStates::Impulses acted{near ? &impulses_.total() : nullptr, friction_};
+    pressed_.follow(equations, state.v, state.lambda, h, acted, v_);
+  }
   state.q = q_;
   state.v = v_;
   if (!q_.allFinite() || !v_.allFinite()) {

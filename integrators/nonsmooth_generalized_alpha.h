@@ -12,8 +12,8 @@ namespace lithe {
 /// closed in position and velocity and damping of unresolved modes by the spectral radius; then contact
 /// (integrators/contact_impulses.h) along S = M + h/2 D + h²/4 K in its middle. For stiff and flexible scenes, where
 /// MoreauJean would ring. After a step with impulses the acceleration-like state keeps its distance from
-/// v̇, so that what slides or rests for long is of order 2 too. Of friction by reactions only bristles know contact's
-/// impulses (ReactionStates).
+/// v̇, so that what slides or rests for long is of order 2 too. Friction in joints feels contact's impulses
+/// (JointFrictionImpulses, ReactionStates).
 class NonsmoothGeneralizedAlpha final : public GeneralizedAlpha {
  public:
   struct Parameters {

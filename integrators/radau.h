@@ -43,6 +43,7 @@ class Radau final : public Integrator, public DifferentiableSteps {
   void prepare(EquationsOfMotion& equations, State& state) override;
   StepResult advance(EquationsOfMotion& equations, State& state, double t_stop) override;
   bool keep(Archive& archive, EquationsOfMotion& equations, const State& state) override;
+  bool chooses_steps() const override { return parameters_.step == 0; }
 
  private:
   double first_step(const Layout& layout, const State& state);

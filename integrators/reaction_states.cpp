@@ -38,31 +38,31 @@ void ReactionStates::keep_states(EquationsOfMotion& equations, const VectorX& v_
     if (joined_[static_cast<std::size_t>(i)] || with_[i] == without_[i]) with_[i] = 0;
 }
 
-void ReactionStates::follow(EquationsOfMotion& equations, const VectorX& lambda, double h, const VectorX& impulses,
-                            VectorX& v) {
-  if (impulses.size() == 0 || impulses.isZero(0)) return;
+void ReactionStates::add(EquationsOfMotion& equations, const Impulses& impulses, VectorX& push) {
+  if (impulses.contact) equations.parts().rigid_contacts->add_impulses(*impulses.contact, push);
+  impulses.friction.add_impulses(equations, push);
+}
+
+void ReactionStates::follow(EquationsOfMotion& equations, const VectorX& smooth, const VectorX& lambda, double h,
+                            const Impulses& impulses, VectorX& v) {
   find_joined(equations);
   push_.setZero(), lambda_.setZero(), v_dot_.setZero();
-  equations.parts().rigid_contacts->add_impulses(impulses, push_);
-  equations.solve(push_, lambda_);  // what v has along the factor, and the impulses of the multipliers
+  add(equations, impulses, push_);
+  if (push_.isZero(0)) return;
+  equations.solve(push_, lambda_);  // the impulses of the multipliers
   lambda_ = lambda + lambda_ / h;
   keep_states(equations, v_dot_, lambda_);
   equations.residual(v_dot_, lambda, without_);
-  for (Eigen::Index i = 0; i < with_.size(); ++i) {
-    if (with_[i] == 0)
-      push_[i] = 0;
-    else
-      with_[i] = h * (without_[i] - with_[i]);
-  }
+  for (Eigen::Index i = 0; i < with_.size(); ++i)
+    if (with_[i] != 0) with_[i] = h * (without_[i] - with_[i]);
   lambda_.setZero(), without_ = with_;
   equations.solve(with_, lambda_);
   for (Eigen::Index i = 0; i < with_.size(); ++i)
-    if (without_[i] != 0) with_[i] *= resolved(without_[i] / with_[i]);
-  v += with_ - push_;
+    if (without_[i] != 0) v[i] = smooth[i] + with_[i] * resolved(without_[i] / with_[i]);
 }
 
 void ReactionStates::follow_midpoint(EquationsOfMotion& equations, const State& start, double h, const VectorX& total,
-                                     const VectorX* impulses, const VectorX& d, VectorX& v) {
+                                     const Impulses& impulses, const VectorX& d, VectorX& v) {
   find_joined(equations);
   q_.resize(start.q.size());
   d_ = d / 2;
@@ -74,7 +74,7 @@ void ReactionStates::follow_midpoint(EquationsOfMotion& equations, const State& 
   lambda_ = total / h;
   equations.residual(v_dot_, lambda_, push_);
   push_ *= -h;
-  if (impulses) equations.parts().rigid_contacts->add_impulses(*impulses, push_);
+  add(equations, impulses, push_);
   lambda_.setZero();
   equations.solve(push_, lambda_);
   lambda_ = (total + lambda_) / h;

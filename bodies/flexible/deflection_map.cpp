@@ -35,9 +35,7 @@ DeflectionTerms::DeflectionTerms(int fields, int modes)
       Cr(Matrix3X::Zero(3, modes)),
       G_omega(Matrix3X::Zero(3, modes)),
       u(Matrix3X::Zero(3, modes)),
-      Cr_rate(Matrix3X::Zero(3, modes)),
-      Ct_rate(Matrix3X::Zero(3, modes)),
-      Cr_turn(Matrix3X::Zero(3, modes)) {}
+      Cr_rate(Matrix3X::Zero(3, modes)) {}
 
 DeflectionMap::DeflectionMap(const QuadraticDeflection& deflection, int modes)
     : modes_(modes), curvature_(deflection.curvature.leftCols(pairs_of(modes))) {

@@ -32,7 +32,6 @@ struct DeflectionTerms {
   VectorX pair_force;                    // Q w
   VectorX acceleration;                  // scratch: ξ̈, then the generalized force on ξ
   Matrix3X Ct, Cr, G_omega, u, Cr_rate;  // InertiaTerms' columns times P
-  Matrix3X Ct_rate, Cr_turn;             // Ct and Cr times P_rate
 
   DeflectionTerms(int fields, int modes);
 };

@@ -166,8 +166,6 @@ void FlexibleBody::evaluate(const BodyState& state, Level level) const {
   d.G_omega.noalias() = cache.terms.G_omega * d.P;
   d.u.noalias() = cache.terms.u * d.P;
   d.Cr_rate.noalias() = cache.terms.Cr_rate * d.P;
-  d.Ct_rate.noalias() = inertia_->Ct * d.P_rate;
-  d.Cr_turn.noalias() = cache.terms.Cr * d.P_rate;
 }
 
 void FlexibleBody::add_residual(const BodyState& state, const double* v_dot, const Vector3& gravity, double* r) const {
@@ -259,8 +257,10 @@ void FlexibleBody::add_tangent(const BodyState& state, const double* v_dot, cons
 }
 
 /// The blocks that couple frame and deformation. The frame's rows by η hold gravity's moment and the inertia that
-/// balances it: one without the other is worse for Newton than neither. Terms with η̇ and η̈ in them are left out.
-/// lift: p Aᵀ (p̈ - g).
+/// balances it: one without the other is worse for Newton than neither. Terms with η̇ and η̈ in them are left out, and
+/// so is what η̇ gives to the frame's rows as the body turns (Coriolis): the modal rows know nothing of it, and where
+/// the frame is held at nodes that lie close together a motion of the modes against the frame has next to no inertia,
+/// so that half of it is much, and all of it little. lift: p Aᵀ (p̈ - g).
 void FlexibleBody::add_couplings(Cache& cache, const double* omega, const double* omega_dot, const Vector3& lift,
                                  const TangentWeights& weights, BodyTangent& S) const {
   using namespace lanes;
@@ -273,11 +273,9 @@ void FlexibleBody::add_couplings(Cache& cache, const double* omega, const double
   // With a mass matrix alone the rates below may be of another state, and no numbers: they are not read.
   const bool moving = d != 0 || p != 0;
   const Columns A = load3x3(cache.A.data()), W = skewed(load3(omega)), L = skewed(of(lift)), aA = a * A;
-  Columns pull = aA, rate = scalar(0), slope = scalar(0);
+  Columns pull = aA;
   if (moving) {
-    rate = d * W;
-    slope = scalar(d) + p * W;
-    pull = A * (scalar(a) + 2 * rate + p * (skewed(load3(omega_dot)) + W * W));
+    pull = A * (scalar(a) + p * (skewed(load3(omega_dot)) + W * W));
     if (p != 0) inertia_->inertia_slopes(t, ConstVector3(omega_dot), t.G_omega_dot);
   }
   for (int k = 0; k < modes_; ++k) {
@@ -286,16 +284,12 @@ void FlexibleBody::add_couplings(Cache& cache, const double* omega, const double
     if (moving) {
       const Lanes Gw = load3(G_omega.data() + 3 * k), uk = load3(u.data() + 3 * k), c = load3(Cr_rate.data() + 3 * k);
       const Lanes moment = L * ct;
-      torque += rate * cr + slope * Gw + d * (uk + c) - moment;
+      torque += p * (W * Gw) - moment;
       row -= d * (Gw + uk - c) + moment;
       if (p != 0) {
         Vector3 through;
         if (deflection_) through = t.G_omega_dot.lazyProduct(map.P.col(k));
         torque += p * load3(deflection_ ? through.data() : t.G_omega_dot.data() + 3 * k);
-      }
-      if (deflection_) {  // ξ̈ = P η̈ + Ṗ η̇, of which the second part is quadratic in η̇
-        force += (2 * d) * (A * load3(map.Ct_rate.data() + 3 * k));
-        torque += (2 * d) * load3(map.Cr_turn.data() + 3 * k);
       }
     }
     double* column = S.frame_linear.data() + 6 * k;

@@ -327,7 +327,10 @@ class ForceBatchOf final : public ForceBatch {
     for_each_named(forces_, range, work.time, [&](std::size_t i) {
       const ConnectorRecord& record = records_[i];
       ForceRows rows(record.marker_count);
-      if (!reactions_.empty()) rows.set_reaction({Vector3::Zero(), Vector3::Zero()});  // until react()
+      if (!reactions_.empty()) {
+        rows.set_reaction({Vector3::Zero(), Vector3::Zero()});  // until react()
+        rows.leave_out_friction(work.friction_left_out);
+      }
       evaluate(work, i, rows);
       for (int r = 0; r < rows.count(); ++r) {
         const int at = record.first_row - constraints + r;
@@ -363,6 +366,7 @@ class ForceBatchOf final : public ForceBatch {
       ForceRows rows(n);
       rows.recall(work.quarter_turns.data() + record.first_angle);
       rows.set_reaction({Vector3::Zero(), Vector3::Zero()});
+      rows.leave_out_friction(work.friction_left_out);
       force.T::evaluate(work.time, connector::Views<T>(markers, n), rows);
       loaded |= rows.loaded();
       for (int m = 0; m < n; ++m) {
@@ -445,6 +449,7 @@ class ForceBatchOf final : public ForceBatch {
       sum.torque -= lambda[reaction.record.first_row + j] * joint.wrench(j, 1).torque;
     }
     rows.set_reaction(sum);
+    rows.leave_out_friction(work.friction_left_out);
     evaluate(work, reacting_[k], rows);
   }
 

@@ -76,13 +76,13 @@ Evaluator::~Evaluator() = default;
 
 /// Contact elements, and joints whose friction is found as theirs is.
 void Evaluator::make_contacts() {
-  auto joints = find_joint_surfaces(*this);
-  if (system_.contacts().empty() && !joints) return;
+  const bool sticks = has_set_valued_friction(system_.graph());
+  if (system_.contacts().empty() && !sticks) return;
   const auto& slices = layout().bodies();
   std::vector<BodyState> bodies;
   for (const auto& slice : slices) bodies.push_back(lithe::body_state(*this, *slice.body));
   contacts_ = std::make_unique<ContactForces>(system_.contacts(), layout(), work_.markers, work_.v, std::move(bodies));
-  if (!contacts_->any_rigid() && !joints) return;
+  if (!contacts_->any_rigid() && !sticks) return;
   // Frames of bodies on which force elements act: their loads have tangents.
   std::vector<int> loaded;
   for (const auto& entry : system_.graph().forces())
@@ -95,10 +95,11 @@ void Evaluator::make_contacts() {
     }
   rigid_contacts_ = std::make_unique<RigidContacts>(
       RigidContacts::Scene{*this, system_.blocks_, work_.values, system_.contacts(), *contacts_, std::move(loaded),
-                           system_.gravity().norm(), std::move(joints)});
+                           system_.gravity().norm(), find_joint_surfaces(*this, work_.friction_left_out)});
 }
 
 void Evaluator::recall(const ContactMemory& contacts) {
+  work_.friction_left_out = false;
   if (!contacts_) return;
   for (const ContactTrace& trace : contacts)
     if (!is_of(system_.contacts(), trace))
@@ -120,6 +121,8 @@ void Evaluator::track_contacts(State& state) {
   evaluate(state.time, state.q, state.v, Level::velocity);
   contacts_->track(state.contacts);
 }
+
+bool Evaluator::loses_angle(const State& state) { return reached_ && reached_->loses_angle(state); }
 
 void Evaluator::check(const State& state) {
   if (reached_) reached_->check(state);

@@ -41,6 +41,7 @@ class Evaluator final : public EquationsOfMotion, public StepMemory {
   void track_rows(std::vector<int>& left_out) const override { left_out = facts_.redundant_rows; }
   void recall(const ContactMemory& contacts) override;
   void track_contacts(State& state) override;
+  bool loses_angle(const State& state) override;
   void check(const State& state) override;
 
   const System& system() const { return system_; }

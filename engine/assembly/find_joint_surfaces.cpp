@@ -1,5 +1,6 @@
 #include "engine/assembly/find_joint_surfaces.h"
 
+#include <algorithm>
 #include <optional>
 
 #include "engine/assembly/evaluated.h"
@@ -28,7 +29,14 @@ class EvaluatedSurfaces final : public JointSurfaces {
 
 }  // namespace
 
-std::unique_ptr<JointSurfaces> find_joint_surfaces(Evaluator& evaluator) {
+bool has_set_valued_friction(const SystemGraph& graph) {
+  return std::ranges::any_of(graph.forces(), [](const auto& entry) {
+    const auto* friction = dynamic_cast<const FrictionByImpulses*>(entry.force);
+    return friction && friction->is_set_valued();
+  });
+}
+
+std::unique_ptr<JointSurfaces> find_joint_surfaces(Evaluator& evaluator, bool& left_out) {
   const System& system = evaluator.system();
   const SystemGraph& graph = system.graph();
   std::vector<JointSurfaces::Surface> surfaces;
@@ -36,7 +44,7 @@ std::unique_ptr<JointSurfaces> find_joint_surfaces(Evaluator& evaluator) {
   for (const auto& entry : graph.forces()) {
     const int at = row, count = entry.force->row_count();
     row += count;
-    const auto* friction = dynamic_cast<const SetValuedFriction*>(entry.force);
+    const auto* friction = dynamic_cast<const FrictionByImpulses*>(entry.force);
     if (!friction) continue;
     const Constraint& joint = friction->pressed_by();
     const auto* joint_entry = &graph.constraints().front();  // assemble() has seen that it is of this graph
@@ -48,7 +56,8 @@ std::unique_ptr<JointSurfaces> find_joint_surfaces(Evaluator& evaluator) {
     const double* turns =
         joint.angles().empty() ? nullptr : evaluator.workspace().quarter_turns.data() + system.first_angle(joint);
     surfaces.push_back({friction, &joint, entry.markers, joint_entry->markers, turns, system.rows(joint).first, at,
-                        first, count, system.layout().slice(*entry.markers.back().body).v});
+                        first, count,
+                        friction->is_set_valued() ? system.layout().slice(*entry.markers.back().body).v : -1});
     first += count;
   }
   if (surfaces.empty()) return nullptr;
@@ -56,7 +65,8 @@ std::unique_ptr<JointSurfaces> find_joint_surfaces(Evaluator& evaluator) {
   const Workspace& work = evaluator.workspace();
   return std::make_unique<EvaluatedSurfaces>(
       evaluator,
-      JointSurfaces::Scene{system.blocks(), work.values, system.layout().row_count(), row, work.time, motion_of},
+      JointSurfaces::Scene{system.blocks(), work.values, system.layout().row_count(), row, work.time, motion_of,
+                           left_out},
       std::move(surfaces));
 }
 

@@ -81,27 +81,27 @@ void LostAngles::find_readers(const State& state) {
   }
 }
 
-void LostAngles::check(const State& state) {
+/// The first reader whose angle is lost: the arm has passed the axis at a fourth of the distance from which it came and
+/// to which it went, or less, so that the step says nothing of the way round. An arm that turns about the axis passes
+/// it at 0.3 of its distance at least, by the 1.6 quarter turns that methods allow themselves in a step.
+LostAngles::Lost LostAngles::find(const State& state) {
   if (!found_) {
     find_readers(state);
     found_ = true;
   }
-  if (readers_.empty()) return;
+  if (readers_.empty()) return {nullptr, 0};
   // The evaluator recalls the turns that the step began with: of a state that was changed since they are others.
-  if (follows_ && evaluator_.workspace().quarter_turns == last_.quarter_turns)
-    for (const Reader& reader : readers_) {
-      const int angle = reader.first + reader.place;
-      if (std::abs(state.quarter_turns[angle] - last_.quarter_turns[angle]) > 1) look_at(reader, state);
-    }
-  last_.q = state.q;
-  last_.quarter_turns = state.quarter_turns;
-  follows_ = true;
+  if (!follows_ || evaluator_.workspace().quarter_turns != last_.quarter_turns) return {nullptr, 0};
+  for (const Reader& reader : readers_) {
+    const int angle = reader.first + reader.place;
+    if (!(std::abs(state.quarter_turns[angle] - last_.quarter_turns[angle]) > 1)) continue;
+    if (const double nearest = nearest_way(reader, state); nearest >= 0) return {&reader, nearest};
+  }
+  return {nullptr, 0};
 }
 
-/// Lost if the arm has passed the axis at a fourth of the distance from which it came and to which it went, or less:
-/// the step says nothing of the way round. An arm that turns about the axis passes it at 0.3 of its distance at least,
-/// by the 1.6 quarter turns that methods allow themselves in a step.
-void LostAngles::look_at(const Reader& reader, const State& state) {
+/// How near to the axis an angle was lost, rad; -1: it was not.
+double LostAngles::nearest_way(const Reader& reader, const State& state) {
   constexpr double kShare = 0.25;
   const MeasuredAngle angle = reader.connector->angles()[static_cast<std::size_t>(reader.place)];
   const auto arm_at = [&](const VectorX& q) {
@@ -112,15 +112,28 @@ void LostAngles::look_at(const Reader& reader, const State& state) {
   };
   const Vector3 before = arm_at(last_.q), now = arm_at(state.q);
   const double nearest = nearest_to_axis(before, now);
-  if (!(nearest <= kShare * std::min(off_axis(before), off_axis(now)))) return;
-  char degrees[32];
-  std::snprintf(degrees, sizeof degrees, "%.2g", nearest * 180 / M_PI);
-  throw SimulationError(
-      "the angle that '" + reader.connector->name() + "' reads jumps by half a turn in the step to " +
-          time_text(state.time) + ": " +
-          (angle.to_point ? "the point that it looks at passes " : "the axis that it looks at passes ") + degrees +
-          " degrees from the axis that it turns about",
-      reader.connector->where(), kLostAngleFix);
+  return nearest <= kShare * std::min(off_axis(before), off_axis(now)) ? nearest : -1;
+}
+
+bool LostAngles::loses(const State& state) { return find(state).reader; }
+
+void LostAngles::check(const State& state) {
+  const Lost lost = find(state);
+  if (readers_.empty()) return;
+  if (lost.reader) {
+    const Connector& connector = *lost.reader->connector;
+    const bool to_point = connector.angles()[static_cast<std::size_t>(lost.reader->place)].to_point;
+    char degrees[32];
+    std::snprintf(degrees, sizeof degrees, "%.2g", lost.nearest * 180 / M_PI);
+    throw SimulationError("the angle that '" + connector.name() + "' reads jumps by half a turn in the step to " +
+                              time_text(state.time) + ": " +
+                              (to_point ? "the point that it looks at passes " : "the axis that it looks at passes ") +
+                              degrees + " degrees from the axis that it turns about",
+                          connector.where(), kLostAngleFix);
+  }
+  last_.q = state.q;
+  last_.quarter_turns = state.quarter_turns;
+  follows_ = true;
 }
 
 }  // namespace lithe

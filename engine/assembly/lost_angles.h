@@ -18,6 +18,8 @@ class Evaluator;
 class LostAngles {
  public:
   explicit LostAngles(Evaluator& evaluator);
+  /// Whether check() would throw.
+  bool loses(const State& state);
   /// After a step: throws SimulationError that names who reads the angle. Steps that follow each other alone are looked
   /// at; the state is evaluated where an angle has turned by more than a quarter.
   void check(const State& state);
@@ -29,7 +31,12 @@ class LostAngles {
     int first, place;  // State::quarter_turns: of the connector's first angle; among its own
   };
   void find_readers(const State& state);
-  void look_at(const Reader& reader, const State& state);
+  struct Lost {
+    const Reader* reader;  // null: none
+    double nearest;        // to the axis, rad
+  };
+  Lost find(const State& state);
+  double nearest_way(const Reader& reader, const State& state);
 
   Evaluator& evaluator_;
   std::vector<Reader> readers_;

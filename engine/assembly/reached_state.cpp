@@ -81,6 +81,8 @@ int ReachedState::find_row() {
   return find_row_off(left_out, rows_, [&](int) { return kOff * (1 + largest(evaluator_.workspace().v)); });
 }
 
+bool ReachedState::loses_angle(const State& state) { return angles_ && angles_->loses(state); }
+
 void ReachedState::check(const State& state) {
   if (angles_) angles_->check(state);
   if (limited_.empty() && evaluator_.redundant_rows().empty()) return;

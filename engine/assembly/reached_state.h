@@ -22,6 +22,8 @@ class ReachedState {
   static std::unique_ptr<ReachedState> make(Evaluator& evaluator);
   ~ReachedState();
 
+  /// Whether check() would throw for an angle that the step has lost.
+  bool loses_angle(const State& state);
   /// A row that is left out may be off by 1e-6, in its units (m, rad; rows on velocities: of 1 and the fastest
   /// velocity), and by a thousand times what the others are off by. Looked at where the step evaluated last, beside the
   /// state; at the state itself only where something is off there. Not after a step by forward dynamics.

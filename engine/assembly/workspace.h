@@ -22,6 +22,7 @@ struct Workspace {
   VectorX load;                        // generalized force of loads, v_count
   VectorX force_energy;                // by force element and contact, as added, joules
   VectorX quarter_turns;               // of measured angles, as recalled
+  bool friction_left_out = false;      // of joints, which time stepping finds (FrictionByImpulses)
 };
 
 /// Where a connector's marker acts: its place in the marker table and its body's blocks. A marker between two frames

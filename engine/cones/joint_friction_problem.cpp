@@ -43,7 +43,8 @@ class OneSurface {
   Vector3 solve(char& sticks) const {
     sticks = true;
     if (q_.isZero(0)) return Vector3::Zero();
-    const double limit = surface_.friction(before_ / 2) * normal(Vector3::Zero());
+    const double mu = std::max(surface_.friction(before_, 0), surface_.friction(before_, q_.norm()));
+    const double limit = mu * normal(Vector3::Zero());
     const double least = std::max(1e-16 * scale_, limit > 0 ? kRestSpeed / limit : 0);
     if (const Vector3 held = impulse(least); reserve(held, 0) >= 0) return held;
     sticks = false;
@@ -75,7 +76,7 @@ class OneSurface {
   Vector3 impulse(double kappa) const { return -(W_ + kappa * Matrix3::Identity()).partialPivLu().solve(q_); }
   /// What friction could give beyond p, after which it slides with `speed`.
   double reserve(const Vector3& p, double speed) const {
-    return surface_.friction((before_ + speed) / 2) * normal(p) - p.norm();
+    return surface_.friction(before_, speed) * normal(p) - p.norm();
   }
   double slides(double kappa) const {
     const Vector3 p = impulse(kappa);

@@ -10,8 +10,8 @@ namespace lithe {
 /// Friction impulses p of surfaces in joints, whose normal impulses are the joints' own reactions and grow with p:
 ///   u = W p + free,   N_i(p) = load_i + Σ_k |constant_k + by_k p|
 ///   |p_i| <= μ N_i(p), and where u_i ≠ 0: p_i = -μ N_i(p) u_i / |u_i|
-/// A surface has one to three directions. μ is that of the mean speed over the step, (|u_i before| + |u_i|) / 2; what
-/// turns back was at rest between.
+/// A surface has one to three directions. μ is by the speeds at the start and the end of the step, |u_i before| and
+/// |u_i|; what turns back was at rest between. A law without friction at rest never holds its surface.
 struct JointFrictionProblem {
   struct Press {
     Vector3 constant;
@@ -21,7 +21,7 @@ struct JointFrictionProblem {
     int first, count;  // rows
     double load;       // N s, of what does not depend on reactions
     std::vector<Press> presses;
-    std::function<double(double)> friction;  // μ by the speed, m/s
+    std::function<double(double before, double after)> friction;  // μ by the speeds, m/s
   };
   std::vector<Surface> surfaces;
   MatrixX W;

@@ -7,18 +7,21 @@
 #include "engine/motion/equations_of_motion.h"
 
 namespace lithe {
-/// Of the body by itself, along the normal, without its turning; 0 where its block of S tells nothing of it.
+/// Of the body by itself, along the normal, without its turning: by the diagonal of its block of S where that has more,
+/// which is at least as stiff; 0 where the block tells nothing of it.
 double RigidContacts::mobility_alone(const ContactRows::Side& side, int rows) const {
   const BlockStructure& blocks = scene_.blocks;
   const auto frame = std::ranges::find(blocks.frames, side.velocity, &BlockStructure::Frame::v);
   if (frame != blocks.frames.end())
     return 3 / Eigen::Map<const Matrix6>(scene_.values.data() + frame->values).topLeftCorner<3, 3>().trace();
   const auto linear = std::ranges::find(blocks.linears, side.velocity, &BlockStructure::Linear::v);
-  if (linear == blocks.linears.end() || linear->pattern || side.count > linear->size) return 0;
+  if (linear == blocks.linears.end() || side.count > linear->size) return 0;
+  const std::vector<int>& diagonal = diagonals_[static_cast<std::size_t>(linear - blocks.linears.begin())];
   double sum = 0;
   for (int k = 0; k < side.count; ++k) {
     const double h = rows_.values(side)[rows * k];
-    sum += h * h / scene_.values[static_cast<std::size_t>(linear->values + k)];
+    const int at = linear->pattern ? diagonal[static_cast<std::size_t>(k)] : linear->values + k;
+    sum += h * h / scene_.values[static_cast<std::size_t>(at)];
   }
   return sum;
 }

@@ -39,6 +39,12 @@ void JointSurfaces::add_direction(int surface, int direction, VectorRef f) const
   for (const Entry& entry : D_[static_cast<std::size_t>(surface)]) f[entry.velocity] += entry.by[direction];
 }
 
+void JointSurfaces::add_impulses(const VectorX& p, VectorRef f) const {
+  for (std::size_t i = 0; i < D_.size(); ++i)
+    for (const Entry& entry : D_[i])
+      for (int k = 0; k < surfaces_[i].count; ++k) f[entry.velocity] += entry.by[k] * p[surfaces_[i].first + k];
+}
+
 void JointSurfaces::start() {
   from_.resize(surfaces_.size());
   for (std::size_t i = 0; i < surfaces_.size(); ++i) {
@@ -69,7 +75,7 @@ void JointSurfaces::find_presses(const Surface& surface, std::vector<Matrix3X>& 
   Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, kMaxRows> R(6, rows.count());
   for (int j = 0; j < rows.count(); ++j) R.col(j) << -rows.wrench(j, 1).force, -rows.wrench(j, 1).torque;
   // 2. What of it presses.
-  SetValuedFriction::Press P[SetValuedFriction::kMostPresses];
+  FrictionByImpulses::Press P[FrictionByImpulses::kMostPresses];
   motions_.gather(surface.markers, scene_.motion_of);
   const int count = surface.friction->presses(motions_, P);
   by_lambda.resize(static_cast<std::size_t>(count));

@@ -5,24 +5,24 @@
 
 #include "engine/factor/block_structure.h"
 #include "engine/model/constraint.h"
+#include "engine/model/friction_by_impulses.h"
 #include "engine/model/marker_motions.h"
-#include "engine/model/set_valued_friction.h"
 
 namespace lithe {
 
-/// The joints of a scene that rub by Coulomb's set-valued law, as time-stepping methods see them, at the state that the
-/// equations of motion evaluated last.
+/// The joints of a scene whose friction time-stepping methods find, as they see them, at the state that the equations
+/// of motion evaluated last.
 class JointSurfaces {
  public:
   struct Surface {
-    const SetValuedFriction* friction;
+    const FrictionByImpulses* friction;
     const Constraint* joint;
     std::vector<Marker> markers, joint_markers;
     const double* joint_turns;  // quarter turns of the joint's angles; null: it measures none
     int joint_row;              // first of the joint, in lambda
     int row;                    // first of the friction, among compliant rows
     int first, count;           // directions
-    int kept;                   // velocities that keep the friction of the last step
+    int kept;                   // velocities that keep the friction of the last step; -1: none
   };
   /// What they act in: borrowed.
   struct Scene {
@@ -31,12 +31,16 @@ class JointSurfaces {
     int constraint_rows, compliant_rows;                       // in all
     const double& time;                                        // s
     std::function<MarkerKinematics(const Marker&)> motion_of;  // at Level::velocity
+    bool& left_out;                                            // what tells the force elements so
   };
   JointSurfaces(Scene scene, std::vector<Surface> surfaces);
   virtual ~JointSurfaces() = default;
 
   const std::vector<Surface>& surfaces() const { return surfaces_; }
   int directions() const { return directions_; }
+  /// Leaves the friction out of the equations until the next recall of contacts: it is found here. What is set-valued
+  /// is kept in velocities, which whoever finds it takes out.
+  void leave_out() { scene_.left_out = true; }
   /// D, a column a direction: s = Dᵀ v, and a friction F adds D F to the generalized forces. Of the state evaluated
   /// last, for what follows.
   void find_directions();
@@ -44,6 +48,8 @@ class JointSurfaces {
   void speeds(ConstVectorRef v, VectorX& s) const;
   /// f += D e of one direction of a surface.
   void add_direction(int surface, int direction, VectorRef f) const;
+  /// f += D p.
+  void add_impulses(const VectorX& p, VectorRef f) const;
   /// From here on slid() counts.
   void start();
   /// How far all surfaces have slid since start(), along their directions, m.

@@ -48,6 +48,14 @@ int RigidContacts::frames_under(const ContactRecord& record, int collider) const
 
 void RigidContacts::group_bodies() {
   const BlockStructure& blocks = scene_.blocks;
+  for (const BlockStructure::Linear& linear : blocks.linears) {
+    std::vector<int>& diagonal = diagonals_.emplace_back();
+    if (!linear.pattern) continue;
+    diagonal.resize(static_cast<std::size_t>(linear.size));
+    for (int entry = 0; entry < static_cast<int>(linear.pattern->rows.size()); ++entry)
+      if (const int row = linear.pattern->rows[entry]; row == linear.pattern->columns[entry])
+        diagonal[static_cast<std::size_t>(row)] = linear.values + entry;
+  }
   const auto& bodies = scene_.equations.layout().bodies();
   const int n = static_cast<int>(bodies.size());
   std::vector<int> body_of(scene_.equations.layout().v_count());

@@ -49,7 +49,7 @@ class RigidContacts {
   bool empty() const { return points_.empty(); }
   /// All velocities, rising, of the bodies that joints or springs tie to that of a marker; of ground: none.
   const std::vector<int>& tied_velocities(const Marker& marker) const;
-  /// Joints that rub by the same law; null: there are none.
+  /// Joints whose friction is found beside contacts; null: there are none.
   JointSurfaces* joints() const { return scene_.joints.get(); }
   /// Whether some collider moves so far in half of find()'s horizon that, looked at in the middle of a step of that
   /// length, it may have passed another.
@@ -139,7 +139,8 @@ class RigidContacts {
   std::vector<char> located_;  // by element
   std::vector<Happening> happenings_;
   ConeProblem problem_;
-  std::vector<std::vector<int>> frames_;  // how many carry a collider; 0: that of its marker alone
+  std::vector<std::vector<int>> diagonals_;  // in Workspace::values, of each linear block with a pattern
+  std::vector<std::vector<int>> frames_;     // how many carry a collider; 0: that of its marker alone
 };
 
 }  // namespace lithe

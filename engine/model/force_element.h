@@ -53,10 +53,13 @@ class ForceRows : public AngleMemory, public ActingMarkers {
   /// Reaction of the joint named by ForceElement::reaction_of() on the body of its second marker: force and moment
   /// about that marker's point, world axes.
   const Wrench& reaction() const { return reaction_; }
+  /// Time stepping finds the friction itself (FrictionByImpulses).
+  bool friction_left_out() const { return friction_left_out_; }
   /// The last row's tension also depends on that reaction: its derivatives ∂σ/∂force, ∂σ/∂moment.
   void depends_on_reaction(const Wrench& by) { by_reaction_[count_ - 1] = by; }
 
   // The engine's side.
+  void leave_out_friction(bool left_out) { friction_left_out_ = left_out; }
   void set_reaction(const Wrench& reaction) {
     reaction_ = reaction;
     for (Wrench& w : by_reaction_) w = {Vector3::Zero(), Vector3::Zero()};
@@ -75,7 +78,7 @@ class ForceRows : public AngleMemory, public ActingMarkers {
 
  private:
   int markers_, count_ = 0;
-  bool loaded_ = false;
+  bool loaded_ = false, friction_left_out_ = false;
   double energy_ = 0;
   Wrench load_[kMaxMarkers];
   Wrench wrench_[kMaxRows][kMaxMarkers];

@@ -60,6 +60,9 @@ class StepMemory {
   /// they did last. Tracking evaluates the state.
   virtual void recall(const ContactMemory& /*contacts*/) {}
   virtual void track_contacts(State& /*state*/) {}
+  /// Whether an angle that is read was lost in the step to this state, of which check() throws: a shorter step may see
+  /// the way round.
+  virtual bool loses_angle(const State& /*state*/) { return false; }
   /// What no method sees of a state that a step has reached: throws SimulationError where rows that are left out
   /// contradict those that they repeat, or a joint is beyond its limits. Evaluates the state.
   virtual void check(const State& /*state*/) {}

@@ -40,6 +40,12 @@ Vector3 turn_between(const Vector4& e_from, const Vector4& e_to, const Vector3& 
   return (other - mean).squaredNorm() < (psi - mean).squaredNorm() ? other : psi;
 }
 
+void recall(EquationsOfMotion& equations, const State& state) {
+  equations.memory().recall(state.quarter_turns);
+  equations.memory().recall_rows(state.left_out);
+  equations.memory().recall(state.contacts);
+}
+
 }  // namespace
 
 IntegratorStatistics& IntegratorStatistics::operator+=(const IntegratorStatistics& later) {
@@ -67,9 +73,7 @@ void Integrator::start(EquationsOfMotion& equations, State& state) {
         "Integrator::start",
         "take MoreauJean or NonsmoothGeneralizedAlpha; or give contacts a compliant law: {.law = Compliance{...}}, and "
         "joints JointBristles");
-  equations.memory().recall(state.quarter_turns);
-  equations.memory().recall_rows(state.left_out);
-  equations.memory().recall(state.contacts);
+  recall(equations, state);
   equations.memory().track_contacts(state);
   equations.memory().recall(state.contacts);
   quarter_turns_ = state.quarter_turns;
@@ -91,15 +95,16 @@ void Integrator::start(EquationsOfMotion& equations, State& state) {
 
 StepResult Integrator::step(EquationsOfMotion& equations, State& state, double t_stop, Multipliers multipliers) {
   multipliers_ = multipliers;
-  equations.memory().recall(state.quarter_turns);
-  equations.memory().recall_rows(state.left_out);
-  equations.memory().recall(state.contacts);
+  recall(equations, state);
   quarter_turns_ = state.quarter_turns;
   const double begin = state.time, until = std::min(t_stop, begin + longest_);
   const bool watches = !delegates() && equations.facts().has_loops;
   constexpr double kCreeps = 1e-5;  // of usual steps: round-off moves what these reach
   StepResult result;
-  if (watches && singular_pose_->covers(begin)) {
+  const bool on_the_way = watches && singular_pose_->covers(begin);
+  const bool sees = !on_the_way && chooses_steps() && quarter_turns_.size() > 0;
+  if (sees) before_ = state;
+  if (on_the_way) {
     result.why = pass_singular_pose(equations, state, until);
   } else {
     if (watches) singular_pose_->remember(state);
@@ -122,12 +127,43 @@ StepResult Integrator::step(EquationsOfMotion& equations, State& state, double t
     }
   }
   if (!result.ok()) return result;
-  equations.memory().track(state.quarter_turns);
-  equations.memory().track_rows(state.left_out);
-  equations.memory().track_contacts(state);
+  track(equations, state);
+  if (sees && equations.memory().loses_angle(state)) {
+    result = see_angles(equations, state);
+    if (!result.ok()) return result;
+  }
   if (!delegates()) equations.memory().check(state);  // else the inner method has
   if (turn_rates_.size() > 0 && turn_rates_.size() == state.quarter_turns.size())
     limit_turn(state.quarter_turns, state.time - begin);
+  return result;
+}
+
+void Integrator::track(EquationsOfMotion& equations, State& state) const {
+  equations.memory().track(state.quarter_turns);
+  equations.memory().track_rows(state.left_out);
+  equations.memory().track_contacts(state);
+}
+
+/// The step that has lost an angle anew and shorter, until it sees the way round; the method begins anew in it. If none
+/// does, the last one tried is left, of which check() tells.
+StepResult Integrator::see_angles(EquationsOfMotion& equations, State& state) {
+  constexpr int kMost = 20;  // to 1e-12 of the step
+  constexpr double kShorter = 0.25;
+  StepResult result;
+  double length = state.time - before_.time;
+  for (int k = 0; k < kMost; ++k) {
+    length *= kShorter;
+    if (!(before_.time + length > before_.time)) break;
+    state = before_;
+    recall(equations, state);
+    resumes_ = true;
+    prepare(equations, state);
+    resumes_ = false;
+    result = advance(equations, state, before_.time + length);
+    if (!result.ok()) break;
+    track(equations, state);
+    if (!equations.memory().loses_angle(state)) break;
+  }
   return result;
 }
 

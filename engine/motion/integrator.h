@@ -53,10 +53,11 @@ class Integrator {
   /// Forgets the past and makes state.v_dot, state.lambda consistent with (time, q, v).
   void start(EquationsOfMotion& equations, State& state);
   /// One step, never past t_stop; t_stop is hit exactly. Trouble inside (no convergence) is met with smaller steps
-  /// first. Where the angles of joints would pass half a turn in it, by their motion in the last two steps, the step
-  /// is cut, so that turns are counted. Where closed loops lose rank on the way and steps shrink towards that pose,
-  /// steps along one polynomial lead through it on the branch that the velocity tells (SingularPose), the first of them
-  /// is logged, and the method begins anew behind it.
+  /// first, as is an angle that is lost within the step, by methods that choose their steps. Where the angles of joints
+  /// would pass half a turn in it, by their motion in the last two steps, the step is cut, so that turns are counted.
+  /// Where closed loops lose rank on the way and steps shrink towards that pose, steps along one polynomial lead
+  /// through it on the branch that the velocity tells (SingularPose), the first of them is logged, and the method
+  /// begins anew behind it.
   StepResult step(EquationsOfMotion& equations, State& state, double t_stop,
                   Multipliers multipliers = Multipliers::found);
   virtual const IntegratorStatistics& statistics() const = 0;
@@ -94,6 +95,8 @@ class Integrator {
   /// The method's own part of history(): archive.same() its parameters, then archive() each member that outlives a
   /// step, its statistics among them.
   virtual bool keep(Archive& /*archive*/, EquationsOfMotion& /*equations*/, const State& /*state*/) { return false; }
+  /// Whether it chooses its steps by a tolerance.
+  virtual bool chooses_steps() const { return false; }
   /// The factor that the equations hold has been replaced between steps.
   virtual void lose_factor() {}
   /// Steps are another integrator's, which meets singular poses itself.
@@ -102,7 +105,9 @@ class Integrator {
   bool resumes() const { return resumes_; }
 
  private:
+  void track(EquationsOfMotion& equations, State& state) const;
   void limit_turn(const VectorX& quarter_turns, double length);
+  StepResult see_angles(EquationsOfMotion& equations, State& state);
   std::string pass_singular_pose(EquationsOfMotion& equations, State& state, double t_stop);
   bool has_shrunk(double length, bool cut);
 
@@ -110,6 +115,7 @@ class Integrator {
   VectorX quarter_turns_, turn_rates_;  // before the step; over the last one, quarter_turns a second
   double last_length_ = 0;              // s
   double longest_ = std::numeric_limits<double>::infinity();  // next step, s
+  State before_;                                              // of see_angles()
   // Steps that shrink may lead to a singular pose.
   double usual_ = 0, looked_at_ = 0;  // s: the longest of late; where a look has found none (0: not looked)
   bool resumes_ = false;

@@ -59,6 +59,11 @@ class FrictionLaw {
     const double step = std::tanh(s / scale_), step_slope = (1 - step * step) / scale_;
     return {level.mu * step, level.slope * step + level.mu * step_slope};
   }
+  /// μ over a step in which the speed changes, for impulses: that of the mean speed, but creep as at the end, so that
+  /// no step turns what stops the other way.
+  double over_step(double before, double after) const {
+    return level_.at((before + after) / 2).mu * std::tanh(after / scale_);
+  }
 
  private:
   StribeckLaw level_;

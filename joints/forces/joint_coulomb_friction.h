@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/assembly/batch.h"
-#include "engine/model/set_valued_friction.h"
+#include "engine/model/friction_by_impulses.h"
 #include "engine/model/system_graph.h"
 #include "joints/forces/first_order_states.h"
 #include "joints/forces/friction_law.h"
@@ -16,7 +16,7 @@ namespace lithe {
 /// (N), and acts wherever the equations are evaluated otherwise.
 ///   auto& rub = add_joint_coulomb_friction(graph, "rub", {slide.displacement()}, {.joint = &slide, .coefficient =
 ///   0.3});
-class JointCoulombFriction final : public ForceElement, public SetValuedFriction {
+class JointCoulombFriction final : public ForceElement, public FrictionByImpulses {
  public:
   struct Parameters {
     const Constraint* joint = nullptr;           // its reaction gives the normal force
@@ -39,13 +39,14 @@ class JointCoulombFriction final : public ForceElement, public SetValuedFriction
   bool depends_on_time() const override { return false; }
   void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const override;
 
+  bool is_set_valued() const override { return true; }
   const Constraint& pressed_by() const override { return *surface_.joint(); }
   double load() const override { return surface_.preload(); }
   int presses(std::span<const MarkerView> markers, Press* P) const override { return surface_.presses(markers, P); }
   Vector3 slid(std::span<const MarkerView> from, std::span<const MarkerView> to) const override {
     return surface_.slid(from, to);
   }
-  double friction(double speed) const override { return law_.at(speed).mu; }
+  double friction(double before, double after) const override { return law_.at((before + after) / 2).mu; }
 
  private:
   const JointSurface surface_;

@@ -16,8 +16,15 @@ JointFriction::JointFriction(CoordinateSet coordinates, Parameters parameters)
 /// A row along the sliding velocity, the rest across it: together the derivative of a force against that velocity.
 void JointFriction::evaluate(double, std::span<const MarkerView> markers, ForceRows& rows) const {
   const JointSurface::Sliding sliding = surface_.sliding(markers, rows);
-  const auto [N, by] = surface_.press(markers, rows.reaction());
   const int n = surface_.directions();
+  if (rows.friction_left_out()) {
+    for (int k = 0; k < n; ++k) {
+      surface_.fill(sliding, Vector3::Unit(k), rows.open());
+      rows.finish(viscous_ * sliding.speed[k], 0, viscous_);
+    }
+    return;
+  }
+  const auto [N, by] = surface_.press(markers, rows.reaction());
   const double speed = n == 1 ? sliding.speed[0] : sliding.speed.norm();
   const Vector3 along = n == 1 || speed == 0 ? Vector3(1, 0, 0) : Vector3(sliding.speed / speed);
 

@@ -12,10 +12,11 @@ namespace lithe {
 /// part. A force against the sliding velocity s of the joint's surfaces, pressed by N (JointSurface has both):
 ///   F = μ(|s|) N + c_s |s|,   μ: FrictionLaw,   c_s: c, or c / r² of a pin and a ball
 /// Below creep_speed the joint creeps: it holds no load at rest; JointBristles stick. Friction has no potential.
+/// Beside contact of rigid surfaces time stepping finds it with the impulses of contact, which press the joint too.
 ///   graph.add<JointFriction>("rub", {pin.angle()}, {.joint = &pin, .coefficient = 0.1, .radius = 0.01});
 ///   graph.add<JointFriction>("rub", {sleeve.angle(), sleeve.displacement()}, {...});   // or of a screw
 ///   graph.add<JointFriction>("rub", ball.markers(), {...});
-class JointFriction final : public ForceElement {
+class JointFriction final : public ForceElement, public FrictionByImpulses {
  public:
   struct Parameters {
     const Constraint* joint = nullptr;  // its reaction gives the normal force
@@ -42,6 +43,15 @@ class JointFriction final : public ForceElement {
   const Constraint* reaction_of() const override { return surface_.joint(); }
   bool depends_on_time() const override { return false; }
   void evaluate(double time, std::span<const MarkerView> markers, ForceRows& rows) const override;
+
+  bool is_set_valued() const override { return false; }
+  const Constraint& pressed_by() const override { return *surface_.joint(); }
+  double load() const override { return surface_.preload(); }
+  int presses(std::span<const MarkerView> markers, Press* P) const override { return surface_.presses(markers, P); }
+  Vector3 slid(std::span<const MarkerView> from, std::span<const MarkerView> to) const override {
+    return surface_.slid(from, to);
+  }
+  double friction(double before, double after) const override { return law_.over_step(before, after); }
 
  private:
   const JointSurface surface_;

@@ -72,10 +72,10 @@ Vector3 JointSurface::slid(std::span<const MarkerView> from, std::span<const Mar
   return way;
 }
 
-int JointSurface::presses(std::span<const MarkerView> markers, SetValuedFriction::Press* P) const {
+int JointSurface::presses(std::span<const MarkerView> markers, FrictionByImpulses::Press* P) const {
   const Parameters& p = parameters_;
   int count = 0;
-  const auto open = [&]() -> SetValuedFriction::Press& {
+  const auto open = [&]() -> FrictionByImpulses::Press& {
     P[count].setZero();
     return P[count++];
   };
@@ -96,7 +96,7 @@ int JointSurface::presses(std::span<const MarkerView> markers, SetValuedFriction
 }
 
 JointSurface::Press JointSurface::press(std::span<const MarkerView> markers, const Wrench& reaction) const {
-  SetValuedFriction::Press P[SetValuedFriction::kMostPresses];
+  FrictionByImpulses::Press P[FrictionByImpulses::kMostPresses];
   Vector6 R, by = Vector6::Zero();
   R << reaction.force, reaction.torque;
   double force = parameters_.preload;

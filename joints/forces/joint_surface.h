@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "engine/model/force_element.h"
+#include "engine/model/friction_by_impulses.h"
 #include "engine/model/joint_coordinate.h"
-#include "engine/model/set_valued_friction.h"
 
 namespace lithe {
 
@@ -48,8 +48,8 @@ class JointSurface {
 
   /// Between two near states, along each direction, m.
   Vector3 slid(std::span<const MarkerView> from, std::span<const MarkerView> to) const;
-  /// N = N₀ + Σ |P_i R|: fills P (SetValuedFriction), returns how many.
-  int presses(std::span<const MarkerView> markers, SetValuedFriction::Press* P) const;
+  /// N = N₀ + Σ |P_i R|: fills P (FrictionByImpulses), returns how many.
+  int presses(std::span<const MarkerView> markers, FrictionByImpulses::Press* P) const;
   struct Press {
     double force;  // N
     Wrench by;     // ∂N/∂reaction

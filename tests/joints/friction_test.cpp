@@ -5,11 +5,13 @@
 #include "engine/analysis/kinematics.h"
 #include "engine/observe/recorder.h"
 #include "engine/run/simulation.h"
+#include "joints/contact/contact.h"
 #include "joints/coordinate_drive.h"
 #include "joints/fixed_joint.h"
 #include "joints/forces/joint_friction.h"
 #include "joints/forces/point_force.h"
 #include "joints/prismatic_joint.h"
+#include "tests/joints/coulomb_friction_scenes.h"
 #include "tests/joints/friction_checks.h"
 #include "tests/joints/mechanisms.h"
 #include "tests/support/joint_checks.h"
@@ -256,6 +258,90 @@ TEST(JointFriction, FeelsReactionsOfLeastNormWhereRowsRepeat) {
       ASSERT_NO_FATAL_FAILURE(scene.run(*method, kEnd));
       EXPECT_NEAR(scene.state.v[3], slowed, 1e-6 * kSpeed);  // without friction, or with all the weight: 5 % off
     }
+}
+
+/// A carriage that falls along a post, drawn down by a force beside its weight, and lands; a load slides on it. Pressed
+/// by its weight the load loses μ (a - g) t, by the landing, which turns the reaction round, μ (1 + e) v, or all that
+/// it has: Moreau-Jean's factor took the landing's part with the wrong sign, and generalized-alpha felt none of it.
+TEST(JointFriction, IsPressedByImpulsesOfContact) {
+  constexpr double kMass = 2, kCarriage = 3, kPull = 30, kGap = 0.05, kBounce = 0.4, kMu = 0.2;
+  const double a = kGravity + kPull / (kCarriage + kMass), v = std::sqrt(2 * a * kGap), end = v / a + 0.01;
+  const double taken = kMu * ((a - kGravity) * end + (1 + kBounce) * v);
+  for (const double slide : {3.0, 0.2})
+    for (const double h : {1e-3, 2.5e-4})
+      for (auto& [name, method] : coulomb_friction::methods(h)) {
+        SCOPED_TRACE(name + ", sliding at " + std::to_string(slide) + ", h = " + std::to_string(h));
+        Scene scene({0, 0, -kGravity}, [&, slide = slide](SystemGraph& graph) {
+          auto& carriage =
+              graph.add<RigidBody>("carriage", {.mass = kCarriage, .inertia = {1, 1, 1}, .position = {0, 0, 1}});
+          auto& load = graph.add<RigidBody>(
+              "load", {.mass = kMass, .inertia = {1, 1, 1}, .position = {0, 0, 1}, .velocity = {slide, 0, 0}});
+          graph.add<PrismaticJoint>("post", {graph.ground().marker({0, 0, 1}), carriage.marker()});
+          const Matrix3 along = rotation_about({0, 1, 0}, kPi / 2);
+          auto& guide = graph.add<PrismaticJoint>("guide", {carriage.marker({}, along), load.marker({}, along)});
+          graph.add<PointForce>("pull", {carriage.marker()}, {.force = {0, 0, -kPull}});
+          graph.add<JointFriction>("rub", {guide.displacement()},
+                                   {.joint = &guide, .coefficient = kMu, .creep_speed = 3e-3});
+          graph.add<Contact>("floor",
+                             std::vector<Collider>{{graph.ground().marker(), shape::half_space()},
+                                                   {carriage.marker(), shape::sphere(1 - kGap)}},
+                             Contact::Parameters{.law = RigidSurfaces{.restitution = kBounce}});
+        });
+        scene.run(*method, end);
+        EXPECT_NEAR(scene.state.v[2], kBounce * v - a * 0.01, 1e-9) << "it has bounced";
+        if (slide > 1) {
+          // Of the step with the impact both loads, which are opposite, count together.
+          EXPECT_NEAR(slide - scene.state.v[6], taken, 2 * kMu * (a - kGravity) * h);
+        } else {
+          EXPECT_GE(scene.state.v[6], 0) << "what friction stops does not turn back";
+          EXPECT_LT(scene.state.v[6], 1e-3) << "below the creep speed";
+        }
+      }
+}
+
+/// A rod in a sleeve that tumbles on rigid ground, its pin rubbing by its reaction: both methods of time stepping go to
+/// one answer with shorter steps.
+TEST(JointFriction, GoesToOneAnswerByBothMethodsOfTimeStepping) {
+  double last = 0;
+  for (const double h : {1e-3, 2.5e-4, 6.25e-5}) {
+    double energies[2] = {};
+    int k = 0;
+    for (auto& [name, method] : coulomb_friction::methods(h)) {
+      Scene scene({0, 0, -kGravity}, [&](SystemGraph& graph) {
+        const Matrix3 axes = rotation_about({1, 2, 3}, 0.5);
+        const Vector3 spin(3, -5, 2), apart(0, 0, 0.4), velocity(1, 0, -1);
+        auto& sleeve = graph.add<RigidBody>("sleeve", {.mass = 1,
+                                                       .inertia = {0.01, 0.02, 0.03},
+                                                       .position = {0, 0, 1},
+                                                       .orientation = axes,
+                                                       .velocity = velocity,
+                                                       .angular_velocity = spin});
+        auto& rod = graph.add<RigidBody>("rod", {.mass = 1,
+                                                 .inertia = {0.02, 0.01, 0.01},
+                                                 .position = Vector3::UnitZ() + axes * apart,
+                                                 .orientation = axes,
+                                                 .velocity = velocity + axes * (spin.cross(apart) + Vector3(0, 0, 2)),
+                                                 .angular_velocity = spin});
+        auto& slide = graph.add<PrismaticJoint>("slide", {sleeve.marker(), rod.marker()});
+        graph.add<JointFriction>("rub", {slide.displacement()},
+                                 {.joint = &slide, .coefficient = 0.3, .creep_speed = 0.01, .radius = 0.05});
+        graph.add<Contact>(
+            "floor",
+            std::vector<Collider>{{graph.ground().marker(), shape::half_space(), 0, groups({1})},
+                                  {sleeve.marker({0.1, 0, 0}), shape::sphere(0.1), 1, groups({0})},
+                                  {rod.marker({0, 0.1, 0}), shape::sphere(0.1), 1, groups({0})}},
+            Contact::Parameters{.law = RigidSurfaces{.restitution = 0.5}, .friction = {.coefficient = 0.3}});
+      });
+      scene.run(*method, 0.6);
+      energies[k++] = scene.energy();
+    }
+    const double apart = std::abs(energies[0] - energies[1]);
+    expect_below("energies apart at h = " + std::to_string(h) + ", J", apart, 2e-3 * h);
+    if (last > 0) {
+      EXPECT_LT(apart, 0.2 * last) << h;
+    }
+    last = apart;
+  }
 }
 
 }  // namespace

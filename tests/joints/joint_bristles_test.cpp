@@ -15,6 +15,7 @@
 #include "joints/forces/point_force.h"
 #include "joints/prismatic_joint.h"
 #include "joints/spherical_joint.h"
+#include "tests/joints/coulomb_friction_scenes.h"
 #include "tests/joints/friction_checks.h"
 #include "tests/joints/mechanisms.h"
 #include "tests/support/joint_checks.h"
@@ -336,6 +337,31 @@ TEST(JointBristles, FollowImpulsesOfContactThatTurnTheReactionRound) {
       EXPECT_NEAR(kSlide - scene.state.v[6], taken, 1.5 * h / kLoadTime * taken);
       last = error;
     }
+  }
+}
+
+/// A carriage that falls along a post which rubs by Coulomb's set-valued law, F = μ N₀; a load on it is pressed by
+/// m F / M, M the mass of both, and without friction by nothing. Moreau-Jean let bristles miss that.
+TEST(JointBristles, FollowTheFrictionOfOtherJoints) {
+  constexpr double kMass = 2, kCarriage = 3, kPreload = 100, kMu = 0.1, kLoadTime = 5e-3, kEnd = 0.02;
+  const double N = kMass * kMu * kPreload / (kCarriage + kMass), n = N * (1 - std::exp(-kEnd / kLoadTime));
+  for (auto& [name, method] : coulomb_friction::methods(1e-4)) {
+    SCOPED_TRACE(name);
+    Scene scene({0, 0, -kGravity}, [&](SystemGraph& graph) {
+      auto& carriage = graph.add<RigidBody>("carriage", {.mass = kCarriage, .inertia = {1, 1, 1}});
+      auto& load = graph.add<RigidBody>("load", {.mass = kMass, .inertia = {1, 1, 1}, .velocity = {1, 0, 0}});
+      auto& post = graph.add<PrismaticJoint>("post", {graph.ground().marker(), carriage.marker()});
+      const Matrix3 along = rotation_about({0, 1, 0}, M_PI / 2);
+      auto& slide = graph.add<PrismaticJoint>("slide", {carriage.marker({}, along), load.marker({}, along)});
+      add_joint_bristles(graph, "rub", {slide.displacement()}, draw_states(graph, JointBristles::start(0, {1, 0, 0})),
+                         {.joint = &slide, .coefficient = 1e-8, .breakaway_deflection = 5e-3, .load_time = kLoadTime});
+      add_joint_coulomb_friction(graph, "guide", {post.displacement()},
+                                 {.joint = &post, .coefficient = kMu, .preload = kPreload});
+    });
+    scene.run(*method, kEnd);
+    ASSERT_NE(scene.system.layout().velocity_name(18).find("frame 1: p_x"), std::string::npos);
+    EXPECT_NEAR(scene.state.v[2], -(kGravity - kMu * kPreload / (kCarriage + kMass)) * kEnd, 1e-9);
+    EXPECT_NEAR(1e3 * scene.state.v[18], n, 0.01 * n);
   }
 }
 

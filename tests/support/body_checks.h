@@ -22,7 +22,8 @@ struct BodyExpectation {
 ///   - the power of all forces is the rate of energy, along the motion that the body makes by itself;
 ///   - J and bias of each marker are the derivatives of its pose and velocity;
 ///   - released at rest, its centre of mass falls with g: the force by translation is m g;
-///   - the tangent's velocity part, but for the modal-modal block, is the derivative of the residual.
+///   - the tangent's velocity part, but for the modal-modal block, is the derivative of the residual; the frame's rows
+///     may have nothing at all of modal velocities either (FlexibleBody::add_couplings() says why).
 void check_body(SystemGraph& graph, const Body& body, const std::vector<Marker>& markers,
                 const BodyExpectation& expected);
 

@@ -129,7 +129,7 @@ int draw_flexible(Drawing& drawing, const Vector3& point) {
   Dice& dice = drawing.dice;
   const Units& unit = drawing.scene.units;
   auto kind = static_cast<Reduced>(dice.pick(static_cast<int>(Reduced::count)));
-  // Of all nodes also those modes vibrate that cost a scene tens of seconds: of one seed in four alone, and damped.
+  // Of all nodes also those modes vibrate that cost a scene seconds: of one seed in four alone, and damped.
   if (kind == Reduced::nodal && drawing.scene.seed % 4 != 0) kind = Reduced::tangent;
   const double length = unit.length * dice.number(0.7, 1.5), mass = unit.mass * dice.magnitude(0.2, 5);
   const Matrix3 A = dice.rotation();

@@ -24,7 +24,7 @@ EXCEPTIONS = {
         RigidFrameBody ScalarBody RigidInertia RigidRows DrawableBody DrawableConnector DrawnMesh DrawnSkin
         FramePair AngleMemory ActingMarkers CoupledMarkers CoordinateSwitch EventMemory MarkerLoad
         MarkerMotions MeasuredCoordinate DeflectedMarker MarkerBetween InputEffort CoordinateEffort
-        InternalLoads SetValuedFriction BristleLaw FrictionLaw StribeckLaw JointSurface LimitedDamping Parameter
+        InternalLoads FrictionByImpulses BristleLaw FrictionLaw StribeckLaw JointSurface LimitedDamping Parameter
         Spatial ForwardDynamics ComplexFactor ComplexTangentWeights HeldCoordinates GaussRule
         LimitedMotion""",
     "what batches of elements hand to each other": """

@@ -22,7 +22,9 @@ JointFrictionProblem random_problem(std::mt19937& random, double coupling) {
     auto& surface = problem.surfaces.emplace_back();
     surface.first = rows, surface.count = count;
     surface.load = std::abs(normal(random));
-    surface.friction = [](double speed) { return 0.3 + 0.2 * std::exp(-std::pow(speed / 20, 2)); };
+    surface.friction = [](double before, double after) {
+      return 0.3 + 0.2 * std::exp(-std::pow((before + after) / 40, 2));
+    };
     rows += count;
   }
   for (auto& surface : problem.surfaces) {
@@ -63,7 +65,7 @@ TEST(JointFrictionProblem, FindsImpulsesThatMeetCoulombsLaw) {
       EXPECT_NEAR(own.dot(slides), -own.norm() * slides.norm(), 1e-9 * own.norm() * slides.norm());
       // Between μ of its end alone, as where it turned back, and of the mean speed.
       const auto mu = surface.friction;
-      const double mean = mu((before.norm() + slides.norm()) / 2), turned = mu(slides.norm() / 2);
+      const double mean = mu(before.norm(), slides.norm()), turned = mu(0, slides.norm());
       EXPECT_LT(std::min(std::abs(own.norm() - mean * N), std::abs(own.norm() - turned * N)), 1e-9 * N);
     }
   }
@@ -77,7 +79,7 @@ TEST(JointFrictionProblem, SticksWhereFrictionLoadsItself) {
     JointFrictionProblem problem;
     auto& surface = problem.surfaces.emplace_back();
     surface.first = 0, surface.count = 1, surface.load = 0;
-    surface.friction = [](double) { return 0.5; };
+    surface.friction = [](double, double) { return 0.5; };
     surface.presses.push_back({{constant, 0, 0}, Matrix3X{{3.0}, {0.0}, {0.0}}});
     problem.W = MatrixX{{2.0}};
     problem.free = problem.before = VectorX{{-100.0}};
@@ -93,7 +95,7 @@ TEST(JointFrictionProblem, RubsOnWhatIsDriven) {
   JointFrictionProblem problem;
   auto& surface = problem.surfaces.emplace_back();
   surface.first = 0, surface.count = 1, surface.load = 3;
-  surface.friction = [](double) { return 0.5; };
+  surface.friction = [](double, double) { return 0.5; };
   problem.W = MatrixX::Zero(1, 1);
   problem.free = problem.before = VectorX{{2.0}};
   VectorX p = VectorX::Zero(1);
